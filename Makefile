@@ -1,0 +1,44 @@
+# Two commands for a newcomer: `make demo` and `make test`. Everything installs into .venv.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.PHONY: demo test lint unit benchmark leaderboard clean help
+
+help:  ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+
+$(VENV)/installed: pyproject.toml constraints.txt
+	@echo "Installing into $(VENV) (a few minutes the first time) ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(PIP) -e .
+	@touch $@
+
+$(VENV)/installed-dev: $(VENV)/installed
+	@$(PIP) -e ".[dev]"
+	@touch $@
+
+demo: $(VENV)/installed  ## install, then benchmark REMnet as int8 on the simulated default recordings
+	@$(BIN)/bench run --model remnet --backend int8
+
+test: lint unit  ## everything CI checks
+
+lint: $(VENV)/installed-dev  ## ruff, mypy strict, import contracts
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+unit: $(VENV)/installed-dev  ## the test suite with coverage
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term:skip-covered
+
+benchmark: $(VENV)/installed-dev  ## speed, as ratios within one run
+	$(BIN)/python -m pytest -p no:xdist -q -s tests/benchmarks --override-ini addopts="--strict-markers"
+
+leaderboard: $(VENV)/installed  ## the full default run behind LEADERBOARD.md
+	$(BIN)/bench run --model all --backend all
+	$(BIN)/bench leaderboard --out LEADERBOARD.md
+
+clean:  ## remove the environment and caches
+	rm -rf $(VENV) .mypy_cache .ruff_cache .import_linter_cache build *.egg-info

@@ -1,0 +1,1 @@
+"""The `bench` command. Each subcommand is one module, imported only when it is called."""

@@ -1,0 +1,1 @@
+"""Simulation against recordings: locate, explain, model, show."""

@@ -1,0 +1,18 @@
+"""The errors a user sees as one clear line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class BenchError(Exception):
+    """Bad input: what is wrong, where, and what was expected. Exit code 2, no traceback."""
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> BenchError:
+    """Return the error for a name that is not registered, with a did-you-mean."""
+    names = sorted(known)
+    close = get_close_matches(name, names, n=1, cutoff=0.5)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return BenchError(f"unknown {kind} {name!r}{hint} (known: {', '.join(names) or 'none'})")

@@ -1,0 +1,1 @@
+"""The benchmark harness's measuring side: accuracy, latency, memory, energy."""

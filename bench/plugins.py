@@ -1,0 +1,110 @@
+"""Finding models, backends, data sets, effects, simulators and devices through entry points.
+
+Nothing is imported until it is named. Ours are declared in our own pyproject.toml, exactly as a
+third party declares its own.
+"""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from importlib.machinery import PathFinder
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, Literal
+
+from bench.errors import BenchError, unknown_name
+
+Group = Literal["models", "backends", "datasets", "effects", "simulators", "devices"]
+_SINGULAR: dict[Group, str] = {
+    "models": "model",
+    "backends": "backend",
+    "datasets": "data set",
+    "effects": "effect",
+    "simulators": "simulator",
+    "devices": "device",
+}
+OUR_DISTRIBUTION = "uwb-bench"
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """One registered name: where it lives and which distribution brings it."""
+
+    group: Group
+    name: str
+    target: str
+    distribution: str
+
+    @property
+    def built_in(self) -> bool:
+        """True where this project itself registers it."""
+        return self.distribution == OUR_DISTRIBUTION
+
+    def load(self) -> Any:
+        """Import and return the object. Raises BenchError with the reason where that fails."""
+        try:
+            return EntryPoint(self.name, f"bench.{self.group}", self.target).load()
+        except Exception as problem:
+            reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
+            kind = _SINGULAR[self.group]
+            raise BenchError(f"{kind} {self.name!r} is unavailable: {reason}") from problem
+
+    def summary(self) -> str:
+        """Return the first line of its docstring, read from the source without importing it."""
+        module, _, attribute = self.target.partition(":")
+        try:
+            tree = ast.parse(_source_path(module).read_text(encoding="utf-8"))
+        except (OSError, SyntaxError, ImportError, ValueError):
+            return ""
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == attribute:
+                return (ast.get_docstring(node) or "").split("\n")[0]
+        return ""
+
+    def problem(self) -> str | None:
+        """Return why it cannot be used, or None. Built-ins are trusted and not imported."""
+        if self.built_in:
+            return None
+        try:
+            self.load()
+        except BenchError as error:
+            return str(error).partition(" is ")[2]
+        return None
+
+
+def _source_path(module: str) -> Path:
+    """Return the file of a dotted module name, importing nothing on the way."""
+    path: list[str] | None = None
+    for depth in range(1, module.count(".") + 2):
+        spec = PathFinder.find_spec(".".join(module.split(".")[:depth]), path)
+        if spec is None:
+            raise ImportError(module)
+        path = list(spec.submodule_search_locations or [])
+    if spec is None or spec.origin is None:
+        raise ImportError(module)
+    return Path(spec.origin)
+
+
+def plugins(group: Group) -> list[Plugin]:
+    """Return every plug-in of a group, ours first, then by name. A name of ours stays ours."""
+    found: dict[str, Plugin] = {}
+    for entry in entry_points(group=f"bench.{group}"):
+        dist = entry.dist.name if entry.dist else "unknown"
+        plugin = Plugin(group, entry.name, entry.value, dist)
+        if plugin.built_in or entry.name not in found:
+            found[entry.name] = plugin
+    return sorted(found.values(), key=lambda plugin: not plugin.built_in)
+
+
+def find(group: Group, name: str) -> Plugin:
+    """Return the plug-in of that name. Raises BenchError with a did-you-mean."""
+    known = {plugin.name: plugin for plugin in plugins(group)}
+    if name not in known:
+        raise unknown_name(_SINGULAR[group], name, known)
+    return known[name]
+
+
+def load(group: Group, name: str) -> Any:
+    """Return the object registered under `name`. Raises BenchError where it cannot be had."""
+    return find(group, name).load()

@@ -1,0 +1,1 @@
+"""Result files -> Markdown and figures. Knows result files, never models."""

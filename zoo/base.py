@@ -1,0 +1,65 @@
+"""The one interface every mitigation model has."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+
+if TYPE_CHECKING:
+    from torch import nn
+
+Floats = NDArray[np.float32]
+Progress = Callable[[float], None]
+"""Called now and then during a fit with the fraction done, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class TrainingRecipe:
+    """How a gradient-trained model is trained; quantisation-aware training continues with it."""
+
+    loss: Literal["mae", "mse"]
+    learning_rate: float
+    batch_size: int
+    epochs: int
+
+
+class MitigationModel(RegressorMixin, BaseEstimator, ABC):
+    """A scikit-learn regressor from raw CIR magnitudes to the range error in metres.
+
+    `X` is float32 [n, width]: CIR magnitudes in accumulator counts, one row per range
+    measurement, `samples_before` (5) samples before the detected first path in front. `y` is
+    float32 [n]: error = measured - true range in metres. Corrected range = measured - predict(X).
+
+    Width rule: a model that wants `k` samples starting at `offset` crops wider rows to
+    `X[:, offset:offset + k]` and refuses narrower ones with ValueError naming both widths.
+
+    The module from `to_module()` takes rows of exactly the width the model was fitted on, so
+    cropping, normalisation and hand-crafted features are inside it and inside every latency.
+
+    >>> from zoo import NoMitigation
+    >>> model = NoMitigation().fit(np.zeros((4, 157)), np.zeros(4))
+    >>> model.predict(np.ones((2, 157))).tolist()
+    [0.0, 0.0]
+    """
+
+    @abstractmethod
+    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
+        """Fit on CIRs [n, width] and errors [n] in metres; sets `n_features_in_`."""
+
+    @abstractmethod
+    def predict(self, X: ArrayLike) -> Floats:
+        """Return the predicted error [n] in metres for CIRs [n, n_features_in_]."""
+
+    @abstractmethod
+    def to_module(self) -> nn.Module:
+        """Return a torch module in eval mode: float32 [n, n_features_in_] -> float32 [n] metres."""
+
+    def training_recipe(self) -> TrainingRecipe | None:
+        """Return how the module is trained by gradient descent, or None where it is not."""
+        return None
