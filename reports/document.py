@@ -1,0 +1,65 @@
+"""What a report consists of, before it is Markdown or terminal output. All texts are plain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading; level 1 is the title."""
+
+    text: str
+    level: int
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph of text."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list of short facts."""
+
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure: `text` (bold where it is the `best` of its column), below it `detail`."""
+
+    text: str
+    detail: str = ""
+    best: bool = False
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column. `group` says which columns stay together where the page is narrow ("" = keys)."""
+
+    header: str
+    group: str = ""
+    number: bool = True
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells, one cell per column."""
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+@dataclass(frozen=True)
+class Image:
+    """A picture beside the report, by relative path."""
+
+    path: str
+    alt: str
+
+
+Block = Heading | Paragraph | Bullets | Table | Image
+Document = list[Block]

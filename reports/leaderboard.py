@@ -1,0 +1,117 @@
+"""Boards -> the leaderboard document: one table per data set and split, and what it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from reports.boards import Board, Entry
+from reports.document import Block, Bullets, Column, Document, Heading, Image, Paragraph
+from reports.facts import facts
+from reports.load import Estimate, Interval, Unreadable
+from reports.measures import (
+    KEYS,
+    Measure,
+    accuracy_measures,
+    cost_measures,
+    interval_measure,
+    table,
+)
+
+DEVICES_PER_GROUP = 4  # device columns side by side in a terminal
+UNREADABLE_SHOWN = 20
+
+_LEGEND = (
+    "Error = measured - true range; a model predicts it, the corrected range is measured - "
+    "predicted. MAE and σ (standard deviation) are of what error remains.",
+    "[low, high]: 95 % interval, for accuracy by bootstrap over links (with several seeds the ends "
+    "are averaged), for latency of the median. ±: 95 % interval of the mean over seeds.",
+    "Bold: the best figure of its column, not a significant difference where intervals overlap. "
+    "The floor (no mitigation) takes part in accuracy only; unstable timings take no part.",
+    "Latency, throughput and peak memory are measured on one thread of the machine named below "
+    "the table; kB = 1000 bytes, MB = 1000 kB. † timed with other weights of the same model and "
+    "backend.",
+    "(est.): estimated from a device profile, never measured; low to high is the profile's range.",
+)
+
+
+def leaderboard(
+    boards: Sequence[Board], unreadable: Sequence[Unreadable] = (), picture: str | None = None
+) -> Document:
+    """Return the leaderboard. `picture` is the path of a figure to show, relative to the report."""
+    document: Document = [Heading("Leaderboard", 1), Bullets(_LEGEND)]
+    if picture:
+        document.append(Image(picture, "Latency against NLoS MAE, with the Pareto front"))
+    for board in boards:
+        document += _section(board)
+    return document + _left_out(unreadable)
+
+
+def title(board: Board) -> str:
+    """Return a board's heading; simulated data says so."""
+    mark = " (SIMULATED)" if board.simulated else ""
+    return f"{board.data}{mark}, split {board.split}"
+
+
+def _section(board: Board) -> Document:
+    blocks: Document = [Heading(title(board), 2)]
+    if not board.entries:
+        return [*blocks, Paragraph("No run of this board has finished."), *facts(board)]
+    blocks.append(table(board.entries, [*KEYS, *accuracy_measures(), *cost_measures()]))
+    blocks += facts(board)
+    return blocks + _estimates(board)
+
+
+def _estimates(board: Board) -> Document:
+    if not board.devices:
+        return []
+    latency = [_estimate(board, device, lambda one: one.latency_us) for device in board.devices]
+    energy = [_estimate(board, device, lambda one: one.energy_mj) for device in board.devices]
+    return [
+        Heading(f"Latency of one inference per device, µs (est.): {title(board)}", 3),
+        table(board.entries, [*KEYS, *latency]),
+        Heading(f"Energy of one inference per device, mJ (est.): {title(board)}", 3),
+        table(board.entries, [*KEYS, *_measured_energy(board), *energy]),
+        *_device_reasons(board.entries),
+    ]
+
+
+def _estimate(board: Board, device: str, pick: Callable[[Estimate], Interval | None]) -> Measure:
+    group = f"devices {board.devices.index(device) // DEVICES_PER_GROUP}"
+
+    def read(entry: Entry) -> Interval | None:
+        found = entry.estimate(device)
+        return pick(found) if found else None
+
+    return interval_measure(Column(f"{device} (est.)", group), read)
+
+
+def _measured_energy(board: Board) -> list[Measure]:
+    """Return the column of measured energy where any was measured."""
+
+    def read(entry: Entry) -> Interval | None:
+        return entry.timing.energy_mj if entry.timing else None
+
+    if all(read(entry) is None for entry in board.entries):
+        return []
+    return [interval_measure(Column("this machine (measured)", "devices 0"), read)]
+
+
+def _device_reasons(entries: Iterable[Entry]) -> list[Block]:
+    """Return, for every device and reason, the pairs the device cannot run."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for entry in entries:
+        for one in entry.estimates:
+            if one.reason:
+                found.setdefault((one.device, one.reason), []).append(entry.name)
+    items = [f"{device}: {reason} ({', '.join(some)})" for (device, reason), some in found.items()]
+    return [Paragraph("Not estimated:"), Bullets(tuple(items))] if items else []
+
+
+def _left_out(unreadable: Sequence[Unreadable]) -> Document:
+    if not unreadable:
+        return []
+    items = [f"{one.path}: {one.reason}" for one in unreadable[:UNREADABLE_SHOWN]]
+    if more := len(unreadable) - len(items):
+        items.append(f"and {more} more")
+    heading = Heading(f"Files left out: {len(unreadable)}", 2)
+    return [heading, Bullets(tuple(items))]

@@ -1,0 +1,201 @@
+"""Reading a folder of result files into plain structures; a bad file is counted, never fatal.
+
+Layout: `runs/*.json` (what data, split, model, backend and seed determine) and `timings/*.json`
+(what artifact and machine determine). Units stand in the names.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import msgspec
+
+from reports.errors import ReportError
+
+SCHEMA_VERSION = 1
+MAX_FILE_BYTES = 64_000_000  # a record with raw samples takes well under one megabyte
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A figure with its 95 % interval, or with the low and high of an estimate."""
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class Score:
+    """Accuracy on one set of test rows, after mitigation and (`raw_`) before; metres."""
+
+    rows: int
+    links: int
+    mae_m: Interval
+    r2: Interval
+    sigma_m: Interval
+    bias_m: float
+    raw_mae_m: float
+    raw_sigma_m: float
+
+
+@dataclass(frozen=True)
+class Key:
+    """What determines a run."""
+
+    model: str
+    backend: str
+    data: str
+    data_fingerprint: str
+    split: str
+    seed: int
+    code_hash: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Size:
+    """Bytes on disk, bytes of weights, parameters and multiply-adds of an artifact."""
+
+    file_bytes: float
+    weight_bytes: float
+    parameters: float
+    macs: float
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimated latency and energy of one inference on a device, or the `reason` for neither."""
+
+    device: str
+    latency_us: Interval | None
+    energy_mj: Interval | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """One model on one backend, data set, split and seed; skipped runs carry a `reason`."""
+
+    key: Key
+    status: Literal["ok", "skipped"]
+    simulated: bool
+    reason: str | None = None
+    nlos: Score | None = None
+    los: Score | None = None
+    size: Size | None = None
+    precision: str | None = None
+    integer_kernels: str | None = None
+    note: str = ""
+    artifact_sha256: str | None = None
+    estimates: list[Estimate] = field(default_factory=list)
+    host: dict[str, Any] = field(default_factory=dict)
+    created_utc: str = ""
+
+
+@dataclass(frozen=True)
+class Latency:
+    """Microseconds for one call with `batch` rows: median, its 95 % interval, percentiles."""
+
+    batch: int
+    median_us: float
+    low_us: float
+    high_us: float
+    p95_us: float
+    p99_us: float
+    unstable: bool
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Measured speed and memory of one artifact on one machine."""
+
+    model: str
+    backend: str
+    data: str
+    artifact_sha256: str
+    machine: dict[str, Any]
+    latency: list[Latency]
+    throughput_rows_per_s: float
+    peak_memory_bytes: int
+    energy_mj: Interval | None
+    energy_how: str
+    created_utc: str = ""
+
+
+@dataclass(frozen=True)
+class Unreadable:
+    """A file that was left out, and why."""
+
+    path: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Results:
+    """Everything a result folder holds, in the order of the file names."""
+
+    folder: Path
+    runs: list[Run]
+    timings: list[Timing]
+    unreadable: list[Unreadable]
+
+
+def read_results(folder: Path) -> Results:
+    """Read `folder`. Raises ReportError where it does not exist or holds no readable run."""
+    if not folder.is_dir():
+        raise ReportError(f"no results folder {folder}: `bench run --out {folder}` makes one")
+    unreadable: list[Unreadable] = []
+    runs = list(_records(folder, "runs", Run, unreadable))
+    timings = list(_records(folder, "timings", Timing, unreadable))
+    if not runs:
+        raise ReportError(_nothing_found(folder, unreadable))
+    return Results(folder, runs, timings, unreadable)
+
+
+def _nothing_found(folder: Path, unreadable: list[Unreadable]) -> str:
+    text = f"no results in {folder}: expected runs/*.json, as `bench run` writes them"
+    if unreadable:
+        first = unreadable[0]
+        text += f" ({len(unreadable)} unreadable, the first {first.path}: {first.reason})"
+    return text
+
+
+def _records(folder: Path, part: str, kind: type[T], bad: list[Unreadable]) -> Iterator[T]:
+    """Yield the records of one sub-folder; files that are none are appended to `bad`."""
+    # A name with a leading dot is a file still being written.
+    for path in sorted(folder.glob(f"{part}/[!.]*.json")):
+        try:
+            yield _record(path, kind)
+        except (OSError, ValueError, RecursionError) as problem:
+            reason = str(problem).split("\n")[0] or type(problem).__name__
+            bad.append(Unreadable(f"{part}/{path.name}", reason))
+
+
+def _record(path: Path, kind: type[T]) -> T:
+    """Return one record. Raises ValueError (msgspec's errors are ValueErrors) where it is none."""
+    if path.stat().st_size > MAX_FILE_BYTES:
+        raise ValueError(f"larger than {MAX_FILE_BYTES} bytes")
+    try:
+        content = json.loads(path.read_bytes())
+    except ValueError as problem:
+        raise ValueError(f"not JSON: {problem}") from problem
+    _check_version(content)
+    expected = kind.__name__.lower()
+    if content.get("kind") != expected:
+        raise ValueError(f"kind {content.get('kind')!r}, expected {expected!r}")
+    return msgspec.convert(content, kind)
+
+
+def _check_version(content: Any) -> None:
+    if not isinstance(content, dict):
+        raise ValueError("not a JSON object")
+    version = content.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise ValueError(f"schema_version {version!r}, expected {SCHEMA_VERSION}")

@@ -1,0 +1,54 @@
+"""Numbers as text, with as many digits as they deserve."""
+
+from __future__ import annotations
+
+import math
+
+from reports.load import Interval
+from reports.seeds import SeedMean
+
+UNKNOWN = "–"
+
+
+def metres(value: float) -> str:
+    """Return metres with four decimals (a tenth of a millimetre), two from ten metres up."""
+    if not math.isfinite(value):
+        return "n/a"
+    return f"{value:.4f}" if abs(value) < 10 else f"{value:,.2f}"
+
+
+def ratio(value: float) -> str:
+    """Return a dimensionless figure such as R² with three decimals."""
+    return f"{value:.3f}" if math.isfinite(value) else "n/a"
+
+
+def count(value: float) -> str:
+    """Return a whole number with thousands separated."""
+    return f"{round(value):,}" if math.isfinite(value) else "n/a"
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """Return a number with that many significant digits, never in exponent form."""
+    if not math.isfinite(value):
+        return "n/a"
+    if value == 0:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:,.{decimals}f}"
+
+
+def seed_detail(mean: SeedMean, decimals: int) -> str:
+    """Return `[low, high]` over links and `± half` over seeds, each where known."""
+    parts = []
+    if mean.low is not None and mean.high is not None:
+        parts.append(f"[{mean.low:.{decimals}f}, {mean.high:.{decimals}f}]")
+    if mean.seed_half is not None:
+        parts.append(f"±{mean.seed_half:.{decimals}f}")
+    return " ".join(parts)
+
+
+def low_to_high(figure: Interval) -> str:
+    """Return `low to high` of an estimate, empty where not known."""
+    if figure.low is None or figure.high is None:
+        return ""
+    return f"{significant(figure.low)} to {significant(figure.high)}"
