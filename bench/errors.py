@@ -10,6 +10,10 @@ class BenchError(Exception):
     """Bad input: what is wrong, where, and what was expected. Exit code 2, no traceback."""
 
 
+class CannotWrite(BenchError):
+    """The disk is full or the folder read-only: nothing that follows could be kept either."""
+
+
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> BenchError:
     """Return the error for a name that is not registered, with a did-you-mean."""
     names = sorted(known)

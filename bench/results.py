@@ -9,8 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from types import NoneType, UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
 
 SCHEMA_VERSION = 1
 Status = Literal["ok", "skipped"]
@@ -158,3 +161,22 @@ class TimingRecord:
 def to_json(record: RunRecord | TimingRecord) -> str:
     """Return the record as indented JSON text."""
     return json.dumps(asdict(record), indent=1, sort_keys=True, default=str) + "\n"
+
+
+def from_json(kind: type[T], content: Mapping[str, Any]) -> T:
+    """Return the dataclass `kind` rebuilt from parsed JSON.
+
+    Raises KeyError, TypeError or ValueError where the content is not such a record.
+    """
+    hints = get_type_hints(kind)
+    names = [one.name for one in fields(kind)]  # type: ignore[arg-type]
+    return kind(**{name: _rebuild(hints[name], content[name]) for name in names})
+
+
+def _rebuild(hint: Any, value: Any) -> Any:
+    if get_origin(hint) is UnionType:
+        inner = [arm for arm in get_args(hint) if arm is not NoneType]
+        return None if value is None else _rebuild(inner[0], value)
+    if get_origin(hint) is list:
+        return [_rebuild(get_args(hint)[0], item) for item in value]
+    return from_json(hint, value) if is_dataclass(hint) else value

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,3 +63,14 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     def training_recipe(self) -> TrainingRecipe | None:
         """Return how the module is trained by gradient descent, or None where it is not."""
         return None
+
+    def fitted_state(self) -> dict[str, NDArray[Any]] | None:
+        """Return the fit as plain arrays for a cache, or None where the model keeps no such form.
+
+        Arrays, not pickles: a cache file can then never run code.
+        """
+        return None
+
+    def restore_state(self, state: Mapping[str, NDArray[Any]]) -> bool:
+        """Become fitted from `fitted_state()`'s arrays; False where they do not suit."""
+        return False

@@ -1,0 +1,172 @@
+"""What `bench run` shows: progress while it works, a summary table at the end."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Self
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from bench.results import Estimate, Interval, Latency, RunRecord, Score, TimingRecord
+from bench.runner.observer import Observer
+
+if TYPE_CHECKING:
+    from bench.runner import RunSet
+
+
+class RunView(Observer):
+    """Shows stages, runs done and the current fit's fraction on stderr."""
+
+    def __init__(self, quiet: bool) -> None:
+        console = Console(stderr=True, quiet=quiet)
+        self._bars = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[figure]}"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        )
+        self._overall: TaskID | None = None
+        self._current: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        self._bars.start()
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._bars.stop()
+
+    def stage(self, what: str) -> None:
+        """Show work that has no fraction as a pulsing bar."""
+        self._show_current(what, None)
+
+    def runs(self, done: int, total: int) -> None:
+        """Show how many runs are finished."""
+        if self._overall is None:
+            self._overall = self._bars.add_task("runs", figure="")
+        self._bars.update(self._overall, total=total, completed=done, figure=f"{done}/{total}")
+
+    def progress(self, what: str, fraction: float) -> None:
+        """Show the fraction done of the current work."""
+        self._show_current(what, fraction)
+
+    def note(self, line: str) -> None:
+        """Print a line that stays."""
+        self._bars.console.print(line, highlight=False, markup=False)
+
+    def _show_current(self, what: str, fraction: float | None) -> None:
+        figure = "" if fraction is None else f"{100 * fraction:3.0f} %"
+        total = None if fraction is None else 1.0
+        if self._current is None:
+            self._current = self._bars.add_task(what, figure=figure)
+        self._bars.update(
+            self._current, description=what, total=total, completed=fraction or 0.0, figure=figure
+        )
+
+
+def print_json(outcome: RunSet) -> None:
+    """Print every record as one JSON object."""
+    from bench.results import to_json
+
+    content = {
+        "runs": [json.loads(to_json(one)) for one in outcome.runs],
+        "timings": [json.loads(to_json(one)) for one in outcome.timings],
+        "failures": [vars(one) for one in outcome.failures],
+    }
+    click.echo(json.dumps(content, indent=1))
+
+
+def print_summary(outcome: RunSet) -> None:
+    """Print a table of runs, a table of device estimates for one run, and where files are."""
+    console = Console()
+    done = [run for run in outcome.runs if run.status == "ok"]
+    if done:
+        console.print(_title(done[0]), highlight=False)
+        console.print(_accuracy_table(done, outcome.timings))
+    for run in done[:1] if len(done) == 1 else []:
+        console.print(_device_table(run))
+    for run in (one for one in outcome.runs if one.status == "skipped"):
+        click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
+    click.echo(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
+
+
+def _title(run: RunRecord) -> str:
+    kind = "SIMULATED data" if run.simulated else "recordings"
+    lines = [f"\n{kind} [bold]{run.key.data}[/], split {run.key.split}"]
+    for name, score in (("NLoS", run.nlos), ("LoS", run.los)):
+        if score is not None:
+            lines.append(
+                f"  {name}: {score.rows} rows on {score.links} links; before mitigation "
+                f"MAE {score.raw_mae_m:.4f} m, sigma {score.raw_sigma_m:.4f} m"
+            )
+    return "\n".join(lines)
+
+
+def _accuracy_table(runs: Iterable[RunRecord], timings: Iterable[TimingRecord]) -> Table:
+    timed = {(one.model, one.backend, one.data): one for one in timings}
+    table = Table(caption="brackets: 95 % interval over links; latency: this host, one thread")
+    for title in ("model", "backend", "seed", "NLoS MAE [m]", "R2", "sigma [m]", "LoS MAE [m]",
+                  "latency [us]", "batch 4 [us]", "file [kB]", "int. kernels"):  # fmt: skip
+        table.add_column(title, justify="left" if title in ("model", "backend") else "right")
+    for run in runs:
+        timing = timed.get((run.key.model, run.key.backend, run.key.data))
+        table.add_row(*_accuracy_cells(run, timing))
+    return table
+
+
+def _accuracy_cells(run: RunRecord, timing: TimingRecord | None) -> list[str]:
+    by_batch: dict[int, Latency] = {one.batch: one for one in timing.latency} if timing else {}
+    size = f"{run.size.file_bytes / 1000:.1f}" if run.size else ""
+    return [
+        run.key.model,
+        run.key.backend,
+        str(run.key.seed),
+        *_score_cells(run.nlos, full=True),
+        *_score_cells(run.los, full=False),
+        *(_latency(by_batch.get(batch)) for batch in (1, 4)),
+        size,
+        run.integer_kernels or "-",
+    ]
+
+
+def _score_cells(score: Score | None, full: bool) -> list[str]:
+    if score is None:
+        return ["-"] * (3 if full else 1)
+    cells = [_interval(score.mae_m, 4)]
+    return [*cells, f"{score.r2.value:.3f}", f"{score.sigma_m.value:.4f}"] if full else cells
+
+
+def _interval(figure: Interval, digits: int) -> str:
+    text = f"{figure.value:.{digits}f}"
+    if figure.low is None or figure.high is None:
+        return text
+    return f"{text} ({figure.low:.{digits}f}..{figure.high:.{digits}f})"
+
+
+def _latency(one: Latency | None) -> str:
+    if one is None:
+        return "-"
+    return f"{one.median_us:.1f}" + (" unstable" if one.unstable else "")
+
+
+def _device_table(run: RunRecord) -> Table:
+    table = Table(
+        title="ESTIMATED from device profiles (batch 1)",
+        caption="brackets: low..high of the profile's coefficients",
+    )
+    for title in ("device", "latency [us]", "energy [mJ]"):
+        table.add_column(title, justify="left" if title == "device" else "right")
+    for one in run.estimates:
+        table.add_row(*_device_cells(one))
+    return table
+
+
+def _device_cells(one: Estimate) -> Iterable[Any]:
+    if one.latency_us is None or one.energy_mj is None:
+        return one.device, f"- ({one.reason})", "-"
+    return one.device, _interval(one.latency_us, 0), _interval(one.energy_mj, 3)

@@ -1,0 +1,64 @@
+"""`bench.run`: the whole benchmark as one Python call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bench.recordings.table import Recordings
+from bench.results import RunRecord, TimingRecord
+from bench.runner.execute import Failure, execute
+from bench.runner.folder import ResultFolder
+from bench.runner.material import load_material
+from bench.runner.observer import Observer
+from bench.runner.plan import make_plan
+from bench.runner.timing import time_artifacts
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class RunSet:
+    """What `bench.run` returns: a record per run, a timing per artifact, and what failed."""
+
+    runs: list[RunRecord]
+    timings: list[TimingRecord]
+    failures: list[Failure]
+    folder: Path
+
+    def frame(self) -> pd.DataFrame:
+        """Return one row per run: names, errors in metres, latency in us, sizes in bytes."""
+        from bench.runner.frame import frame_of
+
+        return frame_of(self.runs, self.timings)
+
+
+def run(
+    model: str = "remnet",
+    backend: str = "int8",
+    data: str | Recordings = "rooms",
+    *,
+    split: str | None = None,
+    device: str = "all",
+    seeds: int = 1,
+    out: str | Path = "results",
+    observer: Observer | None = None,
+) -> RunSet:
+    """Benchmark models on backends and return the records, also written under `out`.
+
+    `model`, `backend`, `device`: a name, several with commas, or "all". `data`: a data set name, a
+    recordings file, or `Recordings`. `split`: "leave-environment-out[:ENV]" or "link-kfold[:K]";
+    None takes what suits the data. Finished runs found under `out` are reused while nothing that
+    determines them has changed. Raises BenchError on bad input, before anything is written.
+    """
+    watch = observer or Observer()
+    plan = make_plan(model, backend, device, seeds)
+    folder = ResultFolder(Path(out))
+    folder.check_writable()
+    watch.stage("reading the recordings")
+    material = load_material(data, split)
+    runs, failures = execute(plan, material, folder, watch)
+    timings, late = time_artifacts(runs, folder, material.cirs.shape[1], watch)
+    return RunSet(runs, timings, failures + late, folder.root)

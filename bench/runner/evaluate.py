@@ -1,0 +1,80 @@
+"""One model on one backend and seed: build the artifact of every fold, predict, score."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.measure.metrics import score
+from bench.results import Score
+from bench.runner.material import Material
+
+if TYPE_CHECKING:
+    from backends.base import Artifact, Backend
+    from zoo.base import MitigationModel
+
+Progress = Callable[[float], None]
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What one run gave: the first fold's artifact, and the predictions of every test row.
+
+    `rows` are positions [m] into the material, `predicted_m` float32 [m], `los` marks the rows
+    scored as line of sight.
+    """
+
+    artifact: Artifact
+    rows: Rows
+    predicted_m: NDArray[np.float32]
+    los: NDArray[np.bool_]
+
+
+def evaluate(
+    models: Sequence[MitigationModel],
+    backend: Backend,
+    material: Material,
+    seed: int,
+    paths: Sequence[Path],
+    progress: Progress | None = None,
+) -> Evaluation:
+    """Build and run every fold's artifact at `paths`; predictions of all folds are pooled."""
+    artifacts, rows, predicted, los = [], [], [], []
+    for index, (model, fold) in enumerate(zip(models, material.split.folds, strict=True)):
+        artifact = _build(model, backend, material, fold.train, seed, paths[index], progress)
+        positions = np.concatenate([fold.test_nlos, fold.test_los])
+        artifacts.append(artifact)
+        rows.append(positions)
+        predicted.append(artifact.predict(material.cirs[positions]))
+        los.append(np.arange(len(positions)) >= len(fold.test_nlos))
+    return Evaluation(artifacts[0], *map(np.concatenate, (rows, predicted, los)))
+
+
+def _build(
+    model: MitigationModel,
+    backend: Backend,
+    material: Material,
+    train: Rows,
+    seed: int,
+    path: Path,
+    progress: Progress | None,
+) -> Artifact:
+    from backends.base import TrainingData
+
+    data = TrainingData(material.cirs[train], material.errors_m[train], seed)
+    return backend.build(model, data, path, progress)
+
+
+def score_rows(done: Evaluation, material: Material, los: bool, seed: int) -> Score | None:
+    """Return the score of the NLoS or LoS rows, None where there are none."""
+    chosen = done.los == los
+    if not chosen.any():
+        return None
+    rows = done.rows[chosen]
+    return score(material.errors_m[rows], done.predicted_m[chosen], material.links[rows], seed)

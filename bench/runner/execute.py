@@ -1,0 +1,179 @@
+"""Fit every model once per fold and seed, run every backend on it, write each run when done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from bench.errors import BenchError, CannotWrite
+from bench.files import atomic_path
+from bench.plugins import Plugin
+from bench.results import RunKey, RunRecord
+from bench.runner.evaluate import evaluate
+from bench.runner.fits import fit_fold
+from bench.runner.folder import ResultFolder
+from bench.runner.hashes import decisive_versions, run_code_hash
+from bench.runner.material import Material
+from bench.runner.observer import Observer
+from bench.runner.plan import Plan
+from bench.runner.records import finished_record, skipped_record, write_predictions
+
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A run that broke: it is reported and never cached."""
+
+    model: str
+    backend: str
+    seed: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run to do."""
+
+    model: Plugin
+    backend: Plugin
+    key: RunKey
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A model fitted on every fold, and how long the fits took in this process."""
+
+    models: Sequence[MitigationModel]
+    fit_s: float
+
+
+def execute(
+    plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+) -> tuple[list[RunRecord], list[Failure]]:
+    """Do every run of the plan that is not done yet; one that breaks does not stop the others."""
+    records: list[RunRecord] = []
+    failures: list[Failure] = []
+    total = len(plan.models) * len(plan.backends) * len(plan.seeds)
+    for model in plan.models:
+        for seed in plan.seeds:
+            group = [_job(model, backend, material, seed) for backend in plan.backends]
+            for outcome in _run_group(group, plan, material, folder, watch):
+                (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
+                watch.runs(len(records) + len(failures), total)
+    return records, failures
+
+
+def _job(model: Plugin, backend: Plugin, material: Material, seed: int) -> Job:
+    key = RunKey(
+        model=model.name,
+        backend=backend.name,
+        data=material.name,
+        data_fingerprint=material.fingerprint,
+        split=material.split.name,
+        seed=seed,
+        code_hash=run_code_hash(model, backend),
+        versions=decisive_versions(),
+    )
+    return Job(model, backend, key)
+
+
+def _run_group(
+    jobs: Sequence[Job], plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+) -> list[RunRecord | Failure]:
+    """Run one model and seed on every backend; the fits are shared and made only when needed."""
+    outcomes: list[RunRecord | Failure] = []
+    fitted: Fitted | BenchError | None = None
+    for job in jobs:
+        known = folder.find_run(job.key.digest())
+        if known is not None:
+            outcomes.append(known)
+            continue
+        fitted = fitted or _fit(job, material, watch)
+        outcomes.append(_run_one(job, fitted, plan, material, folder, watch))
+    return outcomes
+
+
+def _fit(job: Job, material: Material, watch: Observer) -> Fitted | BenchError:
+    start = perf_counter()
+    folds = range(len(material.split.folds))
+    try:
+        models = []
+        for fold in folds:
+            what = f"fitting {job.model.name}, seed {job.key.seed}, fold {fold + 1}/{len(folds)}"
+            watch.progress(what, 0.0)
+            tell = partial(watch.progress, what)
+            models.append(fit_fold(job.model, material, fold, job.key.seed, tell))
+        return Fitted(models, perf_counter() - start)
+    except CannotWrite:
+        raise
+    except Exception as problem:
+        return BenchError(_one_line(problem))
+
+
+def _run_one(
+    job: Job,
+    fitted: Fitted | BenchError,
+    plan: Plan,
+    material: Material,
+    folder: ResultFolder,
+    watch: Observer,
+) -> RunRecord | Failure:
+    """Return the record of one run, or its failure as one line."""
+    try:
+        if isinstance(fitted, BenchError):
+            raise fitted
+        return _record(job, fitted, plan, material, folder, watch)
+    except CannotWrite:
+        raise
+    except Exception as problem:
+        failure = Failure(job.model.name, job.backend.name, job.key.seed, _one_line(problem))
+        watch.note(f"{failure.model} on {failure.backend} failed: {failure.reason}")
+        return failure
+
+
+def _record(
+    job: Job, fitted: Fitted, plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+) -> RunRecord:
+    backend = job.backend.load()()
+    reason = backend.supports(fitted.models[0])
+    if reason is not None:
+        watch.note(f"{job.model.name} on {job.backend.name} skipped: {reason}")
+        record = skipped_record(job.key, material, reason)
+    else:
+        record = _evaluate(job, backend, fitted, plan, material, folder, watch)
+    folder.write_run(record)
+    return record
+
+
+def _evaluate(
+    job: Job,
+    backend: object,
+    fitted: Fitted,
+    plan: Plan,
+    material: Material,
+    folder: ResultFolder,
+    watch: Observer,
+) -> RunRecord:
+    digest = job.key.digest()
+    what = f"{job.model.name} on {job.backend.name}, seed {job.key.seed}"
+    watch.progress(what, 0.0)
+    with ExitStack() as stack:
+        targets = [folder.artifact_path(digest, fold) for fold in range(len(fitted.models))]
+        paths = [stack.enter_context(atomic_path(target)) for target in targets]
+        tell = partial(watch.progress, what)
+        done = evaluate(fitted.models, backend, material, job.key.seed, paths, tell)  # type: ignore[arg-type]
+        record = finished_record(job.key, material, done, fitted.models[0], fitted.fit_s, plan)
+    write_predictions(folder.predictions_path(digest), material, done)
+    return record
+
+
+def _one_line(problem: Exception) -> str:
+    text = str(problem).strip().splitlines()
+    first = text[0] if text else "no message"
+    return first if isinstance(problem, BenchError) else f"{type(problem).__name__}: {first}"

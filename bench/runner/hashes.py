@@ -1,0 +1,70 @@
+"""Hashes of what determines a result, so that a cache never lies."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from functools import cache
+from importlib.machinery import PathFinder
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from bench.plugins import Plugin
+
+DECISIVE_PACKAGES = ("numpy", "numba", "onnx", "onnxruntime", "scikit-learn", "scipy", "torch")
+_SCORING = ("bench/measure", "bench/recordings", "bench/runner/evaluate.py")
+
+
+def decisive_versions() -> dict[str, str]:
+    """Return the versions of the packages whose arithmetic decides a result."""
+    return {name: package_version(name) for name in DECISIVE_PACKAGES}
+
+
+def package_version(name: str) -> str:
+    """Return an installed distribution's version, or 'absent'."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def model_code_hash(model: Plugin) -> str:
+    """Hash the source of the package a model lives in, and of `zoo`."""
+    return _hash_sources({_package_root(model), _package_root_of("zoo")})
+
+
+def run_code_hash(model: Plugin, backend: Plugin) -> str:
+    """Hash every source file that decides a run's figures: model, backend, windowing, scoring."""
+    bench_root = _package_root_of("bench").parent
+    places = {_package_root(model), _package_root(backend)}
+    places |= {_package_root_of("zoo"), _package_root_of("backends")}
+    return _hash_sources(places | {bench_root / place for place in _SCORING})
+
+
+def file_sha256(path: Path) -> str:
+    """Return the SHA-256 of a file, in hex."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _package_root(plugin: Plugin) -> Path:
+    return _package_root_of(plugin.target.partition(":")[0].partition(".")[0])
+
+
+@cache
+def _package_root_of(name: str) -> Path:
+    spec = PathFinder.find_spec(name)
+    if spec is None or spec.origin is None:
+        raise ImportError(f"no source found for package {name!r}")
+    origin = Path(spec.origin)
+    return origin.parent if origin.name == "__init__.py" else origin
+
+
+def _hash_sources(places: Iterable[Path]) -> str:
+    digest = hashlib.sha256()
+    for place in sorted(places):
+        files = sorted(place.rglob("*")) if place.is_dir() else [place]
+        for file in (f for f in files if f.suffix in {".py", ".toml"}):
+            digest.update(str(file.relative_to(place.parent)).encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]

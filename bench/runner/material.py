@@ -1,0 +1,62 @@
+"""The recordings of a run as arrays: windows, errors, labels and folds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.recordings.open import open_recordings
+from bench.recordings.splits import Split, default_split, make_split
+from bench.recordings.table import Recordings
+from bench.recordings.window import cir_window
+
+
+@dataclass(frozen=True)
+class Material:
+    """Everything a run reads, row for row.
+
+    `cirs` float32 [n, 157] counts, `errors_m` float32 [n], `links` [n]; `split` holds positions
+    into them. `dropped` counts rows left out by reason, windowing included.
+    """
+
+    name: str
+    recordings: Recordings
+    fingerprint: str
+    cirs: NDArray[np.float32]
+    errors_m: NDArray[np.float32]
+    links: NDArray[np.str_]
+    split: Split
+    dropped: dict[str, int]
+
+
+def load_material(data: str | Recordings, split: str | None) -> Material:
+    """Open a data set, cut its windows and split it by link. Raises BenchError on bad input."""
+    if isinstance(data, Recordings):
+        whole, source, name = data, None, data.source
+    else:
+        whole, source = open_recordings(data)
+        name = source.name if source else data
+    window = cir_window(whole)
+    recordings = whole.select(window.rows)
+    chosen = split or default_split(recordings, source)
+    return Material(
+        name,
+        recordings,
+        whole.fingerprint,
+        window.cirs,
+        recordings.errors_m().astype(np.float32),
+        recordings.frame["link"].astype(str).to_numpy(np.str_),
+        make_split(recordings, chosen, source),
+        {**whole.dropped, **window.dropped},
+    )
+
+
+def predictions_table(material: Material, positions: NDArray[np.intp]) -> pd.DataFrame:
+    """Return the identifying columns of the rows scored, for the predictions file."""
+    wanted = ("link", "environment", "los", "tx", "rx", "range_m", "true_range_m", "time_s")
+    frame = material.recordings.frame
+    table = frame.iloc[positions][[c for c in wanted if c in frame]].reset_index(drop=True)
+    return table.assign(row=positions, error_m=material.errors_m[positions].astype(np.float64))

@@ -1,0 +1,119 @@
+"""Making the record of a run from what it gave."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bench.files import atomic_path
+from bench.measure.estimate import estimate
+from bench.measure.machine import describe_machine
+from bench.results import Estimate, RunKey, RunRecord, Score, Size
+from bench.runner.evaluate import Evaluation, score_rows
+from bench.runner.hashes import file_sha256
+from bench.runner.material import Material, predictions_table
+from bench.runner.plan import Plan
+
+if TYPE_CHECKING:
+    from backends.base import Artifact
+    from zoo.base import MitigationModel
+
+UNLABELLED = "no line-of-sight label: every row is scored under NLoS"
+
+
+def skipped_record(key: RunKey, material: Material, reason: str) -> RunRecord:
+    """Return the record of a pair a backend declines."""
+    return RunRecord(
+        key,
+        "skipped",
+        material.recordings.simulated,
+        reason=reason,
+        host=describe_machine(),
+        created_utc=now_utc(),
+    )
+
+
+def finished_record(
+    key: RunKey,
+    material: Material,
+    done: Evaluation,
+    model: MitigationModel,
+    fit_s: float,
+    plan: Plan,
+) -> RunRecord:
+    """Return the record of a finished run; figures of size and cost are the first fold's."""
+    artifact = done.artifact
+    return RunRecord(
+        key=key,
+        status="ok",
+        simulated=material.recordings.simulated,
+        size=_size(artifact),
+        precision=artifact.precision,
+        integer_kernels=_coverage(artifact),
+        note="; ".join(filter(None, [artifact.note, _label_note(material)])),
+        artifact=f"artifacts/{key.digest()}-0.onnx",
+        artifact_sha256=file_sha256(artifact.path),
+        weights_sha256=_weights_hash(model),
+        opener=artifact.opener,
+        fit_s=fit_s,
+        estimates=_estimates(artifact, plan),
+        host=describe_machine(),
+        created_utc=now_utc(),
+        **_scores(done, material, key.seed),
+    )
+
+
+def write_predictions(path: Path, material: Material, done: Evaluation) -> None:
+    """Write one row per test row: who it is, its error and the predicted error, in metres."""
+    table = predictions_table(material, done.rows)
+    table = table.assign(predicted_m=done.predicted_m, scored_as_los=done.los)
+    with atomic_path(path) as scratch:
+        table.to_parquet(scratch, index=False)
+
+
+def now_utc() -> str:
+    """Return the time as ISO 8601, to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _scores(done: Evaluation, material: Material, seed: int) -> dict[str, Score | None]:
+    return {
+        "nlos": score_rows(done, material, los=False, seed=seed),
+        "los": score_rows(done, material, los=True, seed=seed),
+    }
+
+
+def _label_note(material: Material) -> str:
+    return "" if "los" in material.recordings.frame else UNLABELLED
+
+
+def _size(artifact: Artifact) -> Size:
+    from backends.cost import graph_cost
+
+    cost = graph_cost(artifact.path)
+    return Size(cost.file_bytes, cost.weight_bytes, cost.parameters, cost.macs)
+
+
+def _coverage(artifact: Artifact) -> str | None:
+    found = artifact.coverage
+    return None if found is None else f"{found.integer}/{found.total}"
+
+
+def _estimates(artifact: Artifact, plan: Plan) -> list[Estimate]:
+    from backends.cost import graph_cost
+
+    cost = graph_cost(artifact.path)
+    return [estimate(device.load(), cost, artifact.precision) for device in plan.devices]
+
+
+def _weights_hash(model: MitigationModel) -> str:
+    digest = hashlib.sha256()
+    state: dict[str, Any] = model.to_module().state_dict()
+    for name in sorted(state):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(state[name].detach().cpu().numpy()).tobytes())
+    return digest.hexdigest()
