@@ -10,7 +10,7 @@ class BenchError(Exception):
     """Bad input: what is wrong, where, and what was expected. Exit code 2, no traceback."""
 
 
-class CannotWrite(BenchError):
+class WriteError(BenchError):
     """The disk is full or the folder read-only: nothing that follows could be kept either."""
 
 

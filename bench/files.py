@@ -8,14 +8,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from bench.errors import CannotWrite
+from bench.errors import WriteError
 
 
 @contextmanager
 def atomic_path(target: Path) -> Iterator[Path]:
     """Yield a temporary path beside `target`; it replaces `target` only if the block succeeds.
 
-    Raises CannotWrite where the folder cannot be written or the disk is full.
+    Raises WriteError where the folder cannot be written or the disk is full.
     """
     scratch: Path | None = None
     try:
@@ -28,14 +28,14 @@ def atomic_path(target: Path) -> Iterator[Path]:
         yield scratch
         scratch.replace(target)
     except OSError as problem:
-        raise CannotWrite(f"cannot write {target}: {problem.strerror or problem}") from problem
+        raise WriteError(f"cannot write {target}: {problem.strerror or problem}") from problem
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
 
 
 def write_atomically(target: Path, content: str | bytes) -> None:
-    """Write `content` to `target` in one step. Raises CannotWrite like `atomic_path`."""
+    """Write `content` to `target` in one step. Raises WriteError like `atomic_path`."""
     with atomic_path(target) as scratch:
         scratch.write_bytes(content.encode() if isinstance(content, str) else content)
 

@@ -9,7 +9,7 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from bench.errors import BenchError, CannotWrite
+from bench.errors import BenchError, WriteError
 from bench.files import atomic_path
 from bench.plugins import Plugin
 from bench.results import RunKey, RunRecord
@@ -110,7 +110,7 @@ def _fit(job: Job, material: Material, watch: Observer) -> Fitted | BenchError:
             tell = partial(watch.progress, what)
             models.append(fit_fold(job.model, material, fold, job.key.seed, tell))
         return Fitted(models, perf_counter() - start)
-    except CannotWrite:
+    except WriteError:
         raise
     except Exception as problem:
         return BenchError(_one_line(problem))
@@ -129,7 +129,7 @@ def _run_one(
         if isinstance(fitted, BenchError):
             raise fitted
         return _record(job, fitted, plan, material, folder, watch)
-    except CannotWrite:
+    except WriteError:
         raise
     except Exception as problem:
         failure = Failure(job.model.name, job.backend.name, job.key.seed, _one_line(problem))

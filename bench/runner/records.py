@@ -12,7 +12,7 @@ import numpy as np
 from bench.files import atomic_path
 from bench.measure.estimate import estimate
 from bench.measure.machine import describe_machine
-from bench.results import Estimate, RunKey, RunRecord, Score, Size
+from bench.results import Estimate, RunKey, RunRecord, Size
 from bench.runner.evaluate import Evaluation, score_rows
 from bench.runner.hashes import file_sha256
 from bench.runner.material import Material, predictions_table
@@ -63,7 +63,8 @@ def finished_record(
         estimates=_estimates(artifact, plan),
         host=describe_machine(),
         created_utc=now_utc(),
-        **_scores(done, material, key.seed),
+        nlos=score_rows(done, material, los=False, seed=key.seed),
+        los=score_rows(done, material, los=True, seed=key.seed),
     )
 
 
@@ -78,13 +79,6 @@ def write_predictions(path: Path, material: Material, done: Evaluation) -> None:
 def now_utc() -> str:
     """Return the time as ISO 8601, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def _scores(done: Evaluation, material: Material, seed: int) -> dict[str, Score | None]:
-    return {
-        "nlos": score_rows(done, material, los=False, seed=seed),
-        "los": score_rows(done, material, los=True, seed=seed),
-    }
 
 
 def _label_note(material: Material) -> str:
