@@ -1,0 +1,250 @@
+"""What a reader does with bad rows: drop, count by reason, never repair silently.
+
+The rules, in this order. A row is dropped, and counted under the reason in quotes, where
+
+- a known float column holds text ("COLUMN is not a number") or an infinity ("COLUMN is infinite");
+  an empty value there only means "not known";
+- no error can be had: `error_m`, or `range_m` and `true_range_m`, is missing ("no range error");
+- |error| > 1 km and no six exchange timestamps `T1`..`T6` explain it ("error beyond 1 km");
+- the true range is negative ("negative true range");
+- `error_m` contradicts `range_m - true_range_m` by more than 1 cm ("error_m contradicts ...");
+- the table has links but the row has none ("no link");
+- the CIR is missing, not of the table's usual (most frequent) length, has a NaN or an infinity, or
+  is zero throughout;
+- the first path lies outside the CIR ("first path outside the CIR").
+
+An empty table, a missing required column, and more than half the rows dropped are errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
+
+CHUNK_ROWS = 8192
+MAX_ERROR_M = 1000.0
+CONTRADICTION_M = 0.01
+TIMESTAMP_COLUMNS = ("T1", "T2", "T3", "T4", "T5", "T6")
+Mask = NDArray[np.bool_]
+Finding = tuple[str, Mask]
+
+_TRUTHS = {"true": True, "1": True, "1.0": True, "yes": True}
+_TRUTHS |= {"false": False, "0": False, "0.0": False, "no": False}
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """A table with the column types of the exchange format, and what was dropped by reason."""
+
+    frame: pd.DataFrame
+    dropped: Mapping[str, int]
+
+
+def clean(frame: pd.DataFrame, name: str) -> Cleaned:
+    """Return the usable rows of a table in the exchange format's types.
+
+    `name` is the file or data set, for messages. Raises BenchError for an empty table, a missing
+    required column, and where more than half the rows are unusable.
+    """
+    _require(frame, name)
+    frame, text_as_number = _typed(frame.reset_index(drop=True), name)
+    dropped: dict[str, int] = {}
+    keep = np.ones(len(frame), np.bool_)
+    for reason, bad in _findings(frame, text_as_number):
+        if count := int((bad & keep).sum()):
+            dropped[reason] = count
+            keep &= ~bad
+    refuse_if_mostly_bad(name, len(frame), dropped)
+    if not keep.all():
+        frame = frame.iloc[np.flatnonzero(keep)].reset_index(drop=True)
+    return Cleaned(frame, dropped)
+
+
+def refuse_if_mostly_bad(name: str, rows: int, dropped: Mapping[str, int]) -> None:
+    """Raise BenchError, with the reasons, where more than half of `rows` were dropped."""
+    lost = sum(dropped.values())
+    if 2 * lost > rows:
+        raise BenchError(
+            f"{name}: {lost} of {rows} rows are unusable ({describe(dropped)}); "
+            "at least half must be usable"
+        )
+
+
+def describe(dropped: Mapping[str, int]) -> str:
+    """Return counts by reason as text, the most frequent first; empty where nothing is dropped."""
+    ordered = sorted(dropped.items(), key=lambda item: -item[1])
+    return ", ".join(f"{count} {reason}" for reason, count in ordered)
+
+
+def add_counts(*counts: Mapping[str, int]) -> dict[str, int]:
+    """Return several counts by reason added up."""
+    total: dict[str, int] = {}
+    for some in counts:
+        for reason, count in some.items():
+            total[reason] = total.get(reason, 0) + count
+    return total
+
+
+def _require(frame: pd.DataFrame, name: str) -> None:
+    """Raise BenchError for an empty table, or one from which no error can be computed."""
+    if not len(frame):
+        raise BenchError(f"{name}: the table has no rows; expected one row per range measurement")
+    if "error_m" in frame:
+        return
+    for column in ("range_m", "true_range_m"):
+        if column not in frame:
+            have = ", ".join(map(str, frame.columns))
+            raise BenchError(
+                f"{name}: no column {column!r}; expected 'range_m' and 'true_range_m' (metres), "
+                f"or 'error_m' (it has: {have})"
+            )
+
+
+def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask]]:
+    """Return the table in the exchange types, and where text stood in a float column."""
+    columns = {str(column): frame[column] for column in frame.columns}
+    text: dict[str, Mask] = {}
+    for column in [c for c in FLOAT_COLUMNS if c in columns]:
+        columns[column], text[column] = _as_float(columns[column])
+        if column in ("error_m", "range_m", "true_range_m") and columns[column].isna().all():
+            raise BenchError(f"{name}: column {column!r} holds no number; expected metres")
+    for column in [c for c in STRING_COLUMNS if c in columns]:
+        columns[column] = _as_text(columns[column])
+    if "los" in columns:
+        columns["los"] = _as_bool(columns["los"], name)
+    if "obstacles" in columns:
+        columns["obstacles"] = _as_names(columns["obstacles"])
+    _add_magnitude(columns)
+    return pd.DataFrame(columns, copy=False), text
+
+
+def _as_float(column: pd.Series) -> tuple[pd.Series, Mask]:
+    """Return a float64 column, and a mask of the values that were there but are no number."""
+    if pd.api.types.is_numeric_dtype(column):
+        return column.astype(np.float64), np.zeros(len(column), np.bool_)
+    numbers = pd.to_numeric(column, errors="coerce").astype(np.float64)
+    empty = column.isna() | column.astype("str").str.strip().str.lower().isin(["", "nan"])
+    return numbers, np.asarray(numbers.isna() & ~empty)
+
+
+def _as_text(column: pd.Series) -> pd.Series:
+    """Return a string column; whole numbers lose the .0 that a missing value gave them."""
+    if pd.api.types.is_float_dtype(column) and (column.dropna() % 1 == 0).all():
+        column = column.astype("Int64")
+    return column.astype("str").where(column.notna())
+
+
+def _as_bool(column: pd.Series, name: str) -> pd.Series:
+    """Return `los` as bool, or as nullable boolean where some values are not known."""
+    if not pd.api.types.is_bool_dtype(column):
+        words = column.astype("str").str.strip().str.lower()
+        known = words.map(_TRUTHS)
+        strange = known.isna() & column.notna() & ~words.isin(["", "nan", "none", "<na>"])
+        if strange.any():
+            raise BenchError(
+                f"{name}: column 'los' holds {column[strange].iloc[0]!r}; expected true or false"
+            )
+        column = known.astype("boolean")
+    return column.astype("boolean" if column.isna().any() else np.bool_)
+
+
+def _as_names(column: pd.Series) -> pd.Series:
+    """Return `obstacles` as one plain list of names per row; no list = an empty one."""
+    cells = [
+        list(map(str, cell)) if isinstance(cell, list | tuple | np.ndarray) else []
+        for cell in column
+    ]
+    return pd.Series(cells, index=column.index, dtype=object)
+
+
+def _add_magnitude(columns: dict[str, pd.Series]) -> None:
+    """Give a table that has only the complex accumulator its magnitude column."""
+    if "cir" in columns or not {"cir_i", "cir_q"} <= set(columns):
+        return
+    pairs = zip(columns["cir_i"], columns["cir_q"], strict=True)
+    cells = [np.hypot(i, q) if len(i) == len(q) else np.empty(0, np.float32) for i, q in pairs]
+    columns["cir"] = _cells(cells, columns["cir_i"].index)
+
+
+def _cells(cells: list[NDArray[np.float32]], index: pd.Index) -> pd.Series:
+    """Return arrays as an object column, one array per cell."""
+    column = np.empty(len(cells), dtype=object)
+    column[:] = cells
+    return pd.Series(column, index=index)
+
+
+def _findings(frame: pd.DataFrame, text: Mapping[str, Mask]) -> Iterator[Finding]:
+    """Yield (reason, bad rows) in the order of the rules."""
+    for column, mask in text.items():
+        yield f"{column} is not a number", mask
+        yield f"{column} is infinite", np.isinf(frame[column].to_numpy())
+    yield from _bad_ranges(frame)
+    if "link" in frame:
+        yield "no link", frame["link"].isna().to_numpy()
+    if "cir" in frame:
+        yield from _bad_cirs(frame)
+
+
+def _bad_ranges(frame: pd.DataFrame) -> Iterator[Finding]:
+    """Yield the rows whose range, truth or error is missing or impossible."""
+    nothing = np.full(len(frame), np.nan)
+    measured = frame["range_m"].to_numpy() if "range_m" in frame else nothing
+    true = frame["true_range_m"].to_numpy() if "true_range_m" in frame else nothing
+    with np.errstate(invalid="ignore"):
+        difference = measured - true
+        error = frame["error_m"].to_numpy() if "error_m" in frame else difference
+        yield "no range error", np.isnan(error)
+        yield "error beyond 1 km", (np.abs(error) > MAX_ERROR_M) & ~_timestamped(frame)
+        yield "negative true range", true < 0
+        contradicts = np.abs(error - difference) > CONTRADICTION_M
+    yield "error_m contradicts range_m - true_range_m", contradicts
+
+
+def _timestamped(frame: pd.DataFrame) -> Mask:
+    """Return where all six timestamps of the exchange are known."""
+    if not set(TIMESTAMP_COLUMNS) <= set(frame.columns):
+        return np.zeros(len(frame), np.bool_)
+    return np.asarray(frame[list(TIMESTAMP_COLUMNS)].notna().all(axis=1))
+
+
+def _bad_cirs(frame: pd.DataFrame) -> Iterator[Finding]:
+    """Yield the rows whose CIR or first path cannot be used."""
+    lengths = cir_lengths(frame["cir"])
+    yield "no CIR", lengths == 0
+    usual = int(np.bincount(lengths[lengths > 0]).argmax()) if lengths.any() else 0
+    wrong = lengths != usual
+    for part in [c for c in CIR_COLUMNS[1:] if c in frame]:
+        wrong |= cir_lengths(frame[part]) != usual
+    yield f"CIR not of length {usual}", wrong
+    not_finite, silent = _cir_faults(frame["cir"], wrong)
+    yield "NaN in the CIR", not_finite
+    yield "CIR zero throughout", silent
+    if "first_path_index" in frame:
+        index = frame["first_path_index"].to_numpy()
+        yield "first path outside the CIR", (index < 0) | (index >= usual)
+
+
+def cir_lengths(column: pd.Series) -> NDArray[np.int64]:
+    """Return the number of samples in each CIR cell, 0 where there is none."""
+    sizes = (len(cell) if isinstance(cell, np.ndarray) else 0 for cell in column)
+    return np.fromiter(sizes, np.int64, len(column))
+
+
+def _cir_faults(column: pd.Series, wrong: Mask) -> tuple[Mask, Mask]:
+    """Return where a CIR of the right length has a NaN or infinity, and where it is all zero."""
+    not_finite, silent = np.zeros((2, len(column)), np.bool_)
+    rows = np.flatnonzero(~wrong)
+    for start in range(0, len(rows), CHUNK_ROWS):
+        chunk = rows[start : start + CHUNK_ROWS]
+        cirs = np.stack(list(column.iloc[chunk]))
+        peaks = np.abs(cirs).max(axis=1)
+        not_finite[chunk] = ~np.isfinite(peaks)
+        silent[chunk] = peaks == 0
+    return not_finite, silent

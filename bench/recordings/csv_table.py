@@ -1,0 +1,104 @@
+"""Recordings tables as CSV.
+
+The rule: one header line with the exchange format's column names, one line per range. The CIR
+stands either in one cell `cir` - a list such as `[12, 15.5, 9]`, or numbers separated by spaces or
+semicolons - or in columns `cir_0`, `cir_1`, .. `cir_N`, numbered from 0 without a gap. `cir_i` and
+`cir_q` likewise (`cir_i_0`, ..). `los` is true/false, 1/0 or yes/no. `obstacles` holds names
+separated by semicolons, or a JSON list. An empty cell is "not known".
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
+
+_AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
+
+
+def read_csv(path: Path) -> pd.DataFrame:
+    """Return the table of a CSV, as it is. Raises BenchError where it is no CSV table."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    options = csv.ConvertOptions(
+        column_types=dict.fromkeys(_AS_TEXT, pa.string()), strings_can_be_null=True
+    )
+    try:
+        frame = csv.read_csv(path, convert_options=options).to_pandas()
+    except (pa.ArrowException, OSError, ValueError) as problem:
+        reason = (str(problem).splitlines() or ["unreadable"])[0]
+        raise BenchError(f"{path}: not a CSV table: {reason}") from problem
+    if len(set(frame.columns)) < len(frame.columns):
+        twice = frame.columns[frame.columns.duplicated()][0]
+        raise BenchError(f"{path}: column {twice!r} stands twice in the header")
+    return _with_lists(frame, path)
+
+
+def _with_lists(frame: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """Return the table with CIRs as arrays and obstacles as lists."""
+    columns: dict[str, Any] = {}
+    taken: set[str] = set()
+    for name in CIR_COLUMNS:
+        numbered = _numbered(frame, name, path)
+        taken.update(numbered)
+        if numbered:
+            columns[name] = _object([*frame[numbered].to_numpy(np.float32, na_value=np.nan)])
+        elif name in frame:
+            columns[name] = _object([parse_numbers(cell) for cell in frame[name]])
+    if "obstacles" in frame:
+        columns["obstacles"] = _object([parse_names(cell) for cell in frame["obstacles"]])
+    rest = {str(name): frame[name] for name in frame if name not in taken}
+    return pd.DataFrame(rest | columns, copy=False)
+
+
+def _numbered(frame: pd.DataFrame, name: str, path: Path) -> list[str]:
+    """Return the columns NAME_0 .. NAME_N in order. Raises BenchError where one is missing."""
+    found = {int(match[1]) for c in frame if (match := re.fullmatch(rf"{name}_(\d+)", str(c)))}
+    if missing := sorted(set(range(len(found))) - found):
+        raise BenchError(
+            f"{path}: no column '{name}_{missing[0]}'; expected {name}_0 to {name}_{max(found)} "
+            "without a gap"
+        )
+    columns = [f"{name}_{number}" for number in sorted(found)]
+    for column in columns:
+        if not pd.api.types.is_numeric_dtype(frame[column]) and frame[column].notna().any():
+            raise BenchError(f"{path}: column {column!r} holds text; expected numbers")
+    return columns
+
+
+def _object(cells: list[Any]) -> NDArray[Any]:
+    """Return the cells as an object array, one per row."""
+    column = np.empty(len(cells), dtype=object)
+    for row, cell in enumerate(cells):
+        column[row] = cell
+    return column
+
+
+def parse_numbers(cell: object) -> NDArray[np.float32]:
+    """Return the numbers of one CIR cell; an empty array where it holds no list of numbers."""
+    text = str(cell).strip("[]() \t") if isinstance(cell, str) else ""
+    try:
+        return np.array(re.sub("[,;]", " ", text).split(), dtype=np.float32)
+    except ValueError:
+        return np.empty(0, np.float32)
+
+
+def parse_names(cell: object) -> list[str]:
+    """Return the obstacle names of one cell: a JSON list, or names separated by semicolons."""
+    if not isinstance(cell, str):
+        return []
+    if cell.lstrip().startswith("["):
+        try:
+            return [str(name) for name in json.loads(cell)]
+        except ValueError:
+            return []
+    return [name.strip() for name in cell.split(";") if name.strip()]
