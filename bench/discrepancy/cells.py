@@ -1,0 +1,164 @@
+"""The places a search looks at, and the sums over links that its statistic is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.covariates import Covariates
+from bench.discrepancy.ensemble import Ensemble
+
+Floats = NDArray[np.float64]
+Moment = Literal["mean", "spread", "link", "slope"]
+BINS = 4
+CLIP = 8.0  # standardised values beyond this are clipped, so one wild row decides nothing
+OWN = ("rx_power_dbm", "first_path_power_dbm")  # observables that others are searched against
+
+
+@dataclass(frozen=True)
+class Place:
+    """Rows to look at: all, a group, an interval of a number, or the trend over a number."""
+
+    covariate: str | None = None
+    low: float | None = None
+    high: float | None = None
+    trend: bool = False
+
+    def where(self) -> str:
+        """Return the rows in words."""
+        if self.covariate is None:
+            return "in all rows"
+        if self.trend:
+            return f"as a trend over {self.covariate}"
+        if self.low is None or self.high is None:
+            return f"where {self.covariate}"
+        return f"where {self.covariate} is {self.low:.4g} to {self.high:.4g}"
+
+    def weight(self, value: Floats | NDArray[np.bool_]) -> Floats:
+        """Return the weight of each row, 0/1 or the standardised trend; same shape as `value`."""
+        number = np.asarray(value, np.float64)
+        if self.covariate is None:
+            return np.ones_like(number)
+        if self.trend:
+            return np.nan_to_num((number - np.nanmean(number)) / (np.nanstd(number) or 1.0))
+        if self.low is None or self.high is None:
+            return number
+        return ((number >= self.low) & (number <= self.high)).astype(np.float64)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One thing compared: a moment of an observable at a place."""
+
+    observable: str
+    moment: Moment
+    place: Place
+
+
+def places(covariates: Covariates, ensemble: Ensemble) -> Iterator[tuple[Place, Floats]]:
+    """Yield every place with its row weights, [n], or [1 + m, n] where they are the row's own."""
+    yield Place(), np.ones(len(ensemble.links))
+    for name, mask in covariates.groups.items():
+        yield Place(name), mask.astype(np.float64)
+    for name, value in covariates.numbers.items():
+        yield from _intervals(name, value)
+    for name in OWN:
+        if name in ensemble.names:
+            yield from _intervals(name, ensemble.versions[..., ensemble.names.index(name)])
+
+
+def _intervals(name: str, value: Floats) -> Iterator[tuple[Place, Floats]]:
+    """Yield quantile intervals of a number, its two tails, and its trend."""
+    known = value[np.isfinite(value)]
+    if not len(known) or known.max() <= known.min():
+        return
+    edges = np.unique(np.quantile(known, np.linspace(0, 1, BINS + 1)))
+    tails = np.quantile(known, [0.0, 0.05, 0.95, 1.0])
+    pairs = list(pairwise(edges)) if len(edges) > 2 else []
+    for low, high in [*pairs, (tails[0], tails[1]), (tails[2], tails[3])]:
+        place = Place(name, float(low), float(high))
+        weight = place.weight(value)
+        if 0 < weight.mean() < 1:
+            yield place, weight
+    place = Place(name, trend=True)
+    yield place, place.weight(value)
+
+
+def standardised(ensemble: Ensemble) -> NDArray[np.float32]:
+    """Return versions centred on their own mean, scaled per observable, clipped; NaN as 0.
+
+    Centre and scale are symmetric in the versions, as the permutation needs. [1 + m, n, p].
+    """
+    centred = ensemble.versions - ensemble.versions.mean(axis=0)
+    typical = np.nanmean(np.median(centred**2, axis=0), axis=0)
+    whole = np.nanmean(centred**2, axis=(0, 1))
+    scale = np.sqrt(np.where(typical > 0, typical, whole + 1e-30))
+    return np.asarray(np.clip(np.nan_to_num(centred / scale), -CLIP, CLIP), np.float32)
+
+
+def link_sums(ensemble: Ensemble, covariates: Covariates) -> tuple[list[Cell], NDArray[np.float32]]:
+    """Return the cells and their statistic per version and link, [1 + m, L, K].
+
+    Every statistic is centred over the versions, so its mean under the permutation is zero.
+    """
+    found = list(places(covariates, ensemble))
+    shared = [(place, weight) for place, weight in found if weight.ndim == 1]
+    own = [(place, weight) for place, weight in found if weight.ndim == 2]
+    standard = standardised(ensemble)
+    cells: list[Cell] = []
+    blocks: list[NDArray[np.float32]] = []
+    for group in (shared, own):
+        if group:
+            where = [place for place, _ in group]
+            weight = np.stack([w for _, w in group], axis=-1).astype(np.float32)
+            more, sums = _moments(ensemble, standard, where, weight)
+            cells += more
+            blocks.append(sums)
+    return cells, np.concatenate(blocks, axis=2)
+
+
+def _moments(
+    ensemble: Ensemble,
+    standard: NDArray[np.float32],
+    where: list[Place],
+    weight: NDArray[np.float32],
+) -> tuple[list[Cell], NDArray[np.float32]]:
+    """Return cells and centred link sums of every moment for one set of weights."""
+    mean = per_link(standard, weight, ensemble.links)
+    spread = per_link(np.abs(standard), weight, ensemble.links)
+    ones = np.ones((*standard.shape[:2], 1), np.float32)
+    count = per_link(ones, weight, ensemble.links)
+    # Offsets of either sign, constant within a link, cancel in the mean but not here.
+    offset = np.abs(mean) / np.sqrt(np.maximum(np.abs(count), np.float32(1)))
+    moments: dict[Moment, NDArray[Any]] = {"mean": mean, "spread": spread, "link": offset}
+    cells, blocks = [], []
+    for moment, sums in moments.items():
+        for k, place in enumerate(where):
+            if place.trend and moment != "mean":
+                continue
+            kind: Moment = "slope" if place.trend else moment
+            keep = [i for i, name in enumerate(ensemble.names) if name != place.covariate]
+            cells += [Cell(ensemble.names[i], kind, place) for i in keep]
+            blocks.append(sums[:, :, k, keep])
+    whole = np.concatenate(blocks, axis=2)
+    whole -= whole.mean(axis=0)
+    return cells, whole
+
+
+def per_link(
+    values: NDArray[np.float32], weight: NDArray[np.float32], links: NDArray[np.intp]
+) -> NDArray[np.float32]:
+    """Return sum of weight x values over the rows of each link, [v, L, K, p].
+
+    `values` [v, n, p], `weight` [n, K] or [v, n, K].
+    """
+    order = np.argsort(links, kind="stable")
+    bounds = np.flatnonzero(np.diff(links[order], prepend=-1, append=-1))
+    values, weight = values[:, order], weight[..., order, :]
+    parts = [np.swapaxes(weight[..., a:b, :], -1, -2) @ values[:, a:b] for a, b in pairwise(bounds)]
+    return np.stack(parts, axis=1)

@@ -1,0 +1,131 @@
+"""Links are split once: discover, fit, confirm. Confirm is sealed and opened once, at the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+
+T = TypeVar("T")
+Rows = NDArray[np.intp]
+MIN_LINKS = 4
+
+
+class Sealed(Generic[T]):
+    """Holds something that may be looked at once.
+
+    Nothing before `open()` can see the content (it is in neither repr nor equality); a second
+    `open()` raises RuntimeError, so a search cannot be tuned on what confirms it.
+    """
+
+    def __init__(self, content: T) -> None:
+        self.__content: T | None = content
+
+    @property
+    def opened(self) -> bool:
+        """True once it has been opened."""
+        return self.__content is None
+
+    def open(self) -> T:
+        """Return the content, once. Raises RuntimeError the second time."""
+        if self.__content is None:
+            raise RuntimeError("already opened: the confirm links are looked at once")
+        content, self.__content = self.__content, None
+        return content
+
+    def __repr__(self) -> str:
+        return f"Sealed({'opened' if self.opened else 'closed'})"
+
+
+@dataclass(frozen=True)
+class LinkSplit:
+    """Row positions of the discover and fit links; those of the confirm links are sealed."""
+
+    discover: Rows
+    fit: Rows
+    confirm: Sealed[Rows]
+    links: int
+
+    @property
+    def work(self) -> Rows:
+        """Discover and fit rows together, in table order."""
+        return np.sort(np.concatenate([self.discover, self.fit]))
+
+
+def link_codes(frame: pd.DataFrame) -> NDArray[np.intp]:
+    """Return link numbers 0..L-1 per row [n]; rows whose link is null are one link each."""
+    if "link" not in frame:
+        raise BenchError("no column 'link': the unit of splitting is expected in every table")
+    names = frame["link"].astype(object)
+    alone = names.isna().to_numpy()
+    labels = np.where(alone, [f"\0row{i}" for i in range(len(frame))], names.astype(str))
+    return np.unique(labels, return_inverse=True)[1]
+
+
+def split_links(
+    frame: pd.DataFrame, seed: int, shares: tuple[float, float] = (0.4, 0.35)
+) -> LinkSplit:
+    """Split the links once into discover / fit / confirm, by seed.
+
+    `shares` are those of discover and fit; confirm is the rest. Confirm takes only links whose
+    devices stay known from other links while that is possible, because a device never seen has
+    no parameters. Raises BenchError where there are fewer than four links.
+    """
+    codes = link_codes(frame)
+    count = int(codes.max()) + 1 if len(codes) else 0
+    if count < MIN_LINKS:
+        raise BenchError(
+            f"{count} link(s): a diagnosis holds links out, so at least {MIN_LINKS} are expected"
+        )
+    order = np.random.default_rng(seed).permutation(count)
+    wanted = max(1, round(count * (1 - sum(shares))))
+    held = _held_out(order, wanted, _devices(frame, codes, count))
+    rest = [link for link in order.tolist() if link not in held]
+    cut = max(1, round(len(rest) * shares[0] / sum(shares)))
+    part = np.full(count, 1)
+    part[rest[:cut]], part[list(held)] = 0, 2
+    rows = [np.flatnonzero(part[codes] == which) for which in range(3)]
+    return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
+
+
+def _devices(frame: pd.DataFrame, codes: NDArray[np.intp], count: int) -> list[tuple[str, str]]:
+    """Return the pair of devices of each link, empty names where not known."""
+    if "tx" not in frame or "rx" not in frame:
+        return [("", "")] * count
+    first = np.unique(codes, return_index=True)[1]
+    tx, rx = frame["tx"].astype(str), frame["rx"].astype(str)
+    return [(tx.iloc[i], rx.iloc[i]) for i in first]
+
+
+def _held_out(order: NDArray[np.intp], wanted: int, devices: list[tuple[str, str]]) -> set[int]:
+    """Return the links of the confirm part: those first whose devices stay connected elsewhere."""
+    held: set[int] = set()
+    for link in order.tolist():
+        if len(held) < wanted and _still_known(link, held | {link}, devices):
+            held.add(link)
+    for link in order.tolist():  # not enough of them: take any
+        if len(held) < wanted:
+            held.add(link)
+    return held
+
+
+def _still_known(link: int, held: set[int], devices: list[tuple[str, str]]) -> bool:
+    """Return whether both devices of a link are joined by a path of links not held out."""
+    start, goal = devices[link]
+    if start == goal:
+        return True
+    reached, front = {start}, [start]
+    edges = [pair for i, pair in enumerate(devices) if i not in held]
+    while front:
+        here = front.pop()
+        for a, b in edges:
+            for far in (b,) if a == here else (a,) if b == here else ():
+                if far not in reached:
+                    reached.add(far)
+                    front.append(far)
+    return goal in reached
