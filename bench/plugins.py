@@ -44,7 +44,7 @@ class Plugin:
     def load(self) -> Any:
         """Import and return the object. Raises BenchError with the reason where that fails."""
         try:
-            return EntryPoint(self.name, f"bench.{self.group}", self.target).load()
+            return EntryPoint(self.name, self.target, f"bench.{self.group}").load()
         except Exception as problem:
             reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
             kind = _SINGULAR[self.group]

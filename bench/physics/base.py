@@ -1,0 +1,177 @@
+"""The base of every simulator: straight line, free space, pulse, sampling, noise, detection.
+
+Sources: Friis for the link budget, -41.3 dBm/MHz over 500 MHz for the transmit level (ETSI EN 302
+065), the DW1000 User Manual 4.7 for the powers the chip reports, detection in
+`bench.physics.detection`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.physics.batch import DIRECT, NO_PATH, Batch
+from bench.physics.detection import edge_offset, first_path
+from bench.physics.effect import check_bounds, parameter
+from bench.physics.randomness import Draws
+from bench.physics.sampling import sampled
+from bench.physics.scene import Scene
+from bench.physics.units import (
+    C_M_PER_NS,
+    CENTRE_GHZ,
+    POWER_OFFSET_DB,
+    Complexes,
+    Floats,
+    Reals,
+    amplitude,
+    decibel,
+    wavelength_m,
+)
+
+LEAD_SAMPLES = 24  # simulated before the straight path, so that an early edge can be found
+LATE_SAMPLES = 48  # after it, so that an edge 14 m late still has its whole CIR
+RAYLEIGH_STD = float(np.sqrt(2 - np.pi / 2))  # std of |n| per std of its real part
+
+
+@dataclass(frozen=True)
+class Base:
+    """Geometry, free-space link budget, pulse, sampling, noise, first-path detection, ranging.
+
+    `channel` and `prf_mhz` are DW1000 settings. `keep_count`: 1 uses each row's recorded
+    `preamble_count` where known, 0 always accumulates `preamble_symbols`.
+    """
+
+    channel: int = parameter(2, "DW1000 channel", 1, 7, "1, 2, 3, 4, 5 or 7")
+    prf_mhz: int = parameter(64, "MHz", 16, 64, "pulse repetition: 16 or 64")
+    tx_power_dbm: float = parameter(-14.3, "dBm", -50, 10, "radiated power, antennas included")
+    preamble_symbols: float = parameter(1024, "symbols", 16, 4096, "accumulated without AGC")
+    keep_count: int = parameter(1, "0 or 1", 0, 1, "take preamble_count from the rows")
+    noise_per_symbol: float = parameter(4.5, "counts", 0.01, 100, "std of |noise| of one symbol")
+    threshold: float = parameter(12.5, "noise std", 2, 60, "first-path threshold (NTM)")
+    pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5.0, "pulse width at half magnitude")
+    sample_period_ns: float = parameter(1.0016, "ns", 0.25, 4, "accumulator sample period")
+    cir_samples: int = parameter(157, "samples", 8, 1024, "CIR values per row")
+    cir_lead: int = parameter(5, "samples", 0, 1000, "of them before the detected first path")
+
+    def __post_init__(self) -> None:
+        check_bounds("base", self)
+        if self.channel not in CENTRE_GHZ or self.prf_mhz not in POWER_OFFSET_DB:
+            raise BenchError("base: channel must be 1, 2, 3, 4, 5 or 7 and prf_mhz 16 or 64")
+
+    @property
+    def samples(self) -> int:
+        """How many samples are simulated per row."""
+        return max(LEAD_SAMPLES, self.cir_lead + 8) + self.cir_samples + LATE_SAMPLES
+
+    @property
+    def power_offset_db(self) -> float:
+        """The manual's constant A."""
+        return POWER_OFFSET_DB[self.prf_mhz]
+
+    def paths(self, rows: Scene) -> Batch:
+        """Return a batch with the straight path alone: Friis loss, carrier phase."""
+        centre = CENTRE_GHZ[self.channel]
+        turns = rows.true_range_m / wavelength_m(centre)
+        loss = decibel((4 * np.pi * turns) ** 2)
+        gain = amplitude(self.tx_power_dbm - loss) * np.exp(-2j * np.pi * (turns % 1.0))
+        one = (len(rows), 1)
+        return Batch(
+            rows=rows,
+            centre_ghz=centre,
+            sample_period_ns=self.sample_period_ns,
+            excess_ns=np.zeros(one, np.float32),
+            gain=gain.astype(np.complex64)[:, None],
+            kind=np.full(one, DIRECT, np.int8),
+            tail=np.zeros((len(rows), 0), np.complex64),
+            tail_start_ns=np.zeros(len(rows), np.float32),
+        )
+
+    def counted(self, batch: Batch) -> Batch:
+        """Return the batch with its accumulation count and true receive level."""
+        symbols = np.full(len(batch), float(self.preamble_symbols))
+        if self.keep_count:
+            symbols = batch.rows.number("preamble_count", float(self.preamble_symbols))
+        return replace(batch, symbols=symbols, level_dbm=batch.path_power_dbm())
+
+    def received(self, batch: Batch, draws: Draws) -> Batch:
+        """Return the batch with waveform and white noise, in counts, at a random alignment."""
+        batch = self.counted(batch)
+        lead = max(LEAD_SAMPLES, self.cir_lead + 8)
+        start = -(lead + draws.uniform(len(batch))) * np.float32(self.sample_period_ns)
+        per_root_mw = amplitude(self.power_offset_db) * _known(batch.symbols)
+        signal = sampled(batch, start, self.samples, self.pulse_fwhm)
+        signal *= per_root_mw.astype(np.float32)[:, None]
+        noise = draws.complex_normal(len(batch), self.samples)
+        noise *= self._noise_scale(batch)[:, None]
+        threshold = np.full(len(batch), float(self.threshold))
+        return replace(batch, waveform=signal, noise=noise, start_ns=start, threshold=threshold)
+
+    def _noise_scale(self, batch: Batch) -> Reals:
+        """Return sqrt(mean |noise|^2) [n] in counts; it grows as the root of the count."""
+        per_symbol = self.noise_per_symbol / RAYLEIGH_STD * np.sqrt(2)
+        return np.asarray(per_symbol * np.sqrt(_known(batch.symbols)), np.float32)
+
+    def detected(self, batch: Batch) -> Batch:
+        """Return the batch with first path, range and what the chip reports."""
+        if batch.waveform is None or batch.noise is None or batch.start_ns is None:
+            return self._detected_paths(batch)
+        magnitude = np.abs(batch.waveform + batch.noise)
+        noise_std = np.std(np.abs(batch.noise), axis=1, dtype=np.float64)
+        found = first_path(magnitude, _known(batch.threshold) * np.maximum(noise_std, 1e-9))
+        found = np.minimum(found, magnitude.shape[1] - self.cir_samples + self.cir_lead)
+        late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
+        symbols = _known(batch.symbols)
+        energy = np.sum(np.square(magnitude), axis=1, dtype=np.float64)
+        return replace(
+            batch,
+            first_path=found,
+            noise_std=noise_std,
+            range_m=batch.rows.true_range_m + C_M_PER_NS * late,
+            rx_power_dbm=decibel(energy / symbols**2) - self.power_offset_db,
+            first_path_power_dbm=self._first_power(magnitude, found, symbols),
+        )
+
+    def _first_power(self, magnitude: Reals, found: Floats, symbols: Floats) -> Floats:
+        """Return 10 log10((F1^2 + F2^2 + F3^2) / N^2) - A, F at floor(first path) + 1, 2, 3."""
+        near = np.floor(found).astype(np.intp)[:, None] + np.arange(1, 4)
+        near = np.minimum(near, magnitude.shape[1] - 1)
+        power = np.sum(np.take_along_axis(magnitude, near, axis=1).astype(np.float64) ** 2, axis=1)
+        return decibel(power / symbols**2) - self.power_offset_db
+
+    def _detected_paths(self, batch: Batch) -> Batch:
+        """Range from the paths alone (no waveform): the earliest one above the threshold."""
+        symbols = _known(batch.symbols)
+        noise_std = self.noise_per_symbol * np.sqrt(symbols)
+        counts = np.abs(batch.gain) * (amplitude(self.power_offset_db) * symbols)[:, None]
+        there = batch.kind != NO_PATH
+        strongest = np.max(np.where(there, counts, 0), axis=1, keepdims=True)
+        limit = np.minimum((self.threshold * noise_std)[:, None], strongest)
+        seen = there & (counts >= limit)
+        excess = np.min(np.where(seen, batch.excess_ns, np.inf), axis=1)
+        at_first = seen & (batch.excess_ns <= excess[:, None] + 1.0)
+        first = np.sum(np.where(at_first, np.abs(batch.gain), 0) ** 2, axis=1, dtype=np.float64)
+        return replace(
+            batch,
+            noise_std=noise_std,
+            range_m=batch.rows.true_range_m + C_M_PER_NS * excess,
+            rx_power_dbm=_known(batch.level_dbm).copy(),
+            first_path_power_dbm=decibel(first),
+        )
+
+    def cropped(self, batch: Batch) -> tuple[Complexes, Floats] | None:
+        """Return the complex CIR [n, K] around the detected path and its index in it [n]."""
+        if batch.waveform is None or batch.noise is None or batch.first_path is None:
+            return None
+        first = np.floor(batch.first_path).astype(np.intp) - self.cir_lead
+        first = np.clip(first, 0, batch.waveform.shape[1] - self.cir_samples)
+        window = first[:, None] + np.arange(self.cir_samples)
+        whole = batch.waveform + batch.noise
+        return np.take_along_axis(whole, window, axis=1), batch.first_path - first
+
+
+def _known(values: Floats | None) -> Floats:
+    if values is None:
+        raise ValueError("the batch has not reached the receiver yet")
+    return values

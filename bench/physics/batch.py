@@ -1,0 +1,107 @@
+"""The state that effects act on: a struct of arrays over a block of rows.
+
+Propagation works on paths (`excess_ns`, `gain`, `kind`) and on the dense diffuse `tail`; the
+receiver on the sampled `waveform` and `noise`; ranging on `range_m`. Delays are relative to the
+straight line between the antennas, so a path of 1 ns excess is 0.30 m longer than the truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.scene import Scene
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel
+
+NO_PATH, DIRECT, SPECULAR, DIFFRACTED = 0, 1, 2, 3
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Rows under simulation; n rows, P paths, G tail taps, S samples.
+
+    Propagation: `excess_ns` [n, P], `gain` [n, P] (complex, sqrt(mW) at the receiver), `kind`
+    [n, P] (`DIRECT`, `SPECULAR`, `DIFFRACTED`, or `NO_PATH` for padding), `tail` [n, G] complex
+    taps one sample apart from `tail_start_ns` [n] on (no pulse in them unless `tail_shaped`).
+    Receiver: `waveform` [n, S] (counts, signal alone) and `noise` [n, S] (counts), the excess
+    delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
+    noise standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
+    `symbols` and `level_dbm`.
+    Ranging: `first_path` [n] (samples from sample 0), `range_m` [n], the chip's `rx_power_dbm`
+    and `first_path_power_dbm` [n], `noise_std` [n] counts. `clock_offset_ppm` [n] where known.
+    """
+
+    rows: Scene
+    centre_ghz: float
+    sample_period_ns: float
+    excess_ns: Reals
+    gain: Complexes
+    kind: NDArray[np.int8]
+    tail: Complexes
+    tail_start_ns: Reals
+    tail_shaped: bool = False
+    waveform: Complexes | None = None
+    noise: Complexes | None = None
+    start_ns: Reals | None = None
+    symbols: Floats | None = None
+    threshold: Floats | None = None
+    level_dbm: Floats | None = None
+    first_path: Floats | None = None
+    range_m: Floats | None = None
+    rx_power_dbm: Floats | None = None
+    first_path_power_dbm: Floats | None = None
+    noise_std: Floats | None = None
+    clock_offset_ppm: Floats | None = None
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def direct(self) -> NDArray[np.bool_]:
+        """Which paths are the straight line [n, P]."""
+        return np.asarray(self.kind == DIRECT)
+
+    def path_power_dbm(self) -> Floats:
+        """Return the total power of paths and tail [n] in dBm."""
+        power = np.sum(np.abs(self.gain) ** 2, axis=1, dtype=np.float64)
+        return decibel(power + np.sum(np.abs(self.tail) ** 2, axis=1, dtype=np.float64))
+
+    def level(self) -> Floats:
+        """Return the true receive level [n] in dBm, at whatever stage the batch is."""
+        return self.path_power_dbm() if self.level_dbm is None else self.level_dbm
+
+    def louder(self, gain_db: Floats | float) -> Batch:
+        """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""
+        ratio = np.asarray(10 ** (np.asarray(gain_db, np.float32) / 20), np.float32)
+        ratio = np.broadcast_to(ratio, (len(self),))[:, None]
+        return replace(self, gain=self.gain * ratio, tail=self.tail * ratio)
+
+    def direct_changed(self, loss_db: Floats, delay_ns: Floats) -> Batch:
+        """Return the batch with the straight path weaker by `loss_db` [n], later by `delay_ns`."""
+        ratio = np.asarray(10 ** (-np.asarray(loss_db) / 20), np.float32)[:, None]
+        later = np.asarray(delay_ns, np.float32)[:, None]
+        gain = np.where(self.direct, self.gain * ratio, self.gain)
+        excess = np.where(self.direct, self.excess_ns + later, self.excess_ns)
+        return replace(self, gain=gain, excess_ns=excess)
+
+    def with_paths(self, excess_ns: Reals, gain: Complexes, kind: int) -> Batch:
+        """Return the batch with more paths, [n, Q] each; those of zero gain become padding."""
+        fresh = np.where(gain == 0, NO_PATH, kind).astype(np.int8)
+        return replace(
+            self,
+            excess_ns=np.concatenate([self.excess_ns, excess_ns.astype(np.float32)], axis=1),
+            gain=np.concatenate([self.gain, gain.astype(np.complex64)], axis=1),
+            kind=np.concatenate([self.kind, fresh], axis=1),
+        )
+
+    def longer(self, by_m: Floats | float) -> Batch:
+        """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""
+        if self.range_m is None:
+            raise ValueError("ranges exist only at the ranging stage")
+        return replace(self, range_m=self.range_m + by_m)
+
+    def later(self, by_ns: Floats | float) -> Batch:
+        """Return the batch with ranges longer by `by_ns` nanoseconds of one-way delay."""
+        return self.longer(np.asarray(by_ns, np.float64) * C_M_PER_NS)

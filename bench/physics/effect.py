@@ -1,0 +1,130 @@
+"""What an effect is: parameters with units and bounds, a source, a stage and one `apply`.
+
+A third party writes
+
+    @dataclass(frozen=True)
+    class Warmth(Effect):
+        '''Range drifts with temperature.'''
+
+        name = "warmth"
+        stage = "ranging"
+        source = "my data sheet, p. 3"
+        slope_m_per_c: float = parameter(0.002, "m/degC", -0.02, 0.02, "drift per degree")
+
+        def apply(self, batch, draws):
+            warm = batch.rows.number("temperature_c", 25.0) - 25.0
+            return batch.longer(self.slope_m_per_c * warm)
+
+and registers it under the entry-point group `bench.effects`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, fields
+from math import isfinite
+from typing import Any, ClassVar, Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError, unknown_name
+from bench.physics.batch import Batch
+from bench.physics.randomness import Draws
+
+Stage = Literal["propagation", "receiver", "ranging"]
+STAGES: tuple[Stage, ...] = ("propagation", "receiver", "ranging")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter: unit, physical bounds, and the value at which it does nothing, if any."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    default: float
+    meaning: str
+    null: float | None
+
+
+def parameter(
+    default: float,
+    unit: str,
+    low: float,
+    high: float,
+    meaning: str,
+    *,
+    null: float | None = None,
+) -> Any:
+    """Return a dataclass field that carries its unit, bounds and meaning."""
+    facts = {"unit": unit, "low": low, "high": high, "meaning": meaning, "null": null}
+    return field(default=default, metadata=facts)
+
+
+def describe(kind: type[Any]) -> tuple[Parameter, ...]:
+    """Return the parameters of a dataclass made with `parameter` fields."""
+    return tuple(
+        Parameter(name=item.name, default=float(cast(float, item.default)), **item.metadata)
+        for item in fields(kind)
+        if "unit" in item.metadata
+    )
+
+
+def check_bounds(owner: str, values: Any) -> None:
+    """Raise BenchError where a parameter of dataclass `values` is no number or out of bounds."""
+    for item in describe(type(values)):
+        value = getattr(values, item.name)
+        where = f"{owner}: {item.name} = {value!r}"
+        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            raise BenchError(f"{where}, expected a number in {item.unit}")
+        if not item.low <= value <= item.high:
+            bounds = f"{item.low:g} to {item.high:g} {item.unit}"
+            raise BenchError(f"{where} {item.unit} is outside its physical bounds, {bounds}")
+
+
+@dataclass(frozen=True)
+class Effect(ABC):
+    """One physical effect on a batch of rows.
+
+    Class attributes: `name` (its entry point), `number` (in the documentation's list), `stage`,
+    `source` (where model and magnitudes come from), `signature` (what it does to recordings, in
+    words), `control` (when it must vanish, in words, or "" where no such rows exist).
+    `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
+    meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
+    """
+
+    name: ClassVar[str]
+    stage: ClassVar[Stage]
+    source: ClassVar[str]
+    number: ClassVar[int] = 0
+    signature: ClassVar[str] = ""
+    control: ClassVar[str] = ""
+    without_cir: ClassVar[bool] = True
+    on_tables: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        check_bounds(f"effect {self.name!r}", self)
+
+    @abstractmethod
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Return the batch with the effect in it. Never writes into the arrays it is given."""
+
+    def inert(self, batch: Batch) -> NDArray[np.bool_]:
+        """Return the rows [n] on which the effect must do nothing: its negative control."""
+        return np.zeros(len(batch.rows), bool)
+
+    @classmethod
+    def parameters(cls) -> tuple[Parameter, ...]:
+        """Return its parameters with unit, bounds and meaning."""
+        return describe(cls)
+
+    @classmethod
+    def from_values(cls, values: dict[str, Any]) -> Effect:
+        """Return the effect with these parameter values. Raises BenchError on a wrong one."""
+        known = [item.name for item in fields(cls)]
+        for given in values:
+            if given not in known:
+                raise unknown_name(f"parameter of effect {cls.name!r}:", given, known)
+        return cls(**values)

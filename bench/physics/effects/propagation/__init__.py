@@ -1,0 +1,1 @@
+"""Effects on paths: what happens to the signal between the antennas."""

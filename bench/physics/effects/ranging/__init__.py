@@ -1,0 +1,1 @@
+"""Effects on timestamps and ranges: clocks, antennas, calibration."""

@@ -1,0 +1,59 @@
+"""Effect 3: the crystals of the two devices differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.units import C_M_PER_NS, Floats
+
+
+@dataclass(frozen=True)
+class ClockOffset(Effect):
+    """Single-sided ranging reads c/2 x reply time x crystal offset long: 0.15 m per ppm and ms.
+
+    Offset of a row = `clock_offset_ppm` where `use_column` is 1 and the column is known, plus
+    `offset_ppm`, plus a constant of each device (`device_spread_ppm`, tx minus rx, so swapping
+    the roles flips the sign), plus `drift_ppm_per_hour` x time. `double_sided` 1 leaves only
+    offset x time of flight, as the asymmetric double-sided exchange does.
+    """
+
+    name = "clock-offset"
+    number = 3
+    stage = "ranging"
+    source = "Neirynck, Luk and McLaughlin, WPNC 2016, equations (4) and (13)"
+    signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
+    control = "rows with zero reply time"
+
+    offset_ppm: float = parameter(0, "ppm", -100, 100, "common offset", null=0)
+    device_spread_ppm: float = parameter(0, "ppm", 0, 40, "std over devices", null=0)
+    drift_ppm_per_hour: float = parameter(0, "ppm/h", -20, 20, "drift of the offset", null=0)
+    reply_time_s: float = parameter(3e-4, "s", 0, 1, "where the rows do not tell")
+    double_sided: int = parameter(0, "0 or 1", 0, 1, "asymmetric double-sided exchange")
+    use_column: int = parameter(0, "0 or 1", 0, 1, "add the recorded clock_offset_ppm")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by the clock error of the exchange."""
+        offset = self._offset_ppm(batch, draws)
+        flight_s = batch.rows.true_range_m / C_M_PER_NS * 1e-9
+        reply = batch.rows.number("reply_time_s", self.reply_time_s)
+        time_s = flight_s if self.double_sided else reply / 2
+        return replace(batch.later(offset * 1e-6 * time_s * 1e9), clock_offset_ppm=offset)
+
+    def inert(self, batch: Batch) -> NDArray[np.bool_]:
+        """Rows with zero reply time."""
+        return np.asarray(batch.rows.number("reply_time_s", self.reply_time_s) == 0)
+
+    def _offset_ppm(self, batch: Batch, draws: Draws) -> Floats:
+        """Return the crystals' relative offset of each row [n]."""
+        hours = batch.rows.number("time_s", 0.0) / 3600
+        offset = self.offset_ppm + self.drift_ppm_per_hour * hours
+        if self.use_column:
+            offset = offset + batch.rows.number("clock_offset_ppm", 0.0)
+        ends = [draws.group_normal(batch.rows.group(end)) for end in ("tx", "rx")]
+        return np.asarray(offset + self.device_spread_ppm * (ends[0] - ends[1]), np.float64)

@@ -1,0 +1,1 @@
+"""Effects on the waveform: what the receiver does to every path alike."""
