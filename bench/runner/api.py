@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from bench.recordings.table import Recordings
 from bench.results import RunRecord, TimingRecord
-from bench.runner.execute import Failure, execute
+from bench.runner.execute import execute
+from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
 from bench.runner.material import load_material
 from bench.runner.observer import Observer

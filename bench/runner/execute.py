@@ -14,6 +14,7 @@ from bench.files import atomic_path
 from bench.plugins import Plugin
 from bench.results import RunKey, RunRecord
 from bench.runner.evaluate import evaluate
+from bench.runner.failure import Failure
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
 from bench.runner.hashes import decisive_versions, run_code_hash
@@ -24,16 +25,6 @@ from bench.runner.records import finished_record, skipped_record, write_predicti
 
 if TYPE_CHECKING:
     from zoo.base import MitigationModel
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A run that broke: it is reported and never cached."""
-
-    model: str
-    backend: str
-    seed: int
-    reason: str
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,97 @@
+"""Timing the artifacts of finished runs, all together, after everything else has ended."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from bench.errors import BenchError
+from bench.measure.energy import host_meter
+from bench.measure.latency import Timing, TimingTarget, measure
+from bench.measure.machine import describe_machine
+from bench.results import RunRecord, TimingRecord
+from bench.runner.failure import Failure
+from bench.runner.folder import ResultFolder
+from bench.runner.observer import Observer
+from bench.runner.records import now_utc
+
+AT_ONCE = 25  # workers kept alive together: each holds a runtime of about 100 MB
+
+
+def time_artifacts(
+    runs: Sequence[RunRecord], folder: ResultFolder, width: int, watch: Observer
+) -> tuple[list[TimingRecord], list[Failure]]:
+    """Return a timing per model and backend (the first seed's artifact), measured or known.
+
+    Nothing else runs meanwhile. One artifact that cannot be timed does not stop the others.
+    """
+    machine = describe_machine()
+    known: list[TimingRecord] = []
+    missing: list[RunRecord] = []
+    for run in _first_seeds(runs):
+        timing = folder.find_timing(_digest(run, machine))
+        known.append(timing) if timing else missing.append(run)
+    failures: list[Failure] = []
+    for start in range(0, len(missing), AT_ONCE):
+        block = missing[start : start + AT_ONCE]
+        for run, timing in zip(block, _measure(block, folder, width, watch), strict=True):
+            if isinstance(timing, BenchError):
+                failures.append(_failure(run, timing))
+            else:
+                known.append(_record(run, timing, machine))
+                folder.write_timing(_digest(run, machine), known[-1])
+    return known, failures
+
+
+def _measure(
+    runs: Sequence[RunRecord], folder: ResultFolder, width: int, watch: Observer
+) -> list[Timing | BenchError]:
+    targets = [
+        TimingTarget(
+            folder.root / str(run.artifact),
+            str(run.opener),
+            width,
+            label=f"{run.key.model} on {run.key.backend}",
+        )
+        for run in runs
+    ]
+    return measure(
+        targets, progress=partial(watch.progress, "measuring latency"), meter=host_meter()
+    )
+
+
+def _first_seeds(runs: Sequence[RunRecord]) -> list[RunRecord]:
+    """Return the lowest seed's finished run of every model and backend."""
+    first: dict[tuple[str, str], RunRecord] = {}
+    for run in sorted(runs, key=lambda one: one.key.seed):
+        if run.status == "ok":
+            first.setdefault((run.key.model, run.key.backend), run)
+    return list(first.values())
+
+
+def _digest(run: RunRecord, machine: dict[str, Any]) -> str:
+    key = [run.key.model, run.key.backend, run.key.data, run.artifact_sha256, machine["id"]]
+    return hashlib.sha256(json.dumps(key).encode()).hexdigest()[:20]
+
+
+def _record(run: RunRecord, timing: Timing, machine: dict[str, Any]) -> TimingRecord:
+    return TimingRecord(
+        model=run.key.model,
+        backend=run.key.backend,
+        data=run.key.data,
+        artifact_sha256=str(run.artifact_sha256),
+        machine=machine,
+        latency=timing.latency,
+        throughput_rows_per_s=timing.throughput_rows_per_s,
+        peak_memory_bytes=timing.peak_memory_bytes,
+        energy_mj=timing.energy_mj,
+        energy_how=timing.energy_how,
+        created_utc=now_utc(),
+    )
+
+
+def _failure(run: RunRecord, problem: BenchError) -> Failure:
+    return Failure(run.key.model, run.key.backend, run.key.seed, f"timing: {problem}")
