@@ -219,7 +219,7 @@ def _bad_cirs(frame: pd.DataFrame) -> Iterator[Finding]:
     lengths = cir_lengths(frame["cir"])
     yield "no CIR", lengths == 0
     usual = int(np.bincount(lengths[lengths > 0]).argmax()) if lengths.any() else 0
-    wrong = lengths != usual
+    wrong = (lengths != usual) | (lengths == 0)
     for part in [c for c in CIR_COLUMNS[1:] if c in frame]:
         wrong |= cir_lengths(frame[part]) != usual
     yield f"CIR not of length {usual}", wrong

@@ -1,0 +1,107 @@
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from recordings_factory import cells, make_frame
+
+from bench.errors import BenchError
+from bench.recordings.clean import add_counts, clean, describe
+
+
+def _with(rows: int = 20, **bad) -> pd.DataFrame:
+    """Return a good table whose first row has the given values."""
+    frame = make_frame(rows=rows, width=30, links=4)
+    frame = frame.astype({name: object for name in bad if name in frame})
+    for name, value in bad.items():
+        if name not in frame:
+            frame[name] = pd.Series([None] * rows, dtype=object)
+        frame.at[0, name] = value
+    return frame
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        ({"range_m": np.nan}, "no range error"),
+        ({"true_range_m": None}, "no range error"),
+        ({"range_m": "n/a"}, "range_m is not a number"),
+        ({"range_m": np.inf}, "range_m is infinite"),
+        ({"rx_power_dbm": -np.inf}, "rx_power_dbm is infinite"),
+        ({"range_m": 1500.0}, "error beyond 1 km"),
+        ({"true_range_m": -0.5}, "negative true range"),
+        ({"error_m": 3.0}, "error_m contradicts range_m - true_range_m"),
+        ({"link": None}, "no link"),
+        ({"cir": np.ones(29, np.float32)}, "CIR not of length 30"),
+        ({"cir": None}, "no CIR"),
+        ({"cir": np.full(30, np.nan, np.float32)}, "NaN in the CIR"),
+        ({"cir": np.full(30, np.inf, np.float32)}, "NaN in the CIR"),
+        ({"cir": np.zeros(30, np.float32)}, "CIR zero throughout"),
+        ({"first_path_index": -1.0}, "first path outside the CIR"),
+        ({"first_path_index": 30.0}, "first path outside the CIR"),
+    ],
+)
+def test_a_bad_row_is_dropped_under_its_reason(bad, reason: str) -> None:
+    frame = _with(**bad)
+    if "error_m" in bad:
+        frame["error_m"] = (frame["range_m"] - frame["true_range_m"]).where(frame.index > 0, 3.0)
+    cleaned = clean(frame, "t")
+    assert cleaned.dropped == {reason: 1}
+    assert len(cleaned.frame) == 19
+    assert cleaned.frame["range_m"].iloc[0] == frame["range_m"].iloc[1]
+
+
+def test_a_value_that_is_not_known_is_kept() -> None:
+    cleaned = clean(_with(rx_power_dbm=None, los=None, first_path_index=np.nan, time_s=""), "t")
+    assert cleaned.dropped == {}
+    assert cleaned.frame["los"].isna().sum() == 1
+    assert cleaned.frame["time_s"].dtype == np.float64
+
+
+def test_timestamps_explain_an_error_beyond_a_kilometre() -> None:
+    frame = _with(range_m=2000.0)
+    for stamp in ("T1", "T2", "T3", "T4", "T5", "T6"):
+        frame[stamp] = 1.0
+    assert clean(frame, "t").dropped == {}
+
+
+def test_the_complex_accumulator_gives_the_magnitude() -> None:
+    frame = make_frame(rows=8, width=10).drop(columns="cir")
+    frame["cir_i"], frame["cir_q"] = cells(np.full((8, 10), 3.0)), cells(np.full((8, 10), -4.0))
+    cleaned = clean(frame, "t").frame
+    np.testing.assert_array_equal(np.stack(cleaned["cir"]), np.full((8, 10), 5.0, np.float32))
+
+
+def test_numbers_as_link_names_become_text_without_a_fraction() -> None:
+    frame = make_frame(rows=6)
+    frame["link"], frame["environment"] = [1, 1, 2, 2, 3, 3], [1.0, None, 2.0, 2.0, 2.0, 2.0]
+    cleaned = clean(frame, "t").frame
+    assert cleaned["link"].tolist() == ["1", "1", "2", "2", "3", "3"]
+    assert cleaned["environment"].dropna().tolist() == ["1", "2", "2", "2", "2"]
+
+
+@pytest.mark.parametrize("words", [["true", "FALSE"], ["1", "0"], [1, 0], ["yes", "No"], [1.0, 0]])
+def test_line_of_sight_may_be_said_in_several_ways(words) -> None:
+    frame = make_frame(rows=6).assign(los=words * 3)
+    assert clean(frame, "t").frame["los"].tolist() == [True, False] * 3
+
+
+def test_a_strange_line_of_sight_label_is_refused() -> None:
+    with pytest.raises(BenchError, match="'los' holds 'maybe'; expected true or false"):
+        clean(_with(los="maybe"), "t")
+
+
+def test_more_than_half_bad_is_an_error_naming_the_reasons() -> None:
+    frame = make_frame(rows=10)
+    frame.loc[:5, "range_m"] = np.nan
+    with pytest.raises(BenchError, match="t: 6 of 10 rows are unusable \\(6 no range error\\)"):
+        clean(frame, "t")
+    frame.loc[:0, "range_m"] = 5.0
+    frame.loc[:0, "true_range_m"] = 5.0
+    assert clean(frame, "t").dropped == {"no range error": 5}
+
+
+def test_counts_add_up_and_read_well() -> None:
+    total = add_counts({"a": 1}, {"b": 5, "a": 2})
+    assert total == {"a": 3, "b": 5}
+    assert describe(total) == "5 b, 3 a"

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.errors import BenchError
+from bench.recordings import read_recordings
+
+
+def _write(path: Path, *lines: str) -> Path:
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("cell", ['"[1, 2.5, 3]"', "1 2.5 3", "1;2.5;3", '"1, 2.5, 3"'])
+def test_a_cir_cell_may_be_a_list_or_separated_numbers(tmp_path: Path, cell: str) -> None:
+    path = _write(
+        tmp_path / "t.csv",
+        "range_m,true_range_m,cir,link,los,obstacles",
+        f"5.1,5.0,{cell},007,true,wall; glass plate",
+        f"5.2,5.0,{cell},007,false,",
+        f'5.3,5.0,{cell},008,,"[""wood door""]"',
+    )
+    read = read_recordings(path)
+    np.testing.assert_array_equal(read.frame["cir"].iloc[0], np.float32([1, 2.5, 3]))
+    assert read.frame["link"].tolist() == ["007", "007", "008"]
+    assert read.frame["obstacles"].tolist() == [["wall", "glass plate"], [], ["wood door"]]
+    assert read.frame["los"].isna().tolist() == [False, False, True]
+    assert (read.source, read.dropped) == ("t", {})
+
+
+def test_a_cir_may_stand_in_numbered_columns_in_any_order(tmp_path: Path) -> None:
+    header = "error_m," + ",".join(f"cir_{number}" for number in (0, 2, 1, *range(3, 12)))
+    rows = ["0.1," + ",".join(str(v) for v in range(12)) for _ in range(3)]
+    read = read_recordings(_write(tmp_path / "t.csv", header, *rows))
+    assert read.frame["cir"].iloc[0].tolist() == [0, 2, 1, *range(3, 12)]
+    assert list(read.frame.columns) == ["error_m", "cir"]
+
+
+def test_the_complex_accumulator_may_stand_in_numbered_columns(tmp_path: Path) -> None:
+    path = _write(tmp_path / "t.csv", "error_m,cir_i_0,cir_i_1,cir_q_0,cir_q_1", "0.1,3,0,4,1")
+    assert read_recordings(path).frame["cir"].iloc[0].tolist() == [5.0, 1.0]
+
+
+def test_unreadable_cells_are_dropped_and_counted(tmp_path: Path) -> None:
+    path = _write(tmp_path / "t.csv", "error_m,cir", *["0.1,1 2 3"] * 3, "0.1,abc", "oops,1 2 3")
+    read = read_recordings(path)
+    assert read.dropped == {"error_m is not a number": 1, "no CIR": 1}
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        (["error_m,cir_0,cir_2", "0.1,1,2"], "no column 'cir_1'; expected cir_0 to cir_2"),
+        (["error_m,cir_0,cir_1", "0.1,1,x"], "column 'cir_1' holds text"),
+        (["error_m,error_m", "0.1,1"], "'error_m' stands twice"),
+        (["error_m", "0.1,1"], "not a CSV table"),
+        (["error_m"], "no rows"),
+        ([""], "not a CSV table"),
+        (["range_m;true_range_m", "1;2"], "no column 'range_m'"),
+    ],
+)
+def test_a_bad_csv_gives_one_clear_line(tmp_path: Path, lines: list[str], expected: str) -> None:
+    with pytest.raises(BenchError) as caught:
+        read_recordings(_write(tmp_path / "t.csv", *lines))
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
