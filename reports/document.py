@@ -29,10 +29,10 @@ class Bullets:
 
 @dataclass(frozen=True)
 class Cell:
-    """One figure: `text` (bold where it is the `best` of its column), below it `detail`."""
+    """One figure: `text` (bold where it is the `best` of its column), below it the `details`."""
 
     text: str
-    detail: str = ""
+    details: tuple[str, ...] = ()
     best: bool = False
 
 

@@ -79,7 +79,8 @@ def _machine(board: Board) -> str:
     if board.machine is None:
         return "machine: no timings"
     label = machine_label(board.machine)
-    details = [f"{key} {text}" for key, value in board.machine.items() if (text := _fact(value))]
+    known = [(key, _fact(value)) for key, value in board.machine.items()]
+    details = [f"{key} {text}" for key, text in known if text and text != label]
     return f"machine: {label} ({'; '.join(details)})"
 
 

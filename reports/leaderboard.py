@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 from reports.boards import Board, Entry
 from reports.document import Block, Bullets, Column, Document, Heading, Image, Paragraph
@@ -20,13 +20,18 @@ from reports.measures import (
 DEVICES_PER_GROUP = 4  # device columns side by side in a terminal
 UNREADABLE_SHOWN = 20
 
+_INTRODUCTION = (
+    "Ranging error that remains after mitigation, and what each model costs. Sorted by NLoS MAE; "
+    "the best of each column is bold. How to read it stands at the end."
+)
 _LEGEND = (
     "Error = measured - true range; a model predicts it, the corrected range is measured - "
     "predicted. MAE and σ (standard deviation) are of what error remains.",
     "[low, high]: 95 % interval, for accuracy by bootstrap over links (with several seeds the ends "
     "are averaged), for latency of the median. ±: 95 % interval of the mean over seeds.",
-    "Bold: the best figure of its column, not a significant difference where intervals overlap. "
-    "The floor (no mitigation) takes part in accuracy only; unstable timings take no part.",
+    "Bold: the best figure of its column (not a significant difference where intervals overlap; "
+    "nothing is bold where all are alike). The floor, no mitigation, takes part in accuracy only; "
+    "unstable timings take no part.",
     "Latency, throughput and peak memory are measured on one thread of the machine named below "
     "the table; kB = 1000 bytes, MB = 1000 kB. † timed with other weights of the same model and "
     "backend.",
@@ -38,18 +43,22 @@ def leaderboard(
     boards: Sequence[Board], unreadable: Sequence[Unreadable] = (), picture: str | None = None
 ) -> Document:
     """Return the leaderboard. `picture` is the path of a figure to show, relative to the report."""
-    document: Document = [Heading("Leaderboard", 1), Bullets(_LEGEND)]
+    document: Document = [Heading("Leaderboard", 1), Paragraph(_INTRODUCTION)]
     if picture:
         document.append(Image(picture, "Latency against NLoS MAE, with the Pareto front"))
     for board in boards:
         document += _section(board)
-    return document + _left_out(unreadable)
+    document += _left_out(unreadable)
+    return [*document, Heading("How to read it", 2), Bullets(_LEGEND)]
 
 
 def title(board: Board) -> str:
     """Return a board's heading; simulated data says so."""
-    mark = " (SIMULATED)" if board.simulated else ""
-    return f"{board.data}{mark}, split {board.split}"
+    return f"{_data(board)}, split {board.split}"
+
+
+def _data(board: Board) -> str:
+    return f"{board.data} (SIMULATED)" if board.simulated else board.data
 
 
 def _section(board: Board) -> Document:
@@ -67,9 +76,9 @@ def _estimates(board: Board) -> Document:
     latency = [_estimate(board, device, lambda one: one.latency_us) for device in board.devices]
     energy = [_estimate(board, device, lambda one: one.energy_mj) for device in board.devices]
     return [
-        Heading(f"Latency of one inference per device, µs (est.): {title(board)}", 3),
+        Heading(f"Latency of one inference, µs (est.): {_data(board)}", 3),
         table(board.entries, [*KEYS, *latency]),
-        Heading(f"Energy of one inference per device, mJ (est.): {title(board)}", 3),
+        Heading(f"Energy of one inference, mJ (est.): {_data(board)}", 3),
         table(board.entries, [*KEYS, *_measured_energy(board), *energy]),
         *_device_reasons(board.entries),
     ]
@@ -96,15 +105,32 @@ def _measured_energy(board: Board) -> list[Measure]:
     return [interval_measure(Column("this machine (measured)", "devices 0"), read)]
 
 
-def _device_reasons(entries: Iterable[Entry]) -> list[Block]:
+def _device_reasons(entries: Sequence[Entry]) -> list[Block]:
     """Return, for every device and reason, the pairs the device cannot run."""
-    found: dict[tuple[str, str], list[str]] = {}
+    found: dict[tuple[str, str], list[Entry]] = {}
     for entry in entries:
         for one in entry.estimates:
             if one.reason:
-                found.setdefault((one.device, one.reason), []).append(entry.name)
-    items = [f"{device}: {reason} ({', '.join(some)})" for (device, reason), some in found.items()]
+                found.setdefault((one.device, one.reason), []).append(entry)
+    items = [
+        f"{device}: {reason} ({_pairs(some, entries)})" for (device, reason), some in found.items()
+    ]
     return [Paragraph("Not estimated:"), Bullets(tuple(items))] if items else []
+
+
+def _pairs(some: Sequence[Entry], entries: Sequence[Entry]) -> str:
+    """Return the pairs in words; a backend with all of its models goes by its name alone."""
+    whole = [
+        backend
+        for backend in sorted({entry.backend for entry in some})
+        if _models_on(backend, some) == _models_on(backend, entries)
+    ]
+    rest = [entry.name for entry in some if entry.backend not in whole]
+    return ", ".join([*(f"every model on {backend}" for backend in whole), *rest])
+
+
+def _models_on(backend: str, entries: Sequence[Entry]) -> set[str]:
+    return {entry.model for entry in entries if entry.backend == backend}
 
 
 def _left_out(unreadable: Sequence[Unreadable]) -> Document:

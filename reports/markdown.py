@@ -79,4 +79,4 @@ def _rule(column: Column) -> str:
 def _cell(cell: Cell) -> str:
     text = f"**{escape(cell.text)}**" if cell.best else escape(cell.text)
     # A second line inside a cell: Markdown tables know no other way.
-    return f"{text}<br>{escape(cell.detail)}" if cell.detail else text
+    return f"{text}<br>{escape(' '.join(cell.details))}" if cell.details else text

@@ -10,7 +10,7 @@ from typing import Literal
 from reports.boards import Entry
 from reports.document import Cell, Column, Table
 from reports.load import Interval, Size
-from reports.numbers import UNKNOWN, count, low_to_high, metres, ratio, seed_detail, significant
+from reports.numbers import UNKNOWN, count, low_to_high, metres, ratio, seed_details, significant
 from reports.seeds import Accuracy, SeedMean
 
 Better = Literal["low", "high"]
@@ -26,6 +26,8 @@ class Figure:
     value: float | None = None
 
 
+NLOS, LOS, SPEED, SIZE = "NLoS", "LoS", "speed", "size"
+"""The groups of columns that stay together on a narrow page."""
 NOTHING = Figure(Cell(UNKNOWN))
 
 
@@ -53,12 +55,12 @@ def table(entries: Sequence[Entry], measures: Sequence[Measure]) -> Table:
 def accuracy_measures() -> list[Measure]:
     """Return the columns of accuracy after mitigation. The floor takes part: it can win."""
     return [
-        Measure(Column("Seeds", "accuracy"), lambda entry: Figure(Cell(str(len(entry.seeds))))),
         _metres("NLoS MAE (m)", _nlos, lambda score: score.mae_m),
         _ratio("NLoS R²", _nlos, lambda score: score.r2),
         _metres("NLoS σ (m)", _nlos, lambda score: score.sigma_m),
         _metres("LoS MAE (m)", _los, lambda score: score.mae_m),
         _ratio("LoS R²", _los, lambda score: score.r2),
+        Measure(Column("Seeds", LOS), lambda entry: Figure(Cell(str(len(entry.seeds))))),
     ]
 
 
@@ -67,14 +69,14 @@ def cost_measures() -> list[Measure]:
     return [
         _latency(1),
         _latency(4),
-        Measure(Column("Throughput (rows/s)", "speed"), _throughput, "high"),
-        Measure(Column("Peak memory (MB)", "speed"), _peak_memory, "low"),
+        Measure(Column("Throughput (rows/s)", SPEED), _throughput, "high"),
+        Measure(Column("Peak memory (MB)", SPEED), _peak_memory, "low"),
         _size("File (kB)", lambda size: size.file_bytes / 1000, significant),
         _size("Weights (kB)", lambda size: size.weight_bytes / 1000, significant),
         _size("Parameters", lambda size: size.parameters, count),
         _size("MACs", lambda size: size.macs, count),
         Measure(
-            Column("Integer kernels", "size", number=False),
+            Column("Integer kernels", SIZE, number=False),
             lambda entry: Figure(Cell(entry.integer_kernels or UNKNOWN)),
         ),
     ]
@@ -104,11 +106,15 @@ def _los(entry: Entry) -> Accuracy | None:
 
 
 def _metres(header: str, rows: Rows, pick: Callable[[Accuracy], SeedMean]) -> Measure:
-    return Measure(Column(header, "accuracy"), _accuracy(rows, pick, metres, 4), "low")
+    return Measure(Column(header, _group(rows)), _accuracy(rows, pick, metres, 4), "low")
 
 
 def _ratio(header: str, rows: Rows, pick: Callable[[Accuracy], SeedMean]) -> Measure:
-    return Measure(Column(header, "accuracy"), _accuracy(rows, pick, ratio, 3), "high")
+    return Measure(Column(header, _group(rows)), _accuracy(rows, pick, ratio, 3), "high")
+
+
+def _group(rows: Rows) -> str:
+    return NLOS if rows is _nlos else LOS
 
 
 def _accuracy(
@@ -122,7 +128,7 @@ def _accuracy(
         if scored is None:
             return NOTHING
         mean = pick(scored)
-        return Figure(Cell(text(mean.value), seed_detail(mean, decimals)), mean.value)
+        return Figure(Cell(text(mean.value), seed_details(mean, decimals)), mean.value)
 
     return figure
 
@@ -132,20 +138,20 @@ def _latency(batch: int) -> Measure:
         one = entry.latency(batch)
         if one is None:
             return NOTHING
-        detail = f"[{significant(one.low_us)}, {significant(one.high_us)}]"
+        details = (f"[{significant(one.low_us)}, {significant(one.high_us)}]",)
         text = significant(one.median_us) + _dagger(entry)
         if one.unstable:
-            return Figure(Cell(text, f"{detail} unstable"))
-        return _cost(entry, Cell(text, detail), one.median_us)
+            return Figure(Cell(text, (*details, "unstable")))
+        return _cost(entry, Cell(text, details), one.median_us)
 
-    return Measure(Column(f"Latency, batch {batch} (µs)", "speed"), figure, "low")
+    return Measure(Column(f"Latency, batch {batch} (µs)", SPEED), figure, "low")
 
 
 def _throughput(entry: Entry) -> Figure:
     if entry.timing is None:
         return NOTHING
     value = entry.timing.throughput_rows_per_s
-    return _cost(entry, Cell(significant(value) + _dagger(entry)), value)
+    return _cost(entry, Cell(count(value) + _dagger(entry)), value)
 
 
 def _peak_memory(entry: Entry) -> Figure:
@@ -162,7 +168,7 @@ def _size(header: str, pick: Callable[[Size], float], text: Callable[[float], st
         value = pick(entry.size)
         return _cost(entry, Cell(text(value)), value)
 
-    return Measure(Column(header, "size"), figure, "low")
+    return Measure(Column(header, SIZE), figure, "low")
 
 
 def _cost(entry: Entry, cell: Cell, value: float) -> Figure:
@@ -178,9 +184,9 @@ def _dagger(entry: Entry) -> str:
 
 
 def _marked(figures: Sequence[Figure], better: Better | None) -> list[Cell]:
-    """Return the cells, those that read like the best one marked."""
+    """Return the cells, those that read like the best one marked; none where all read alike."""
     ranked = [one for one in figures if one.value is not None and math.isfinite(one.value)]
-    if better is None or not ranked:
+    if better is None or len({one.cell.text for one in ranked}) < 2:
         return [one.cell for one in figures]
     sign = 1 if better == "low" else -1
     best = min(ranked, key=lambda one: sign * (one.value or 0.0)).cell.text

@@ -37,18 +37,18 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{value:,.{decimals}f}"
 
 
-def seed_detail(mean: SeedMean, decimals: int) -> str:
-    """Return `[low, high]` over links and `± half` over seeds, each where known."""
-    parts = []
+def seed_details(mean: SeedMean, decimals: int) -> tuple[str, ...]:
+    """Return `[low, high]` over links and `±half` over seeds, each where known."""
+    parts: list[str] = []
     if mean.low is not None and mean.high is not None:
         parts.append(f"[{mean.low:.{decimals}f}, {mean.high:.{decimals}f}]")
     if mean.seed_half is not None:
         parts.append(f"±{mean.seed_half:.{decimals}f}")
-    return " ".join(parts)
+    return tuple(parts)
 
 
-def low_to_high(figure: Interval) -> str:
-    """Return `low to high` of an estimate, empty where not known."""
+def low_to_high(figure: Interval) -> tuple[str, ...]:
+    """Return `low to high` of an estimate, nothing where not known."""
     if figure.low is None or figure.high is None:
-        return ""
-    return f"{significant(figure.low)} to {significant(figure.high)}"
+        return ()
+    return (f"{significant(figure.low)} to {significant(figure.high)}",)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import singledispatch
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, RenderableType
 from rich.padding import Padding
 from rich.table import Table as RichTable
@@ -65,7 +66,7 @@ def _(block: Table) -> Iterator[RenderableType]:
 
 
 def _rich_table(block: Table, chosen: list[int]) -> RichTable:
-    table = RichTable()
+    table = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for index in chosen:
         _add_column(table, block.columns[index])
     for row in block.rows:
@@ -74,9 +75,12 @@ def _rich_table(block: Table, chosen: list[int]) -> RichTable:
 
 
 def _add_column(table: RichTable, column: Column) -> None:
-    table.add_column(column.header, justify="right" if column.number else "left")
+    table.add_column(column.header, justify="right" if column.number else "left", overflow="fold")
 
 
 def _text(cell: Cell) -> Text:
-    text = Text(cell.text, style="bold green" if cell.best else "")
-    return text.append(f"\n{cell.detail}", style="dim not bold") if cell.detail else text
+    text = Text()
+    text.append(cell.text, style="bold green" if cell.best else "")
+    for detail in cell.details:
+        text.append(f"\n{detail}", style="dim")
+    return text
