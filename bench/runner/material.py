@@ -49,7 +49,7 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
-        make_split(recordings, chosen, source),
+        make_split(recordings, chosen, source=source),
         {**whole.dropped, **window.dropped},
     )
 
