@@ -27,16 +27,16 @@ def interval(value: float, half: float) -> Interval:
     return Interval(value, value - half, value + half)
 
 
-def score(mae_m: float = 0.07, raw_mae_m: float = 0.12, **changes: Any) -> Score:
+def score(mae: float = 0.07, raw_mae: float = 0.12, **changes: Any) -> Score:
     made = Score(
         rows=8000,
         links=160,
-        mae_m=interval(mae_m, 0.004),
-        r2=interval(1 - mae_m / raw_mae_m, 0.03),
-        sigma_m=interval(1.4 * mae_m, 0.006),
+        mae_m=interval(mae, 0.004),
+        r2=interval(1 - mae / raw_mae, 0.03),
+        sigma_m=interval(1.4 * mae, 0.006),
         bias_m=0.001,
-        raw_mae_m=raw_mae_m,
-        raw_sigma_m=1.3 * raw_mae_m,
+        raw_mae_m=raw_mae,
+        raw_sigma_m=1.3 * raw_mae,
     )
     return replace(made, **changes)
 
