@@ -1,19 +1,38 @@
-"""What a named data set is."""
+"""What a named data set is, and where its files are looked for."""
 
 from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
+from bench.files import cache_dir
 from bench.recordings.table import Recordings
+
+
+@dataclass(frozen=True)
+class Publisher:
+    """Where a data set is published.
+
+    `page` is for people, `doi` lets the repository's own list of files and checksums be asked for,
+    `urls` names single files where there is no such list: file name -> address. `hashes` holds the
+    checksums that are known beforehand, as pooch writes them (`sha256:..`, `md5:..`).
+    """
+
+    page: str
+    doi: str | None = None
+    urls: Mapping[str, str] = field(default_factory=dict)
+    hashes: Mapping[str, str] = field(default_factory=dict)
 
 
 class Source(ABC):
     """A named data set: `available()` says why it cannot be read, `load()` reads it.
 
     `test_environment` is the environment that leave-environment-out tests on by default.
+    `publisher` is where the files come from, None where there are none to fetch.
     """
 
     name: ClassVar[str]
@@ -21,6 +40,7 @@ class Source(ABC):
     licence: ClassVar[str]
     simulated: ClassVar[bool] = False
     test_environment: ClassVar[str | None] = None
+    publisher: ClassVar[Publisher | None] = None
 
     @abstractmethod
     def available(self) -> str | None:
@@ -35,3 +55,31 @@ def data_root() -> Path | None:
     """Return the folder of $BENCH_DATA, or None where it is not set."""
     named = os.environ.get("BENCH_DATA")
     return Path(named) if named else None
+
+
+def download_folder(name: str) -> Path:
+    """Return the folder that `bench data fetch` puts a data set's files in."""
+    return cache_dir() / "datasets" / name
+
+
+def find_file(name: str, wanted: str) -> Path | None:
+    """Return the first file or folder called `wanted` of the data set, or None.
+
+    Looked for at any depth under $BENCH_DATA/NAME and then under the download folder.
+    """
+    root = data_root()
+    folders = [root / name] if root else []
+    for folder in [*folders, download_folder(name)]:
+        if found := sorted(folder.rglob(wanted), key=lambda path: (len(path.parts), path)):
+            return found[0]
+    return None
+
+
+def how_to_get(source: Source, wanted: str) -> str:
+    """Return one line: what is missing, where it is published and where to put it."""
+    page = source.publisher.page if source.publisher else "its publisher"
+    folder = download_folder(source.name)
+    return (
+        f"{wanted} not found; run `bench data fetch {source.name}`, or download it by hand from "
+        f"{page} and put it in {folder} (or in $BENCH_DATA/{source.name})"
+    )
