@@ -1,0 +1,23 @@
+"""Every example in a docstring of zoo runs and gives what it says."""
+
+from __future__ import annotations
+
+import doctest
+import pkgutil
+from importlib import import_module
+
+import pytest
+
+import zoo
+
+MODULES = sorted(module.name for module in pkgutil.iter_modules(zoo.__path__, "zoo."))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples(name: str) -> None:
+    assert doctest.testmod(import_module(name)).failed == 0
+
+
+@pytest.mark.parametrize("name", ["features", "none", "remnet", "cnn1d", "svm", "mlp", "scaling"])
+def test_modules_show_an_example(name: str) -> None:
+    assert doctest.testmod(import_module(f"zoo.{name}")).attempted > 0

@@ -1,0 +1,138 @@
+"""What every built-in model shares: a fit is one torch module, and predict runs it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any, Self
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+from sklearn.utils.validation import check_is_fitted, validate_data
+from torch import Tensor, nn
+
+from zoo.base import Floats, MitigationModel, Progress, TrainingRecipe
+from zoo.preparation import Preparation, apply_in_blocks
+from zoo.training import train
+
+
+class RangeErrorModule(nn.Module):
+    """A fitted model as one module: raw CIRs [n, width] -> range errors [n] in metres."""
+
+    def __init__(self, preparation: Preparation, network: nn.Module) -> None:
+        super().__init__()
+        self.preparation, self.network = preparation, network
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return the errors [n] in metres."""
+        error: Tensor = self.network(self.preparation(x))
+        return error
+
+
+class ModuleModel(MitigationModel):
+    """A model whose fit is a torch module `module_`; predict and to_module are the same sums."""
+
+    module_: nn.Module
+
+    def predict(self, X: ArrayLike) -> Floats:
+        """Return the predicted error [n] in metres for CIRs [n, n_features_in_].
+
+        Raises ValueError for rows of another width or with NaN or infinity.
+        """
+        check_is_fitted(self)
+        rows = validate_data(self, X, dtype=np.float32, reset=False)
+        errors: Floats = apply_in_blocks(self.module_, rows).numpy()
+        return errors
+
+    def to_module(self) -> nn.Module:
+        """Return a copy of the fitted module in eval mode: [n, n_features_in_] -> [n] metres."""
+        check_is_fitted(self)
+        return deepcopy(self.module_).eval()
+
+    def fitted_state(self) -> dict[str, NDArray[Any]]:
+        """Return the fit as plain arrays: the module's state and the width of the rows."""
+        check_is_fitted(self)
+        state = {name: value.numpy().copy() for name, value in self.module_.state_dict().items()}
+        return {**state, "n_features_in_": np.array(self.n_features_in_)}
+
+    def restore_state(self, state: Mapping[str, NDArray[Any]]) -> bool:
+        """Become fitted from `fitted_state()`'s arrays; False where they do not suit."""
+        try:
+            weights = {name: torch.tensor(state[name]) for name in state}
+            width = int(weights.pop("n_features_in_"))
+            module = self._skeleton(width, weights)
+            module.load_state_dict(weights)
+        except (KeyError, ValueError, TypeError, RuntimeError):
+            return False
+        self.module_, self.n_features_in_ = module.eval(), width
+        return True
+
+    @abstractmethod
+    def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:
+        """Return the module for rows of `width`, ready to load `weights`."""
+
+    def _training_rows(self, X: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
+        rows, errors = validate_data(self, X, y, dtype=np.float32, y_numeric=True)
+        return rows, np.asarray(errors, np.float32)
+
+
+class NeuralModel(ModuleModel):
+    """A model trained by gradient descent: `_preparation`, `_network` and a recipe are enough.
+
+    A fit depends on the rows, the parameters and `random_state` (an int) alone.
+    """
+
+    module_: RangeErrorModule
+    learning_rate: float
+    batch_size: int
+    epochs: int
+    random_state: int
+
+    @abstractmethod
+    def training_recipe(self) -> TrainingRecipe:
+        """Return loss, learning rate, batch size and epochs."""
+
+    @abstractmethod
+    def _preparation(self, width: int) -> Preparation:
+        """Return the preparation of rows of `width`; ValueError if they are too narrow."""
+
+    @abstractmethod
+    def _network(self, preparation: Preparation) -> nn.Module:
+        """Return the network with its starting weights, drawn from `random_state`."""
+
+    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
+        """Train on CIRs [n, width] and errors [n] in metres; sets `module_`, `n_features_in_`.
+
+        Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
+        """
+        rows, errors = self._training_rows(X, y)
+        module = self.untrained(rows.shape[1])
+        self._train(module.network, module.preparation.fit(rows), errors, progress)
+        self.module_ = module.eval()
+        return self
+
+    def untrained(self, width: int) -> RangeErrorModule:
+        """Return the module for rows of `width`, with starting weights and an unfitted scaling."""
+        preparation = self._preparation(width)
+        return RangeErrorModule(preparation, self._network(preparation))
+
+    def _train(
+        self, network: nn.Module, prepared: Floats, errors: Floats, progress: Progress | None
+    ) -> None:
+        recipe = self.training_recipe()
+        train(
+            network,
+            prepared,
+            errors,
+            loss=recipe.loss,
+            learning_rate=recipe.learning_rate,
+            batch_size=recipe.batch_size,
+            epochs=recipe.epochs,
+            seed=self.random_state,
+            progress=progress,
+        )
+
+    def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:
+        return self.untrained(width)
