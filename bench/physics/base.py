@@ -83,6 +83,7 @@ class Base:
             sample_period_ns=self.sample_period_ns,
             excess_ns=np.zeros(one, np.float32),
             gain=gain.astype(np.complex64)[:, None],
+            free_gain=gain.astype(np.complex64),
             kind=np.full(one, DIRECT, np.int8),
             tail=np.zeros((len(rows), 0), np.complex64),
             tail_start_ns=np.zeros(len(rows), np.float32),
@@ -90,10 +91,12 @@ class Base:
 
     def counted(self, batch: Batch) -> Batch:
         """Return the batch with its accumulation count and true receive level."""
-        symbols = np.full(len(batch), float(self.preamble_symbols))
-        if self.keep_count:
-            symbols = batch.rows.number("preamble_count", float(self.preamble_symbols))
-        return replace(batch, symbols=symbols, level_dbm=batch.path_power_dbm())
+        nominal = batch.rows.number("preamble_symbols", float(self.preamble_symbols))
+        recorded = batch.rows.number("preamble_count", np.nan)
+        kept = np.isfinite(recorded) & bool(self.keep_count)
+        symbols = np.where(kept, recorded, nominal)
+        level = batch.path_power_dbm()
+        return replace(batch, symbols=symbols, nominal_symbols=nominal, level_dbm=level)
 
     def received(self, batch: Batch, draws: Draws) -> Batch:
         """Return the batch with waveform and white noise, in counts, at a random alignment."""
@@ -151,13 +154,14 @@ class Base:
         seen = there & (counts >= limit)
         excess = np.min(np.where(seen, batch.excess_ns, np.inf), axis=1)
         at_first = seen & (batch.excess_ns <= excess[:, None] + 1.0)
+        agc_db = np.zeros(len(batch)) if batch.agc_db is None else batch.agc_db
         first = np.sum(np.where(at_first, np.abs(batch.gain), 0) ** 2, axis=1, dtype=np.float64)
         return replace(
             batch,
             noise_std=noise_std,
             range_m=batch.rows.true_range_m + C_M_PER_NS * excess,
-            rx_power_dbm=_known(batch.level_dbm).copy(),
-            first_path_power_dbm=decibel(first),
+            rx_power_dbm=_known(batch.level_dbm) + agc_db,
+            first_path_power_dbm=decibel(first) + agc_db,
         )
 
     def cropped(self, batch: Batch) -> tuple[Complexes, Floats] | None:

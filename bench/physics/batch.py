@@ -24,10 +24,11 @@ class Batch:
 
     Propagation: `excess_ns` [n, P], `gain` [n, P] (complex, sqrt(mW) at the receiver), `kind`
     [n, P] (`DIRECT`, `SPECULAR`, `DIFFRACTED`, or `NO_PATH` for padding), `tail` [n, G] complex
-    taps one sample apart from `tail_start_ns` [n] on (no pulse in them unless `tail_shaped`).
+    taps one sample apart from `tail_start_ns` [n] on (no pulse in them unless `tail_shaped`),
+    `free_gain` [n] what the straight path would have with nothing in its way.
     Receiver: `waveform` [n, S] (counts, signal alone) and `noise` [n, S] (counts), the excess
     delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
-    noise standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
+    noise's standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
     `symbols` and `level_dbm`.
     Ranging: `first_path` [n] (samples from sample 0), `range_m` [n], the chip's `rx_power_dbm`
     and `first_path_power_dbm` [n], `noise_std` [n] counts. `clock_offset_ppm` [n] where known.
@@ -41,11 +42,14 @@ class Batch:
     kind: NDArray[np.int8]
     tail: Complexes
     tail_start_ns: Reals
+    free_gain: Complexes | None = None
     tail_shaped: bool = False
     waveform: Complexes | None = None
     noise: Complexes | None = None
     start_ns: Reals | None = None
     symbols: Floats | None = None
+    nominal_symbols: Floats | None = None
+    agc_db: Floats | None = None
     threshold: Floats | None = None
     level_dbm: Floats | None = None
     first_path: Floats | None = None
@@ -76,7 +80,14 @@ class Batch:
         """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""
         ratio = np.asarray(10 ** (np.asarray(gain_db, np.float32) / 20), np.float32)
         ratio = np.broadcast_to(ratio, (len(self),))[:, None]
-        return replace(self, gain=self.gain * ratio, tail=self.tail * ratio)
+        free = None if self.free_gain is None else self.free_gain * ratio[:, 0]
+        return replace(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
+
+    def postponed(self, by_ns: Floats) -> Batch:
+        """Return the batch with every path and the tail later by `by_ns` [n]."""
+        later = np.asarray(by_ns, np.float32)
+        excess = self.excess_ns + later[:, None]
+        return replace(self, excess_ns=excess, tail_start_ns=self.tail_start_ns + later)
 
     def direct_changed(self, loss_db: Floats, delay_ns: Floats) -> Batch:
         """Return the batch with the straight path weaker by `loss_db` [n], later by `delay_ns`."""
@@ -86,7 +97,7 @@ class Batch:
         excess = np.where(self.direct, self.excess_ns + later, self.excess_ns)
         return replace(self, gain=gain, excess_ns=excess)
 
-    def with_paths(self, excess_ns: Reals, gain: Complexes, kind: int) -> Batch:
+    def with_paths(self, excess_ns: Floats | Reals, gain: Complexes, kind: int) -> Batch:
         """Return the batch with more paths, [n, Q] each; those of zero gain become padding."""
         fresh = np.where(gain == 0, NO_PATH, kind).astype(np.int8)
         return replace(
@@ -95,6 +106,30 @@ class Batch:
             gain=np.concatenate([self.gain, gain.astype(np.complex64)], axis=1),
             kind=np.concatenate([self.kind, fresh], axis=1),
         )
+
+    def with_tail(self, taps: Complexes, start_ns: Floats) -> Batch:
+        """Return the batch with tail taps [n, G] from `start_ns` [n] on, one sample apart.
+
+        Only the first tail decides the grid; a further one is added to it tap by tap.
+        """
+        if not self.tail.shape[1]:
+            return replace(self, tail=taps, tail_start_ns=np.asarray(start_ns, np.float32))
+        whole = np.zeros((len(self), max(taps.shape[1], self.tail.shape[1])), np.complex64)
+        whole[:, : self.tail.shape[1]] = self.tail
+        lag = np.rint((start_ns - self.tail_start_ns) / self.sample_period_ns).astype(np.intp)
+        column = np.arange(whole.shape[1]) - lag[:, None]
+        inside = (column >= 0) & (column < taps.shape[1])
+        picked = np.take_along_axis(taps, np.clip(column, 0, taps.shape[1] - 1), axis=1)
+        return replace(self, tail=whole + np.where(inside, picked, np.complex64(0)))
+
+    def silenced(self, before_ns: Floats) -> Batch:
+        """Return the batch with no path and no tap earlier than `before_ns` [n]."""
+        limit = np.asarray(before_ns, np.float32)[:, None]
+        gain = np.where(self.excess_ns < limit, np.complex64(0), self.gain)
+        kind = np.where(self.excess_ns < limit, np.int8(NO_PATH), self.kind)
+        grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
+        early = self.tail_start_ns[:, None] + grid < limit
+        return replace(self, gain=gain, kind=kind, tail=np.where(early, 0, self.tail))
 
     def longer(self, by_m: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""

@@ -63,6 +63,15 @@ class Draws:
         """Return standard normal draws, equal for rows of equal hash (see `group_uniform`)."""
         return np.asarray(ndtri(self.group_uniform(hashes, draw)), np.float64)
 
+    def group_complex(self, hashes: NDArray[np.uint64], columns: int) -> Complexes:
+        """Return circular complex normal draws [n, columns], rows of equal hash the same."""
+        groups, place = np.unique(hashes, return_inverse=True)
+        counter = np.arange(2 * columns, dtype=np.uint64) * _GOLDEN
+        parts = self.group_normal(groups[:, None] ^ _splitmix(counter)[None, :], -1)
+        both = parts[:, :columns] + 1j * parts[:, columns:]
+        whole: Complexes = (both * np.sqrt(0.5)).astype(np.complex64)
+        return whole[place]
+
 
 def _splitmix(value: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """Return the SplitMix64 mix of `value` (Steele, Lea and Flood, OOPSLA 2014)."""

@@ -18,6 +18,7 @@ _LISTS = (
     "obstacle_thickness_m",
     "obstacle_at",
     "obstacle_clearance_m",
+    "obstacle_far_clearance_m",
     "obstacle_incidence_deg",
 )
 _HASHED = ("link", "tx", "rx", "environment")

@@ -11,6 +11,8 @@ from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.slabs import slabs
 from bench.physics.units import C_M_PER_NS, Floats
 
 
@@ -20,13 +22,14 @@ class MaterialDelay(Effect):
 
     Excess path t (sqrt(eps_r - sin^2 theta) - cos theta) and the loss of the complex
     permittivity; kinds and thicknesses from `obstacles` and `obstacle_thickness_m`. Rows without
-    line of sight whose obstacles are not listed get `unlisted_walls` brick walls.
+    line of sight whose obstacles are not listed get `unlisted_walls` brick walls. A wall stands
+    between other paths too: they lose `spill` of its loss in dB.
     """
 
     name = "material-delay"
     number = 7
     stage = "propagation"
-    source = "ITU-R P.2040-3 (2023), equations (31)-(38), table 3"
+    source = "ITU-R P.2040-3 (2023), section 2.2.2 and table 3"
     signature = "a positive step per wall, the same at all distances; the first path weaker"
     control = "rows with nothing in the straight line"
 
@@ -34,39 +37,34 @@ class MaterialDelay(Effect):
     delay_scale: float = parameter(1, "ratio", 0, 4, "of the slab's excess delay")
     loss_scale: float = parameter(1, "ratio", 0, 4, "of the slab's loss in dB")
     unlisted_walls: float = parameter(1, "walls", 0, 10, "0.14 m of brick each, where unlisted")
+    spill: float = parameter(0, "ratio", 0, 1, "of a wall's loss that every other path has too")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Delay and weaken the straight path of every row with an obstacle."""
-        delay_m, loss = self._slabs(batch)
-        loss = np.minimum(loss * self.loss_scale, 90.0)
-        return batch.direct_changed(loss, delay_m * self.delay_scale / C_M_PER_NS)
+        delay_m, loss = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
+        wall_m, wall_loss = self._unlisted(batch)
+        common = self.spill * (
+            np.where(batch.rows.kinds == "wall", loss, 0).sum(axis=1) + wall_loss
+        )
+        alone = np.minimum((loss.sum(axis=1) + wall_loss) * self.loss_scale, 90.0)
+        delay = (delay_m.sum(axis=1) + wall_m) * self.delay_scale / C_M_PER_NS
+        common = np.minimum(common * self.loss_scale, alone)
+        return batch.louder(-common).direct_changed(alone - common, delay)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
-        """Rows with nothing in the straight line."""
+        """Return the rows with nothing in the straight line."""
         return np.asarray(~batch.rows.blocked() & (batch.rows.obstacle_count() == 0))
 
-    def _slabs(self, batch: Batch) -> tuple[Floats, Floats]:
-        """Return the summed excess path in metres and loss in dB [n] of each row's slabs."""
-        rows = batch.rows
-        angle = np.radians(np.clip(rows.obstacle("obstacle_incidence_deg", 0.0), 0, 85))
-        delay, loss = np.zeros(len(rows)), np.zeros(len(rows))
-        for kind in np.unique(rows.kinds[rows.kinds != ""]):
-            made = obstacle(str(kind))
-            thick = rows.obstacle("obstacle_thickness_m", made.thickness_m) * self.thickness_scale
-            at = rows.kinds == kind
-            d, loss_kind = _slab(made.material, thick, angle, batch.centre_ghz)
-            delay += np.sum(np.where(at, d, 0), axis=1)
-            loss += np.sum(np.where(at, loss_kind, 0), axis=1)
-        unlisted = rows.blocked() & (rows.obstacle_count() == 0)
-        wall = np.array([obstacle("wall").thickness_m * self.thickness_scale])
-        d, loss_kind = _slab("brick", wall, np.zeros(1), batch.centre_ghz)
-        return (
-            delay + unlisted * self.unlisted_walls * d,
-            loss + unlisted * self.unlisted_walls * loss_kind,
-        )
+    def _unlisted(self, batch: Batch) -> tuple[Floats, Floats]:
+        """Return excess path (m) and loss (dB) [n] of walls that no list names."""
+        wall = obstacle("wall")
+        permittivity = material(wall.material).permittivity(batch.centre_ghz)
+        thick, normal = np.array([wall.thickness_m * self.thickness_scale]), np.zeros(1)
+        walls = self.unlisted_walls * unlisted(batch.rows)
+        loss = loss_db(thick, permittivity, normal, batch.centre_ghz)
+        return walls * excess_m(thick, permittivity, normal), walls * loss
 
 
-def _slab(name: str, thick: Floats, angle: Floats, centre_ghz: float) -> tuple[Floats, Floats]:
-    """Return excess path (m) and loss (dB) of slabs of one material."""
-    permittivity = material(name).permittivity(centre_ghz)
-    return excess_m(thick, permittivity, angle), loss_db(thick, permittivity, angle, centre_ghz)
+def unlisted(rows: Scene) -> NDArray[np.bool_]:
+    """Return the rows [n] without line of sight whose obstacles are not listed."""
+    return np.asarray(rows.blocked() & (rows.obstacle_count() == 0))

@@ -1,0 +1,52 @@
+"""Effect 5: delay and gain of the antennas depend on the direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.effects.propagation.specular import positions
+from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import C_M_PER_NS, Floats
+
+
+@dataclass(frozen=True)
+class AntennaPattern(Effect):
+    """Group delay and gain vary with the heading: a first and a second harmonic.
+
+    The heading is `azimuth_deg` where known, else the bearing from `rx` to `tx`. All paths are
+    shifted alike (the pattern of the strongest direction).
+    """
+
+    name = "antenna-pattern"
+    number = 5
+    stage = "propagation"
+    source = "Decawave application note APS014, section 4 (up to 10-20 cm over direction)"
+    signature = "periodic in heading, the same at all distances"
+    control = "none: every heading is affected, their mean is not"
+
+    delay_m: float = parameter(0, "m", 0, 0.5, "first harmonic of the range", null=0)
+    delay_2_m: float = parameter(0, "m", 0, 0.5, "second harmonic of the range", null=0)
+    gain_db: float = parameter(0, "dB", 0, 15, "first harmonic of the gain", null=0)
+    phase_deg: float = parameter(0, "deg", -180, 180, "heading of the longest delay")
+    phase_2_deg: float = parameter(0, "deg", -180, 180, "of the second harmonic")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Shift and weaken all paths by heading."""
+        turn = heading_rad(batch.rows)
+        first = np.cos(turn - np.radians(self.phase_deg))
+        second = np.cos(2 * (turn - np.radians(self.phase_2_deg)))
+        late = (self.delay_m * first + self.delay_2_m * second) / C_M_PER_NS
+        return batch.postponed(late).louder(-self.gain_db * first)
+
+
+def heading_rad(rows: Scene) -> Floats:
+    """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, 0 where unknown."""
+    way = positions(rows, "tx") - positions(rows, "rx")
+    bearing = np.where(np.isfinite(way[:, 0]), np.arctan2(way[:, 1], way[:, 0]), 0.0)
+    azimuth = np.radians(rows.number("azimuth_deg", np.nan))
+    return np.where(np.isfinite(azimuth), azimuth, bearing)

@@ -1,0 +1,109 @@
+"""Effect 13: the diffuse multipath tail."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import Complexes, Floats, Reals, amplitude, decibel
+
+_CLUSTERS = 6  # at most, the one of the straight line included
+_MEAN_FREE_NS = 9.1  # 4 V / (c S) of a room of 5 x 5 x 2.8 m
+
+
+@dataclass(frozen=True)
+class DiffuseTail(Effect):
+    """Adds Saleh-Valenzuela clusters of dense rays behind the straight line.
+
+    Clusters arrive with rate `cluster_rate` and decay with `cluster_decay_ns`; the rays in each
+    decay with `ray_decay_ns`, one complex Gaussian tap per sample. Total power is `level_db` over
+    the free-space level at 1 m and falls as distance^-`distance_exponent` (0: a reverberant
+    room, 2: follows the straight path). Clusters are drawn per link; `static` of a tap's power is
+    the same in all rows of a link, the rest changes from row to row as the tag moves.
+    `room_scaling` 1 scales both decays with the mean free path of the row's room.
+    """
+
+    name = "diffuse-tail"
+    number = 13
+    stage = "propagation"
+    source = "Molisch et al., IEEE 802.15.4a channel model final report (2004); room scaling: "
+    source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27"
+    signature = "slope and level of the median log power-delay profile; RMS delay spread"
+
+    level_db: float = parameter(-14, "dB", -60, 10, "total power over free space at 1 m")
+    distance_exponent: float = parameter(0.5, "1", -1, 6, "how the level falls with distance")
+    ray_decay_ns: float = parameter(12, "ns", 1, 120, "of the rays in a cluster (gamma)")
+    cluster_decay_ns: float = parameter(15, "ns", 1, 200, "of the clusters (Gamma)")
+    cluster_rate: float = parameter(0.05, "1/ns", 0.001, 1, "arrivals of clusters (Lambda)")
+    cluster_sigma_db: float = parameter(3, "dB", 0, 10, "shadowing of each cluster")
+    static: float = parameter(0.3, "ratio", 0, 1, "of a tap's power that a link keeps")
+    room_scaling: int = parameter(1, "0 or 1", 0, 1, "decays follow the size of the room")
+    length_ns: float = parameter(180, "ns", 10, 1000, "where the tail is cut")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Add the tail's taps, the first at the straight line's delay."""
+        taps = max(2, int(self.length_ns / batch.sample_period_ns))
+        scale = self._room_scale(batch.rows)
+        profile = self._profile(batch, draws, taps, scale)
+        profile /= np.sum(profile, axis=1, keepdims=True)
+        fresh = draws.complex_normal(len(batch), taps)
+        if self.static > 0:
+            kept = draws.group_complex(batch.rows.group("link"), taps)
+            fresh = np.float32(np.sqrt(1 - self.static)) * fresh
+            fresh += np.float32(np.sqrt(self.static)) * kept
+        size = np.sqrt(profile) * self._total(batch)[:, None]
+        return batch.with_tail((fresh * size).astype(np.complex64), np.zeros(len(batch)))
+
+    def _total(self, batch: Batch) -> Reals:
+        """Return the root of the tail's total power [n] in sqrt(mW)."""
+        truth = batch.rows.true_range_m
+        at_1m = decibel(np.abs(_reference(batch)) ** 2) + 20 * np.log10(truth)
+        fall = 10 * self.distance_exponent * np.log10(np.maximum(truth, 0.3))
+        return amplitude(at_1m + self.level_db - fall).astype(np.float32)
+
+    def _room_scale(self, rows: Scene) -> Floats:
+        """Return each row's decay over that of the reference room [n], 1 where no room is known."""
+        size = [rows.number(f"room_{axis}_m", np.nan) for axis in "xyz"]
+        surface = 2 * (size[0] * size[1] + size[1] * size[2] + size[0] * size[2])
+        free_ns = 4 * size[0] * size[1] * size[2] / surface / 0.299792458
+        known = np.isfinite(free_ns) & bool(self.room_scaling)
+        return np.where(known, free_ns / _MEAN_FREE_NS, 1.0)
+
+    def _profile(self, batch: Batch, draws: Draws, taps: int, scale: Floats) -> Reals:
+        """Return the mean power of each tap [n, taps], up to a factor per row."""
+        links, place = np.unique(batch.rows.group("link"), return_inverse=True)
+        first = np.zeros(len(links), np.intp)
+        first[place[::-1]] = np.arange(len(place))[::-1]
+        period = batch.sample_period_ns
+        starts = np.zeros((len(links), taps))
+        arrival = np.zeros(len(links))
+        for cluster in range(_CLUSTERS):
+            level = self.cluster_sigma_db * draws.group_normal(links, 2 * cluster)
+            power = np.exp(-arrival / (self.cluster_decay_ns * scale[first]))
+            at = np.minimum(arrival / period, taps - 1).astype(np.intp)
+            starts[np.arange(len(links)), at] += power * 10 ** (level / 10)
+            gap = -np.log(draws.group_uniform(links, 2 * cluster + 1)) / self.cluster_rate
+            arrival = arrival + gap
+        return _decayed(starts, self.ray_decay_ns * scale[first] / period)[place]
+
+
+def _decayed(starts: Floats, decay_taps: Floats) -> Reals:
+    """Return each row of `starts` followed by exponential decay over `decay_taps` [n] taps."""
+    made = np.empty(starts.shape, np.float32)
+    for decay in np.unique(decay_taps):
+        rows = decay_taps == decay
+        made[rows] = lfilter([1.0], [1.0, -np.exp(-1 / decay)], starts[rows], axis=1)
+    return made
+
+
+def _reference(batch: Batch) -> Complexes:
+    """Return the straight path's gain in free space [n]."""
+    if batch.free_gain is not None:
+        return batch.free_gain
+    return np.asarray(np.sqrt(10 ** (batch.path_power_dbm() / 10)), np.complex64)

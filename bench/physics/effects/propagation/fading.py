@@ -1,0 +1,47 @@
+"""Effect 15: small-scale fading of every path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.units import Reals
+
+
+@dataclass(frozen=True)
+class SmallScaleFading(Effect):
+    """Multiplies the power of paths and taps by Gamma(m, 1/m): Nakagami-m amplitudes of mean one.
+
+    `direct_m` for the straight path, `path_m` for all other paths, `tail_m` for tail taps (which
+    are Rayleigh, m = 1, before). Large m: no fading.
+    """
+
+    name = "small-scale-fading"
+    number = 15
+    stage = "propagation"
+    source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2.5"
+    signature = "spread of each tap's amplitude from row to row; mean profile unchanged"
+
+    direct_m: float = parameter(100, "1", 0.5, 1000, "Nakagami m of the straight path", null=1000)
+    path_m: float = parameter(3, "1", 0.5, 1000, "of reflected and diffracted paths", null=1000)
+    tail_m: float = parameter(1000, "1", 0.5, 1000, "of tail taps, on top of Rayleigh", null=1000)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Draw every path's and tap's power anew."""
+        straight = _faded(draws, self.direct_m, batch.gain.shape)
+        other = _faded(draws, self.path_m, batch.gain.shape)
+        gain = batch.gain * np.where(batch.direct, straight, other)
+        tail = batch.tail * _faded(draws, self.tail_m, batch.tail.shape)
+        return replace(batch, gain=gain, tail=tail)
+
+
+def _faded(draws: Draws, m: float, shape: tuple[int, ...]) -> Reals:
+    """Return amplitudes whose squares are Gamma(m, 1/m); ones from m = 1000 on."""
+    if m >= 1000 or 0 in shape:
+        return np.ones(shape, np.float32)
+    power = draws.generator.standard_gamma(m, shape, np.float32) / np.float32(m)
+    return np.asarray(np.sqrt(power), np.float32)

@@ -1,0 +1,86 @@
+"""Effect 11: reflections from walls, floor and ceiling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import SPECULAR, Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.images import image_paths
+from bench.physics.materials import material, reflection
+from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
+
+
+@dataclass(frozen=True)
+class SpecularReflections(Effect):
+    """Adds the mirror images of the transmitter, each with its Fresnel coefficient.
+
+    Rooms given by `room_x_m`, `room_y_m`, `room_z_m` (a corner at the origin of the positions)
+    get all images of up to `highest_order` reflections. Other rows get two walls of the same
+    material parallel to the link, `wall_m` and 1.7 x `wall_m` away (0 = none).
+    """
+
+    name = "specular-reflections"
+    number = 11
+    stage = "propagation"
+    source = "Allen and Berkley 1979; Fresnel coefficients with ITU-R P.2040-3 permittivities"
+    signature = "separate paths whose delay moves with the geometry"
+
+    strength_db: float = parameter(0, "dB", -40, 10, "over the Fresnel coefficient")
+    wall_m: float = parameter(1.5, "m", 0, 50, "distance of the walls where no room is given")
+    highest_order: int = parameter(2, "reflections", 1, 3, "per path")
+    walls: str = "plasterboard"
+    floor: str = "concrete"
+    ceiling: str = "plasterboard"
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Add the reflected paths of every row."""
+        inside = in_room(batch.rows)
+        if inside.any():
+            batch = self._added(batch, *self._images(batch, inside))
+        if self.wall_m > 0 and not inside.all():
+            batch = self._added(batch, *self._side_walls(batch, ~inside))
+        return batch
+
+    def _added(self, batch: Batch, length: Floats, factor: Complexes) -> Batch:
+        """Add paths of `length` [n, Q] metres, `factor` [n, Q] times the free-space field."""
+        truth = batch.rows.true_range_m[:, None]
+        extra = np.maximum(length - truth, 0)
+        turn = np.exp(-2j * np.pi * ((extra / wavelength_m(batch.centre_ghz)) % 1.0))
+        reference = np.zeros(len(batch)) if batch.free_gain is None else batch.free_gain
+        spread = truth / np.maximum(length, 1e-3) * amplitude(self.strength_db)
+        gain = reference[:, None] * factor * spread * turn
+        return batch.with_paths(extra / C_M_PER_NS, gain.astype(np.complex64), SPECULAR)
+
+    def _images(self, batch: Batch, inside: NDArray[np.bool_]) -> tuple[Floats, Complexes]:
+        """Return lengths and factors [n, Q] of a room's images; factor 0 outside of rooms."""
+        ends = [positions(batch.rows, end) for end in ("tx", "rx", "room")]
+        walls = (self.walls, self.floor, self.ceiling)
+        tx, rx, room = (np.where(inside[:, None], end, 1.0) for end in ends)
+        order = int(self.highest_order)
+        length, factor = image_paths(tx, rx, room, order, walls, batch.centre_ghz)
+        return length, np.where(inside[:, None], factor, 0).astype(np.complex64)
+
+    def _side_walls(self, batch: Batch, outside: NDArray[np.bool_]) -> tuple[Floats, Complexes]:
+        """Return lengths and factors [n, 2] of two walls parallel to the link."""
+        truth = batch.rows.true_range_m[:, None]
+        length = np.hypot(truth, 2 * self.wall_m * np.array([1.0, 1.7]))
+        permittivity = material(self.walls).permittivity(batch.centre_ghz)
+        factor = reflection(permittivity, np.arcsin(np.clip(truth / length, 0, 1)))
+        return length, np.where(outside[:, None], factor, 0).astype(np.complex64)
+
+
+def positions(rows: Scene, what: str) -> Floats:
+    """Return the position (or room size) columns of `tx`, `rx` or `room` as [n, 3] metres."""
+    return np.stack([rows.number(f"{what}_{axis}_m", np.nan) for axis in "xyz"], axis=1)
+
+
+def in_room(rows: Scene) -> NDArray[np.bool_]:
+    """Return the rows [n] whose room and antenna positions are all known."""
+    known = [np.isfinite(positions(rows, what)).all(axis=1) for what in ("tx", "rx", "room")]
+    return np.asarray(known[0] & known[1] & known[2])

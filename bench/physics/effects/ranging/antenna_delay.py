@@ -1,0 +1,32 @@
+"""Effect 1: the delay between antenna and timestamp is not what was calibrated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+
+
+@dataclass(frozen=True)
+class AntennaDelay(Effect):
+    """Shifts every range by c (delta_tx + delta_rx) / 2.
+
+    `delay_ns` is the common error of the sum of both delays; `device_spread_ns` the standard
+    deviation of each device's own.
+    """
+
+    name = "antenna-delay"
+    number = 1
+    stage = "ranging"
+    source = "Decawave application note APS014, sections 2 and 3"
+    signature = "a constant over distance, power and line of sight; separable per pair of devices"
+
+    delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)
+    device_spread_ns: float = parameter(0, "ns", 0, 5, "std over devices", null=0)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by half the sum of both delays."""
+        own = sum(draws.group_normal(batch.rows.group(end)) for end in ("tx", "rx"))
+        return batch.later((self.delay_ns + self.device_spread_ns * own) / 2)

@@ -1,0 +1,49 @@
+"""Effect 4: temperature moves the range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.units import Floats
+
+
+@dataclass(frozen=True)
+class TemperatureDrift(Effect):
+    """Ranges grow by 2.15 mm per degree, and while the devices warm up.
+
+    Degrees over `reference_c` come from `temperature_c` where known. `warm_up_c` x
+    (1 - exp(-time / `warm_up_s`)) is added from `time_s`, for warming that is not recorded.
+    """
+
+    name = "temperature-drift"
+    number = 4
+    stage = "ranging"
+    source = "Decawave, DW1000 Datasheet 2.09, table 8 (2.15 mm per degree Celsius)"
+    signature = "slow; exponential in time after switching on, the same at all distances"
+    control = "rows at the reference temperature at time zero"
+
+    slope_mm_per_c: float = parameter(2.15, "mm/degC", -20, 20, "per degree", null=0)
+    reference_c: float = parameter(25, "degC", -40, 85, "where the calibration was made")
+    warm_up_c: float = parameter(0, "degC", 0, 60, "rise after switching on", null=0)
+    warm_up_s: float = parameter(600, "s", 1, 36000, "time constant of the rise")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by slope x degrees over the reference."""
+        return batch.longer(self.slope_mm_per_c / 1000 * self._warmer(batch))
+
+    def inert(self, batch: Batch) -> NDArray[np.bool_]:
+        """Return the rows at the reference temperature and time zero."""
+        return np.asarray(self._warmer(batch) == 0)
+
+    def _warmer(self, batch: Batch) -> Floats:
+        """Return the degrees over the reference [n]."""
+        time_s = np.maximum(batch.rows.number("time_s", 0.0), 0)
+        rise = self.warm_up_c * (1 - np.exp(-time_s / self.warm_up_s))
+        known = batch.rows.number("temperature_c", self.reference_c)
+        return np.asarray(known - self.reference_c + rise)

@@ -1,0 +1,47 @@
+"""Effect 19: a narrowband interferer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.units import amplitude
+
+
+@dataclass(frozen=True)
+class NarrowbandInterference(Effect):
+    """Adds a tone to the noise: ripple across all bins, those before the first path included.
+
+    Its level is exponential in power around `level_db` over the noise, its frequency lies
+    `offset_mhz` beside the carrier, its phase is random; it is on in `share` of the rows.
+    """
+
+    name = "narrowband-interference"
+    number = 19
+    stage = "receiver"
+    source = "DW1000 User Manual 2.11, 4.7.3 (noise figures); Saddik et al., IEEE ICU 2007"
+    signature = "ripple of one period over all bins; raises the noise, so late detection too"
+    without_cir = False
+
+    level_db: float = parameter(6, "dB", -20, 40, "mean power over the noise's")
+    offset_mhz: float = parameter(80, "MHz", -250, 250, "from the carrier")
+    share: float = parameter(1, "ratio", 0, 1, "of the rows", null=0)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Add the tone to the noise of the struck rows."""
+        if batch.noise is None:
+            return batch
+        power = np.mean(np.abs(batch.noise) ** 2, axis=1) * amplitude(self.level_db) ** 2
+        size = np.sqrt(power * draws.generator.standard_exponential(len(batch), np.float32))
+        size = np.where(self._struck(draws, len(batch)), size, 0)
+        turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
+        tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
+        return replace(batch, noise=(batch.noise + size[:, None] * tone).astype(np.complex64))
+
+    def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
+        return np.asarray(draws.uniform(rows) < self.share)

@@ -1,0 +1,51 @@
+"""Effect 17: the level and the colour of the accumulator's noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.filters import moving_average
+from bench.physics.randomness import Draws
+from bench.physics.units import Complexes, amplitude
+
+
+@dataclass(frozen=True)
+class NoiseFloor(Effect):
+    """Scales the base's noise, colours it, and lets its level differ between devices.
+
+    The complex autocorrelation of recorded noise is 0.32, -0.17, -0.20 at lags 1, 2, 3.
+    """
+
+    name = "noise-floor"
+    number = 17
+    stage = "receiver"
+    source = "measured on Zenodo 10.5281/zenodo.4742391"
+    signature = "noise level and correlation in every bin alike, before the first path too"
+    without_cir = False
+
+    level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)
+    device_spread_db: float = parameter(0, "dB", 0, 6, "std over receiving devices", null=0)
+    lag_1: float = parameter(0.32, "1", -0.45, 0.45, "autocorrelation at lag 1", null=0)
+    lag_2: float = parameter(-0.17, "1", -0.3, 0.3, "autocorrelation at lag 2", null=0)
+    lag_3: float = parameter(-0.20, "1", -0.25, 0.25, "autocorrelation at lag 3", null=0)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Scale and filter the noise of every row."""
+        if batch.noise is None:
+            return batch
+        spread = self.device_spread_db * draws.group_normal(batch.rows.group("rx"))
+        scale = amplitude(self.level_db + spread).astype(np.float32)[:, None]
+        return replace(batch, noise=self._coloured(batch.noise) * scale)
+
+    def _coloured(self, noise: Complexes) -> Complexes:
+        """Filter along the samples, circularly, keeping the power."""
+        taps = moving_average(np.array([self.lag_1, self.lag_2, self.lag_3])).astype(np.float32)
+        made: Complexes = taps[0] * noise
+        for lag in range(1, len(taps)):
+            made[:, lag:] += taps[lag] * noise[:, :-lag]
+            made[:, :lag] += taps[lag] * noise[:, -lag:]
+        return made

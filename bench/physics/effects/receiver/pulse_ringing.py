@@ -1,0 +1,61 @@
+"""Effect 16: a wider pulse, and ringing of antenna and board at a fixed delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.filters import convolved, delayed
+from bench.physics.randomness import Draws
+from bench.physics.units import Complexes, amplitude
+
+
+@dataclass(frozen=True)
+class PulseRinging(Effect):
+    """Widens the pulse and lets every path ring: an echo of the whole waveform at a fixed delay.
+
+    Recorded accumulators ring 2.5 to 3.5 samples behind every strong first path, in all links of
+    a device alike. The echo's phase is `ring_phase_deg`. Energy is kept.
+    """
+
+    name = "pulse-ringing"
+    number = 16
+    stage = "receiver"
+    source = "measured on Zenodo 10.5281/zenodo.4742391"
+    signature = "all paths widened alike, an echo at a delay that no geometry moves"
+    without_cir = False
+
+    ring_db: float = parameter(-60, "dB", -60, 0, "echo over the path itself", null=-60)
+    ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
+    ring_phase_deg: float = parameter(120, "deg", -360, 360, "of the echo")
+    widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
+    pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Filter signal and noise-free waveform; noise is left as it is."""
+        if batch.waveform is None:
+            return batch
+        before = np.sum(np.abs(batch.waveform) ** 2, axis=1, keepdims=True)
+        waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
+        after = np.maximum(np.sum(np.abs(waveform) ** 2, axis=1, keepdims=True), 1e-20)
+        return replace(batch, waveform=waveform * np.sqrt(before / after))
+
+    def _widened(self, waveform: Complexes) -> Complexes:
+        """Convolve with the Gaussian that makes the pulse `widening` times as wide."""
+        sigma = self.pulse_fwhm * np.sqrt(self.widening**2 - 1) / np.sqrt(8 * np.log(2))
+        if sigma < 0.1:
+            return waveform
+        lags = np.arange(-int(4 * sigma) - 1, int(4 * sigma) + 2)
+        taps = np.exp(-0.5 * (lags / sigma) ** 2)
+        return convolved(waveform, taps / taps.sum())
+
+    def _rung(self, waveform: Complexes, period_ns: float) -> Complexes:
+        """Add the echo."""
+        if self.ring_db <= -60:
+            return waveform
+        turn = np.exp(1j * np.radians(self.ring_phase_deg)) * amplitude(self.ring_db)
+        echo = delayed(waveform, self.ring_delay_ns / period_ns)
+        return waveform + np.complex64(turn) * echo

@@ -1,0 +1,52 @@
+"""Effect 20: integer accumulator values and their offset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+from bench.physics.units import Complexes, Reals
+
+
+@dataclass(frozen=True)
+class Quantisation(Effect):
+    """Adds a constant offset to real and imaginary part, rounds both and clips to 16 bits.
+
+    The offset has a random direction per receiving device and a length of `offset_counts`
+    (30 to 150 recorded).
+    """
+
+    name = "quantisation"
+    number = 20
+    stage = "receiver"
+    source = "DW1000 User Manual 2.11, 7.2.38 (ACC_MEM); offsets measured on zenodo.4742391"
+    signature = "whole numbers; a constant added to every complex sample"
+    without_cir = False
+
+    step_counts: float = parameter(1, "counts", 0, 256, "rounding step", null=0)
+    offset_counts: float = parameter(0, "counts", 0, 1000, "length of the offset", null=0)
+    limit_counts: float = parameter(32767, "counts", 127, 32767, "largest value")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Round the sum of signal and noise; what is lost is taken from the signal."""
+        if batch.waveform is None or batch.noise is None:
+            return batch
+        noise = batch.noise + self._offset(batch, draws)[:, None]
+        parts = (batch.waveform + noise).view(np.float32)
+        rounded = np.clip(self._rounded(parts), -self.limit_counts, self.limit_counts)
+        values = np.ascontiguousarray(rounded, np.float32).view(np.complex64)
+        return replace(batch, waveform=values - noise, noise=noise)
+
+    def _rounded(self, parts: Reals) -> Reals:
+        if self.step_counts == 0:
+            return parts
+        step = np.float32(self.step_counts)
+        return np.asarray(np.rint(parts / step) * step, np.float32)
+
+    def _offset(self, batch: Batch, draws: Draws) -> Complexes:
+        angle = 2 * np.pi * draws.group_uniform(batch.rows.group("rx"))
+        return np.asarray(self.offset_counts * np.exp(1j * angle), np.complex64)

@@ -1,0 +1,60 @@
+"""Short filters along the samples of a waveform."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.physics.units import Complexes, Floats, Reals
+
+
+def convolved(waveform: Complexes, taps: Floats) -> Complexes:
+    """Return `waveform` [n, S] filtered with 2R + 1 real taps, the middle one at lag zero."""
+    reach = len(taps) // 2
+    padded = np.pad(waveform, ((0, 0), (reach, reach)))
+    made = np.zeros_like(waveform)
+    for lag, weight in enumerate(taps):
+        if weight != 0:
+            start = 2 * reach - lag
+            made += np.float32(weight) * padded[:, start : start + waveform.shape[1]]
+    return made
+
+
+def delayed(waveform: Complexes, by_samples: float) -> Complexes:
+    """Return `waveform` [n, S] later by a positive number of samples (cubic Lagrange between)."""
+    whole = int(np.floor(by_samples))
+    taps = _lagrange(by_samples - whole)
+    padded = np.pad(waveform, ((0, 0), (whole + 2, 1)))
+    made = np.zeros_like(waveform)
+    for lag in range(4):  # taps at lags -1, 0, 1, 2 of the whole delay
+        start = 3 - lag
+        made += taps[lag] * padded[:, start : start + waveform.shape[1]]
+    return made
+
+
+def _lagrange(fraction: float) -> Reals:
+    """Return cubic Lagrange weights for lags -1, 0, 1, 2 at a delay of `fraction` samples."""
+    f = fraction
+    return np.array(
+        [
+            -f * (f - 1) * (f - 2) / 6,
+            (f + 1) * (f - 1) * (f - 2) / 2,
+            -(f + 1) * f * (f - 2) / 2,
+            (f + 1) * f * (f - 1) / 6,
+        ],
+        np.float32,
+    )
+
+
+def moving_average(lags: Floats, passes: int = 4096) -> Floats:
+    """Return the minimum-phase taps whose autocorrelation at lags 0, 1, .. is 1, `lags`.
+
+    By the cepstrum of the spectrum 1 + 2 sum r_k cos(k w), floored at 1e-3 of its mean.
+    """
+    angle = 2 * np.pi * np.arange(passes) / passes
+    spectrum = 1 + 2 * sum(r * np.cos((k + 1) * angle) for k, r in enumerate(lags))
+    cepstrum = np.fft.ifft(np.log(np.maximum(spectrum, 1e-3)) / 2).real
+    fold = np.zeros(passes)
+    fold[0], fold[1 : passes // 2] = cepstrum[0], 2 * cepstrum[1 : passes // 2]
+    fold[passes // 2] = cepstrum[passes // 2]
+    taps = np.fft.ifft(np.exp(np.fft.fft(fold))).real[: len(lags) + 1]
+    return np.asarray(taps / np.sqrt(np.sum(taps**2)))
