@@ -1,0 +1,111 @@
+"""What an experiment gives: tables and the data of figures, as one JSON file `reports` renders."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from bench.files import write_atomically
+from bench.results import Interval
+
+SCHEMA_VERSION = 1
+Value = float | int | str | Interval | None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a comparison: ours with its interval, the paper's figure or None.
+
+    `label` names the row (one entry per label column of the table). Difference = ours - paper is
+    computed where both are numbers, never stored.
+    """
+
+    label: tuple[str, ...]
+    quantity: str
+    unit: str
+    ours: Value
+    paper: float | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A titled comparison. `labels` names the label columns; `digits` after the decimal point."""
+
+    title: str
+    labels: tuple[str, ...]
+    rows: Sequence[Row]
+    digits: int = 4
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Series:
+    """Points of a figure: x, y (and z), with an optional interval of y and the paper's values."""
+
+    name: str
+    x: Sequence[float | str]
+    y: Sequence[float]
+    z: Sequence[float] | None = None
+    low: Sequence[float] | None = None
+    high: Sequence[float] | None = None
+    point_labels: Sequence[str] | None = None
+
+
+@dataclass(frozen=True)
+class Figure:
+    """The data of one picture; `kind` says how `reports` draws it. Axis labels carry units."""
+
+    name: str
+    title: str
+    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram", "heatmap"]
+    x_label: str
+    y_label: str
+    series: Sequence[Series]
+    z_label: str = ""
+    log_x: bool = False
+    log_y: bool = False
+    equal_axes: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One experiment, done. `protocol` says in words what was run and what differs from the paper.
+
+    `simulated` marks every rendering. `elapsed_s` is wall time on the machine it ran on.
+    """
+
+    experiment: str
+    title: str
+    data: str
+    data_fingerprint: str
+    simulated: bool
+    quick: bool
+    protocol: str
+    tables: Sequence[Table] = ()
+    figures: Sequence[Figure] = ()
+    notes: Sequence[str] = ()
+    elapsed_s: float = 0.0
+    host: dict[str, Any] = field(default_factory=dict)
+    created_utc: str = ""
+    schema_version: int = SCHEMA_VERSION
+    kind: str = "reproduction"
+
+
+def write_outcome(outcome: Outcome, path: Path) -> None:
+    """Write an outcome as JSON in one step; figures that are not finite become null."""
+    write_atomically(path, json.dumps(_finite(asdict(outcome)), indent=1) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return value
