@@ -215,6 +215,20 @@ def test_what_the_figures_rest_on(tmp_path: Path) -> None:
         assert line in text.splitlines()
 
 
+def test_machines_whose_timings_are_not_shown_are_named(tmp_path: Path) -> None:
+    run = files.run()
+    old = files.timing(run, machine={"cpu": "Old chip"}, created_utc="2020-01-01")
+    text = markdown(tmp_path, run, old, files.timing(run))
+    assert "- machine: Example CPU 3000 (" in text
+    assert "- timings of other machines, not shown (choose with --machine): Old chip" in text
+
+
+def test_an_estimate_without_a_range_shows_its_value_alone(tmp_path: Path) -> None:
+    bare = files.Estimate("npu", files.Interval(12.0), files.Interval(3.0))
+    text = markdown(tmp_path, files.run(estimates=[bare]))
+    assert rows(text, 1)["remnet fp32"]["npu (est.)"] == "12.0"
+
+
 def test_unreadable_files_are_counted_and_the_first_listed(tmp_path: Path) -> None:
     files.write(tmp_path, files.run())
     for i in range(25):

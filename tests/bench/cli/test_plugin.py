@@ -1,0 +1,252 @@
+from __future__ import annotations
+
+import errno
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from bench.cli.plugin import command
+from bench.errors import BenchError
+
+NAME = "ridge-cir"
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(command, arguments, catch_exceptions=False)
+
+
+def everything(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("*"))
+
+
+def test_writes_a_whole_package_and_says_what_to_do_next(tmp_path: Path) -> None:
+    result = call("new", NAME, "-o", str(tmp_path / "deep"))
+    package = tmp_path / "deep" / NAME
+    assert {str(path.relative_to(package)) for path in everything(package) if path.is_file()} == {
+        "README.md",
+        "pyproject.toml",
+        "src/ridge_cir/__init__.py",
+        "src/ridge_cir/model.py",
+        "src/ridge_cir/network.py",
+        "src/ridge_cir/py.typed",
+        "tests/test_ridge_cir.py",
+    }
+    assert everything(tmp_path / "deep")[0] == package  # no scratch folder beside it
+    assert f'pip install -e "{package}[dev]"' in result.stdout
+    assert f"bench run --model {NAME} --backend fp32" in result.stdout
+
+
+def test_no_placeholder_is_left_and_every_module_compiles(tmp_path: Path) -> None:
+    call("new", "My_Model2", "-o", str(tmp_path))
+    for path in everything(tmp_path):
+        if path.is_file():
+            text = path.read_text(encoding="utf-8")
+            assert "$" not in text
+            if path.suffix == ".py":
+                compile(text, str(path), "exec")
+    model = (tmp_path / "My_Model2" / "src" / "my_model2" / "model.py").read_text()
+    assert "class MyModel2Regressor(MitigationModel):" in model
+
+
+def test_json_lists_what_was_written(tmp_path: Path) -> None:
+    content = json.loads(call("new", NAME, "-o", str(tmp_path), "--json").stdout)
+    assert content["folder"] == str(tmp_path / NAME)
+    assert content["kind"] == "model"
+    assert all((tmp_path / NAME / path).is_file() for path in content["files"])
+
+
+def test_the_default_folder_is_the_current_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    call("new", NAME)
+    assert (tmp_path / NAME / "pyproject.toml").is_file()
+
+
+def test_an_empty_folder_is_filled_with_the_usual_permissions(tmp_path: Path) -> None:
+    (tmp_path / NAME).mkdir()
+    (tmp_path / "usual").mkdir()
+    call("new", NAME, "-o", str(tmp_path))
+    assert (tmp_path / NAME / "pyproject.toml").is_file()
+    assert (tmp_path / NAME).stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("../evil", "expected letters and digits"),
+        ("/tmp/evil", "expected letters and digits"),
+        ("a b", "expected letters and digits"),
+        ("1st", "expected letters and digits"),
+        ("trailing-", "expected letters and digits"),
+        ("double--dash", "expected letters and digits"),
+        ("$module", "expected letters and digits"),
+        ("ünicode", "expected letters and digits"),
+        ("new\n", "expected letters and digits"),
+        ("", "expected letters and digits"),
+        ("x" * 51, "at most 50 characters"),
+        ("lambda", "'lambda' is a Python keyword"),
+        ("Class", "'class' is a Python keyword"),
+        ("match", "'match' is a Python keyword"),
+        ("remnet", "uwb-bench already registers it"),
+        ("numpy", "a package of that name is already installed"),
+        ("zoo", "a package of that name is already installed"),
+        ("scikit-learn", "a package of that name is already installed"),
+        ("uwb-bench", "a package of that name is already installed"),
+    ],
+)
+def test_a_name_that_cannot_work_is_refused(tmp_path: Path, name: str, message: str) -> None:
+    with pytest.raises(BenchError, match=message):
+        call("new", "-o", str(tmp_path / "deep"), "--", name)
+    assert everything(tmp_path) == []
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / NAME).mkdir()
+    (tmp_path / NAME / "mine.txt").write_text("precious")
+    with pytest.raises(BenchError, match="ridge-cir is not empty"):
+        call("new", NAME, "-o", str(tmp_path))
+    assert everything(tmp_path) == [tmp_path / NAME, tmp_path / NAME / "mine.txt"]
+
+
+def test_a_file_or_a_link_in_the_way_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / NAME).write_text("precious")
+    (tmp_path / "two").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "two" / NAME).symlink_to(tmp_path / "elsewhere")
+    for folder in ("one", "two"):
+        with pytest.raises(BenchError, match="ridge-cir is already there"):
+            call("new", NAME, "-o", str(tmp_path / folder))
+    assert everything(tmp_path / "elsewhere") == []
+
+
+def test_a_folder_that_cannot_be_made_is_one_clear_line(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(
+        BenchError, match=r"cannot write .*ridge-cir: (Not a directory|File exists)"
+    ):
+        call("new", NAME, "-o", str(tmp_path / "file"))
+
+
+def test_a_full_disk_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[Path] = []
+
+    def write_text(path: Path, text: str, encoding: str) -> None:
+        if written:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written.append(path)
+
+    monkeypatch.setattr(Path, "write_text", write_text)
+    with pytest.raises(BenchError, match=r"cannot write .*: No space left on device"):
+        call("new", NAME, "-o", str(tmp_path))
+    assert everything(tmp_path) == []
+
+
+@dataclass(frozen=True)
+class Site:
+    """A temporary environment: this one, plus what is installed in `folder`."""
+
+    folder: Path
+    package: Path
+
+    def python(self, *arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+        environment = {**os.environ, "PYTHONPATH": str(self.folder)}
+        return subprocess.run(
+            [sys.executable, *arguments],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            **options,
+        )
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
+    """Install the example package as a user would, without a network and outside our tree."""
+    root = tmp_path_factory.mktemp("plugin")
+    call("new", NAME, "-o", str(root))
+    made = Site(root / "site", root / NAME)
+    offline = ("--no-deps", "--no-index", "--no-build-isolation", "--quiet")
+    install = [sys.executable, "-m", "pip", "install", *offline, "--target", str(made.folder)]
+    subprocess.run([*install, str(made.package)], check=True)
+    return made
+
+
+@pytest.fixture
+def broken(site: Site) -> Any:
+    """Install a second plug-in that cannot be imported; remove it afterwards."""
+    metadata = site.folder / "bad_plugin-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: bad-plugin\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[bench.models]\nbad = bad_plugin:Bad\n")
+    module = site.folder / "bad_plugin.py"
+    module.write_text("import a_library_nobody_has\n")
+    yield module
+    for path in (module, *metadata.iterdir()):
+        path.unlink()
+    metadata.rmdir()
+
+
+@pytest.mark.slow
+def test_the_package_passes_its_own_tests(site: Site) -> None:
+    run = site.python("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=site.package)
+    assert run.returncode == 0, run.stdout
+    assert "failed" not in run.stdout
+
+
+LISTING = """
+import json
+from bench.plugins import plugins
+found = plugins("models")
+print(json.dumps({p.name: [p.distribution, p.summary(), p.problem()] for p in found}))
+"""
+
+
+def models(site: Site) -> dict[str, list[str | None]]:
+    """Return distribution, summary and problem of every model, as the harness finds them."""
+    run = site.python("-c", LISTING)
+    assert run.returncode == 0, run.stderr
+    found: dict[str, list[str | None]] = json.loads(run.stdout)
+    return found
+
+
+def test_the_harness_finds_it_without_a_line_of_ours(site: Site) -> None:
+    distribution, summary, problem = models(site)[NAME]
+    assert distribution == NAME
+    assert summary == "Ridge regression on the CIR: one weight per sample, found in closed form."
+    assert problem is None
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        (
+            "import a_library_nobody_has",
+            "ModuleNotFoundError: No module named 'a_library_nobody_has'",
+        ),
+        ("1 / 0", "ZeroDivisionError: division by zero"),
+        ("def (", "SyntaxError: invalid syntax"),
+        ("Good = 1", "AttributeError: module 'bad_plugin' has no attribute 'Bad'"),
+    ],
+)
+def test_a_broken_plugin_changes_nothing_but_its_own_line(
+    site: Site, broken: Path, source: str, reason: str
+) -> None:
+    broken.write_text(source)
+    found = models(site)
+    distribution, _, problem = found.pop("bad")
+    assert distribution == "bad-plugin"
+    assert problem is not None
+    assert problem.startswith(f"unavailable: {reason}")
+    assert found[NAME][2] is None
+    assert {"none", "remnet", "svm"} < set(found)
+    assert all(problem is None for _, _, problem in found.values())
