@@ -6,8 +6,10 @@ NaN and takes no part in any comparison.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,7 +21,6 @@ Floats = NDArray[np.float64]
 
 # Delay bins of the power profile, ns after the detected first path (one sample is 1.0016 ns).
 PROFILE_EDGES_NS = (-4.0, -1.5, 1.5, 3.5, 6.5, 10.5, 15.5, 22.5, 32.5, 45.5, 62.5, 82.5, 105.5)
-BEFORE, AFTER = 8, 110  # samples kept around the first path
 RISE_HIGH, RISE_LOW = 0.6, 6.0  # Marano et al. 2010: share of the maximum, multiples of noise std
 LEAD_LEVEL = 5.0  # multiples of the noise standard deviation that count as energy before the path
 
@@ -65,19 +66,28 @@ def profile_names() -> tuple[str, ...]:
     return tuple(f"profile_db[{a:g}..{b:g}ns]" for a, b in pairwise(edges))
 
 
-def observe(frame: pd.DataFrame) -> Observables:
+def observe(frame: pd.DataFrame, window: Window | None = None) -> Observables:
     """Return every observable the table's columns allow, as [n, p].
 
     `frame` is a recordings table; `error_m` is computed from the ranges where it is absent.
     """
-    columns = {name: _scalar(frame, name) for name in SCALARS}
-    found = {name: value for name, value in columns.items() if np.isfinite(value).any()}
+    scalars = {name: _scalar(frame, name) for name in SCALARS}
+    if "cir" not in frame or "first_path_index" not in frame or not len(frame):
+        return collect(scalars)
+    magnitude, delay = aligned(frame, window or window_of(frame))
+    count, noise = scalars["preamble_count"], scalars["noise_std"]
+    return collect(scalars, shape_observables(magnitude, delay, count, noise))
+
+
+def collect(scalars: dict[str, Floats], shape: dict[str, Floats] | None = None) -> Observables:
+    """Return scalar columns and figures of the CIR, all [n], as one table of observables."""
+    found = {name: value for name, value in scalars.items() if np.isfinite(value).any()}
     units = {name: SCALARS[name] for name in found}
-    if "cir" in frame and "first_path_index" in frame and len(frame):
-        shape = _shape_observables(frame)
+    if shape:
         found |= shape
         units |= {name: FEATURES.get(name, "dB") for name in shape}
-    values = np.stack(list(found.values()), axis=1) if found else np.empty((len(frame), 0))
+    rows = len(next(iter(scalars.values())))
+    values = np.stack(list(found.values()), axis=1) if found else np.empty((rows, 0))
     return Observables(tuple(found), tuple(units[name] for name in found), values)
 
 
@@ -106,22 +116,49 @@ def _numbers(column: pd.Series) -> Floats:
     return np.asarray(pd.to_numeric(column, errors="coerce"), np.float64)
 
 
-def aligned(frame: pd.DataFrame) -> tuple[Floats, Floats]:
+@dataclass(frozen=True)
+class Window:
+    """How much of a CIR is compared: samples before and after the detected first path."""
+
+    before: int = 8
+    after: int = 110
+
+
+def window_of(frame: pd.DataFrame) -> Window:
+    """Return the widest window nearly every row of a table can fill, at most 24 + 110 samples."""
+    if "cir" not in frame or "first_path_index" not in frame or not len(frame):
+        return Window()
+    first = np.nan_to_num(_numbers(frame["first_path_index"]))
+    length = np.array([len(cir) for cir in frame["cir"]])
+    before = int(np.clip(np.quantile(np.floor(first), 0.02), 2, 24))
+    after = int(np.clip(np.quantile(length - np.floor(first), 0.02), 16, 110))
+    return Window(before, after)
+
+
+def aligned(frame: pd.DataFrame, window: Window) -> tuple[Floats, Floats]:
     """Return magnitudes around the first path and their delays.
 
-    Gives [n, BEFORE + AFTER] (NaN outside the CIR) and delays in ns after the first path, same
+    Gives [n, before + after] (NaN outside the CIR) and delays in ns after the first path, same
     shape. Rows may have CIRs of different lengths.
     """
     first = _numbers(frame["first_path_index"])
-    start = np.floor(np.nan_to_num(first)).astype(np.int64) - BEFORE
-    out = np.full((len(frame), BEFORE + AFTER), np.nan)
-    for row, (cir, begin) in enumerate(zip(frame["cir"], start, strict=True)):
-        low, high = max(begin, 0), min(begin + BEFORE + AFTER, len(cir))
-        if high > low:
-            out[row, low - begin : high - begin] = cir[low:high]
-    out[~np.isfinite(first)] = np.nan
-    index = start[:, None] + np.arange(BEFORE + AFTER)
-    return out, (index - first[:, None]) * _period_ns(frame)[:, None]
+    lengths = np.array([len(cir) for cir in frame["cir"]], np.intp)
+    padded = np.full((len(frame), int(lengths.max(initial=1))), np.nan)
+    for length in np.unique(lengths):
+        rows = np.flatnonzero(lengths == length)
+        padded[rows, :length] = np.stack([frame["cir"].iloc[row] for row in rows])
+    return around(padded, first, _period_ns(frame), window)
+
+
+def around(
+    cir: NDArray[Any], first: Floats, period_ns: Floats, window: Window
+) -> tuple[Floats, Floats]:
+    """Return `cir` [n, K] around `first` [n] and the delays in ns (see `aligned`)."""
+    start = np.floor(np.nan_to_num(first)).astype(np.intp) - window.before
+    index = start[:, None] + np.arange(window.before + window.after)
+    inside = (index >= 0) & (index < cir.shape[1]) & np.isfinite(first)[:, None]
+    taken = np.take_along_axis(cir, np.clip(index, 0, cir.shape[1] - 1), axis=1)
+    return np.where(inside, taken, np.nan), (index - first[:, None]) * period_ns[:, None]
 
 
 def _period_ns(frame: pd.DataFrame) -> Floats:
@@ -131,32 +168,31 @@ def _period_ns(frame: pd.DataFrame) -> Floats:
     return np.full(len(frame), SAMPLE_PERIOD_NS)
 
 
-def _shape_observables(frame: pd.DataFrame) -> dict[str, Floats]:
-    """Return profile bins and features of the CIR, each [n]."""
-    magnitude, delay = aligned(frame)
-    per_symbol = magnitude / _symbols(frame)[:, None]
-    power = per_symbol**2
-    total = np.nansum(power, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
+def shape_observables(
+    magnitude: Floats, delay: Floats, count: Floats, noise_std: Floats
+) -> dict[str, Floats]:
+    """Return profile bins and features of aligned CIRs, each [n].
+
+    `magnitude` and `delay` (ns after the first path) are [n, K] (see `around`); `count` are the
+    accumulated symbols and `noise_std` the logged noise [n], NaN where unknown.
+    """
+    symbols = np.where(count > 0, count, 1.0 if np.isnan(count).all() else np.nan)
+    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):
+        warnings.simplefilter("ignore", RuntimeWarning)  # rows that are all NaN stay NaN
+        noise = _noise(noise_std, magnitude, delay) / symbols
+        magnitude = magnitude / symbols[:, None]
+        power = magnitude**2
+        total = np.nansum(power, axis=1)
         bins = _profile_db(power, delay, total)
-        features = _features(per_symbol, power, delay, total, _noise(frame, magnitude))
+        features = _features(magnitude, power, delay, total, noise)
     every = bins | features
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
 
 
-def _symbols(frame: pd.DataFrame) -> Floats:
-    """Return accumulated preamble symbols [n]: amplitudes are proportional to them."""
-    if "preamble_count" not in frame:
-        return np.ones(len(frame))
-    count = _numbers(frame["preamble_count"])
-    return np.where(count > 0, count, np.nan)
-
-
-def _noise(frame: pd.DataFrame, magnitude: Floats) -> Floats:
-    """Return the noise std per symbol [n]: as logged, else from the samples before the path."""
-    logged = _scalar(frame, "noise_std")
-    early = np.sqrt(np.nanmean(magnitude[:, : BEFORE - 3] ** 2, axis=1) / 2)
-    return np.where(np.isfinite(logged), logged, early) / _symbols(frame)
+def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:
+    """Return the noise std [n]: as logged, else from the samples well before the path."""
+    early = np.sqrt(np.nanmean(np.where(delay < -3.5, magnitude, np.nan) ** 2, axis=1) / 2)
+    return np.where(np.isfinite(logged), logged, early)
 
 
 def _profile_db(power: Floats, delay: Floats, total: Floats) -> dict[str, Floats]:

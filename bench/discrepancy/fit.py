@@ -1,0 +1,131 @@
+"""Fitting one effect within its physical bounds, on common random numbers so it is smooth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from bench.discrepancy.gain import Tally, gain, tally
+from bench.discrepancy.world import Added, View, World
+from bench.errors import BenchError
+from bench.physics.effect import Effect, Parameter
+
+Floats = NDArray[np.float64]
+FIT_MEMBERS = 4
+STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null to the bound
+EVALUATIONS = 60
+FLAG = "0 or 1"
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """An effect with the parameters that scored best, its gain on the rows it was fitted on."""
+
+    effect: Effect
+    gain: float
+    evaluations: int
+
+
+class Objective:
+    """Gain of one kind of effect over the current simulator as a function of its parameters."""
+
+    def __init__(
+        self, kind: type[Effect], world: World, view: View, added: Added, base: Tally
+    ) -> None:
+        self.kind, self.world, self.view, self.added, self.base = kind, world, view, added, base
+        self.free = free_parameters(kind)
+        self.evaluations = 0
+        self.best: tuple[float, Effect] | None = None
+
+    def __call__(self, values: dict[str, float]) -> float:
+        """Return the gain of these parameter values; an ensemble that is not finite counts -inf.
+
+        Raises BenchError where the effect itself fails.
+        """
+        self.evaluations += 1
+        effect = self.kind.from_values(values)
+        try:
+            made = self.world.ensemble(self.view, (*self.added, effect), FIT_MEMBERS)
+        except BenchError:
+            raise
+        except Exception as problem:
+            raise BenchError(f"effect {self.kind.name!r} failed: {problem}") from problem
+        found = gain(self.base, tally(made))
+        if set(made.names) < set(self.base.names) or not np.isfinite(found):
+            raise BenchError(f"effect {self.kind.name!r} gives values that are not finite")
+        if self.best is None or found > self.best[0]:
+            self.best = (found, effect)
+        return found
+
+
+def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
+    """Return the parameters that are fitted: all but switches."""
+    return tuple(p for p in kind.parameters() if p.unit != FLAG and p.high > p.low)
+
+
+def screen(objective: Objective) -> Fitted:
+    """Return the best of a line search along every amplitude of the effect.
+
+    An amplitude is a parameter with a value at which the effect does nothing; the others stay at
+    their defaults. Effects without one are tried at points spread over their bounds.
+    """
+    for values in _starts(objective.kind):
+        objective(values)
+    assert objective.best is not None
+    return Fitted(objective.best[1], objective.best[0], objective.evaluations)
+
+
+def _starts(kind: type[Effect]) -> list[dict[str, float]]:
+    """Return the points of the screening."""
+    free = free_parameters(kind)
+    amplitudes = [p for p in free if p.null is not None]
+    defaults = {p.name: p.default for p in free}
+    out = [defaults]
+    for amplitude in amplitudes:
+        null = float(amplitude.null or 0.0)
+        for bound in {amplitude.low, amplitude.high} - {null}:
+            at = [null + step * (bound - null) for step in STEPS]
+            out += [defaults | {amplitude.name: _whole(amplitude, value)} for value in at]
+    if not amplitudes:
+        rng = np.random.default_rng(0)
+        out += [{p.name: _whole(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
+    return out
+
+
+def _whole(item: Parameter, value: float) -> float:
+    """Return the value within the bounds, a whole number where the default is one by nature."""
+    return float(np.clip(value, item.low, item.high))
+
+
+def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) -> Fitted:
+    """Return the local optimum near `start` (bounded Nelder-Mead on scaled parameters)."""
+    free = objective.free
+    if not free:
+        return start
+    low = np.array([p.low for p in free])
+    span = np.array([p.high for p in free]) - low
+    now = np.array([getattr(start.effect, p.name) for p in free])
+    scale = np.array([_step(p, value) for p, value in zip(free, now, strict=True)])
+
+    def loss(x: Floats) -> float:
+        values = np.clip(now + x * scale, low, low + span)
+        return -objective({p.name: float(v) for p, v in zip(free, values, strict=True)})
+
+    simplex = np.vstack([np.zeros(len(free)), np.eye(len(free))])
+    options: Any = {"maxfev": evaluations, "initial_simplex": simplex, "xatol": 0.02, "fatol": 1e-4}
+    minimize(loss, simplex[0], method="Nelder-Mead", options=options)
+    assert objective.best is not None
+    return Fitted(objective.best[1], objective.best[0], objective.evaluations)
+
+
+def _step(item: Parameter, value: float) -> float:
+    """Return a first step: a third of the way from null, or a tenth of the bounds."""
+    if item.null is not None and value != item.null:
+        step = (value - item.null) / 3
+    else:
+        step = (item.high - item.low) * (0.02 if item.null is not None else 0.1)
+    return float(step if value + step <= item.high else -step)

@@ -1,0 +1,216 @@
+"""The loop: locate, explain, add the effect, until nothing significant is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bench.discrepancy.cells import Cell
+from bench.discrepancy.explain import (
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    Contender,
+    Explanation,
+    Tell,
+    equivalents,
+    explain,
+)
+from bench.discrepancy.fit import Fitted, Objective, refine
+from bench.discrepancy.gain import gain_interval, tally
+from bench.discrepancy.locate import Finding, Located, locate
+from bench.discrepancy.score import Estimate, cluster_bootstrap
+from bench.discrepancy.uncertainty import parameter_intervals
+from bench.discrepancy.verdict import Ambiguous, Control, LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.world import Added, View, World
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+
+SEARCH_MEMBERS = 16
+SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
+ROUNDS = 5
+MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
+SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
+
+
+@dataclass(frozen=True)
+class Round:
+    """One turn of the loop: what was located, who competed, what was added."""
+
+    located: Located
+    explanation: Explanation | None
+    added: Effect | None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Verdicts with the effects to add (`added`), and how the search went."""
+
+    verdicts: tuple[Verdict, ...]
+    added: Added
+    rounds: tuple[Round, ...]
+    skipped: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of every verdict that names something."""
+        return tuple(verdict.names for verdict in self.verdicts if verdict.names)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What every step shares: the simulated world, the two working views, the library, the seed."""
+
+    world: World
+    discover: View
+    fit: View
+    kinds: Mapping[str, type[Effect]]
+    seed: int
+    tell: Tell = lambda _: None
+
+    def locate(self, added: Added, turn: int) -> Located:
+        """Search the discover links for what is left."""
+        first = SEARCH_FIRST + turn * SEARCH_MEMBERS
+        ensemble = self.world.ensemble(self.discover, added, SEARCH_MEMBERS, first)
+        return locate(ensemble, self.discover.covariates, self.seed + turn)
+
+    def explain(self, added: Added, located: Located) -> Explanation:
+        """Fit the library on the fit links, score it on the discover links."""
+        focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
+        world, kinds = self.world, self.kinds
+        return explain(world, self.fit, self.discover, added, kinds, focus, self.seed, self.tell)
+
+
+def diagnose(search: Search) -> Diagnosis:
+    """Run the loop on the working links and return the verdicts."""
+    rounds: list[Round] = []
+    added: Added = ()
+    skipped: dict[str, str] = {}
+    for turn in range(ROUNDS):
+        search.tell(f"searching (round {turn + 1})")
+        located = search.locate(added, turn)
+        explanation = search.explain(added, located) if located.significant else None
+        best = _best(explanation)
+        rounds.append(Round(located, explanation, best.effect if best else None))
+        skipped |= dict(explanation.skipped) if explanation else {}
+        if best is None:
+            break
+        added = _with(added, best.effect)
+        added = _polished(search, added) if len(added) > 1 else added
+    verdicts = _verdicts(search, rounds, added)
+    kept = tuple(e for e in added if any(e.name in v.names for v in verdicts))
+    return Diagnosis(verdicts, kept, tuple(rounds), skipped)
+
+
+def _best(explanation: Explanation | None) -> Contender | None:
+    """Return the contender to add: a gain beyond the margin with its whole interval above zero."""
+    if explanation is None or not explanation.contenders:
+        return None
+    best = explanation.contenders[0]
+    return best if best.gain.above_zero and best.gain.value > MARGIN else None
+
+
+def _with(added: Added, effect: Effect) -> Added:
+    """Return the effects with `effect` added, or in place of the one of its name."""
+    return (*(known for known in added if known.name != effect.name), effect)
+
+
+def _polished(search: Search, added: Added) -> Added:
+    """Fit every added effect again, given the others."""
+    for effect in added:
+        others = tuple(known for known in added if known.name != effect.name)
+        base = tally(search.world.ensemble(search.fit, others, 4))
+        objective = Objective(type(effect), search.world, search.fit, others, base)
+        free = {p.name: getattr(effect, p.name) for p in objective.free}
+        fitted = refine(objective, Fitted(effect, objective(free), 0), 30)
+        added = tuple(fitted.effect if known.name == effect.name else known for known in added)
+    return added
+
+
+def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
+    """Return what can be said: names that hold, and what is left."""
+    last = rounds[-1]
+    if not last.located.significant and not added:
+        return (NoMismatch(last.located.detectable, last.located.p),)
+    first = rounds[0].explanation
+    assert first is not None
+    share = _share(search, first, added)
+    unexplained = last.located.significant and last.added is None
+    removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
+    worth = unexplained and removable.above_zero
+    if worth and share < SHARE:
+        return (_unknown(last, "the best known effects remove too little of what is removable"),)
+    named = _named(search, rounds, added, share)
+    return (*named, _unknown(last, "left after the named effects")) if worth else named
+
+
+def _unknown(last: Round, note: str) -> Unknown:
+    """Return the verdict on what no effect explains."""
+    assert last.explanation is not None
+    tried = {c.name: c.gain.value for c in last.explanation.contenders}
+    return Unknown(last.located.findings, last.explanation.removable, tried, note)
+
+
+def _share(search: Search, first: Explanation, added: Added) -> float:
+    """Return the gain of all added effects as a fraction of the flexible regression's."""
+    if not added:
+        return 0.0
+    made = search.world.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
+    reached = gain_interval(first.base, tally(made), search.seed).value
+    return float(reached / max(first.removable.value, reached, 1e-9))
+
+
+def _named(search: Search, rounds: list[Round], added: Added, share: float) -> tuple[Verdict, ...]:
+    """Return one verdict per added effect: named alone, or with those that do as well."""
+    out: list[Verdict] = []
+    for turn in rounds:
+        if turn.added is None or turn.explanation is None:
+            continue
+        effect = next((e for e in added if e.name == turn.added.name), None)
+        if effect is None or any(effect.name in v.names for v in out):
+            continue
+        same = equivalents(turn.explanation, search.seed)
+        options = tuple(
+            _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
+            for i, c in enumerate(same)
+        )
+        passed = tuple(o for o in options if o.control.passed is not False) or options[:1]
+        out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
+    return tuple(out)
+
+
+def _left_out(
+    search: Search, turn: Round, effect: Effect, gain: Estimate, added: Added, share: float
+) -> LeftOut:
+    """Return a named effect with its intervals and negative control."""
+    others = tuple(e for e in added if turn.added is None or e.name != turn.added.name)
+    intervals = parameter_intervals(search.world, search.fit, others, effect)
+    control = negative_control(search, others, effect, turn.located.findings[0])
+    return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
+
+
+def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
+    """Return what is left where the effect must vanish (a wall delay where there is no wall)."""
+    words = type(effect).control
+    inert = effect.inert(Base().paths(search.discover.scene))
+    if inert.sum() < 10 or inert.all():
+        return Control(words, None)
+    ensemble = search.world.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
+    cell = Cell(top.cell.observable, "mean", top.cell.place)
+    if cell.observable not in ensemble.names:
+        return Control(words, None)
+    residual = ensemble.residual[:, ensemble.names.index(cell.observable)]
+    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed)
+    loud = float(np.nanmean(np.abs(residual[~inert])))
+    passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < 0.25 * loud
+    return Control(words, bool(passed), int(inert.sum()), quiet)
+
+
+def separating(options: tuple[LeftOut, ...]) -> str:
+    """Return which measurement would tell the options apart."""
+    kinds = [type(option.effect) for option in options]
+    wanted = [f"{k.name} vanishes in {k.control}" for k in kinds if k.control]
+    if wanted:
+        return f"record rows where only one must vanish: {'; '.join(dict.fromkeys(wanted))}"
+    return "compare signatures: " + "; ".join(f"{k.name}: {k.signature}" for k in kinds)

@@ -1,0 +1,119 @@
+"""A simulator in two halves, so that effects on the range alone cost no new waveform."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.discrepancy.observables import (
+    SCALARS,
+    Floats,
+    Observables,
+    Window,
+    around,
+    collect,
+    shape_observables,
+)
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect
+from bench.physics.randomness import BLOCK, Draws
+from bench.physics.scene import Scene
+from bench.physics.simulator import Simulator
+
+KEPT = 24  # detected replicates that are remembered
+
+
+@dataclass(frozen=True)
+class Detected:
+    """One replicate after detection: a batch per block without its waveform, and CIR figures.
+
+    Holds its `rows`, so that their identity stays theirs while it is remembered.
+    """
+
+    rows: Scene
+    blocks: tuple[Batch, ...]
+    shape: dict[str, Floats]
+
+
+class Stages:
+    """Simulates replicates; remembers everything before the ranging stage.
+
+    Numbers are those of `Simulator.observe` with the same seed and replicate.
+    """
+
+    def __init__(self, window: Window) -> None:
+        self.window = window
+        self._kept: OrderedDict[tuple[object, ...], Detected] = OrderedDict()
+
+    def observables(
+        self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
+    ) -> Observables:
+        """Return what the simulator gives for `rows` in one replicate."""
+        early = tuple(e for e in simulator.effects if e.stage != "ranging")
+        key = (id(rows), simulator.base, early, simulator.seed, replicate, cir)
+        if key not in self._kept:
+            self._kept[key] = self._detected(simulator, rows, replicate, cir)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        found = self._kept[key]
+        batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
+        columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
+        scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
+        return collect(scalars, found.shape)
+
+    def _detected(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> Detected:
+        """Simulate up to detection; the waveform is reduced to its figures and dropped."""
+        blocks, shapes = [], []
+        for start in range(0, len(rows), BLOCK):
+            draws = Draws(simulator.seed, replicate, "base", start // BLOCK)
+            batch = _received(simulator, rows.slice(start, start + BLOCK), draws, cir)
+            shapes.append(self._shape(simulator, batch))
+            blocks.append(replace(batch, waveform=None, noise=None))
+        names = shapes[0]
+        shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
+        return Detected(rows, tuple(blocks), shape)
+
+    def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
+        """Return the CIR figures of a detected batch, none without a waveform."""
+        crop = simulator.base.cropped(batch)
+        if crop is None:
+            return {}
+        whole, index = crop
+        period = np.full(len(batch), batch.sample_period_ns)
+        magnitude, delay = around(np.abs(whole), index, period, self.window)
+        return shape_observables(
+            magnitude, delay, _column(batch, "preamble_count"), _column(batch, "noise_std")
+        )
+
+
+def _received(simulator: Simulator, rows: Scene, draws: Draws, cir: bool) -> Batch:
+    """Return a block of rows after detection, before the ranging stage."""
+    base = simulator.base
+    batch = _applied(simulator.at_stage("propagation"), base.paths(rows), draws)
+    batch = base.received(batch, draws) if cir else base.counted(batch)
+    late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
+    return base.detected(_applied(tuple(late), batch, draws))
+
+
+def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
+    """Return a detected block after the ranging stage."""
+    draws = Draws(simulator.seed, replicate, "base", block)
+    return _applied(simulator.at_stage("ranging"), batch, draws)
+
+
+def _applied(effects: tuple[Effect, ...], batch: Batch, draws: Draws) -> Batch:
+    for effect in effects:
+        with np.errstate(all="ignore"):
+            batch = effect.apply(batch, replace(draws, name=effect.name))
+    return batch
+
+
+def _column(batch: Batch, name: str) -> Floats:
+    """Return an observable column of a detected batch [n]."""
+    if name == "error_m":
+        assert batch.range_m is not None
+        return np.asarray(batch.range_m - batch.rows.true_range_m, np.float64)
+    found = batch.symbols if name == "preamble_count" else getattr(batch, name)
+    return np.full(len(batch), np.nan) if found is None else np.asarray(found, np.float64)

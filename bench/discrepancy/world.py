@@ -1,0 +1,122 @@
+"""The two ways to compare: the simulator run again at each row, or a table beside a table.
+
+Both answer one question: given these effects on top of what the simulator has, what does it say
+about these recorded rows?
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.covariates import Covariates, covariates
+from bench.discrepancy.ensemble import Ensemble, stack
+from bench.discrepancy.observables import (
+    Floats,
+    Observables,
+    Window,
+    observe,
+)
+from bench.discrepancy.split import Rows
+from bench.discrepancy.staged import Stages
+from bench.physics.effect import Effect
+from bench.physics.scene import Scene, scene
+from bench.physics.simulator import Simulator
+
+Added = tuple[Effect, ...]
+
+
+@dataclass(frozen=True)
+class View:
+    """Some recorded rows: `frame` as known to the simulator, what was recorded, link codes [n]."""
+
+    frame: pd.DataFrame
+    recorded: Observables
+    links: NDArray[np.intp]
+    rows: Rows
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Geometry and settings of the rows for `bench.physics`."""
+        return scene(self.frame, "recorded")
+
+    @cached_property
+    def covariates(self) -> Covariates:
+        """What can be searched over."""
+        return covariates(self.frame)
+
+    @property
+    def has_cir(self) -> bool:
+        """True where the rows have a CIR to compare."""
+        return any(name.startswith("profile_db") for name in self.recorded.names)
+
+
+class World(Protocol):
+    """A simulated counterpart of recorded rows."""
+
+    def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
+        """Return recorded rows beside `members` simulated versions with effects `added`.
+
+        `first` numbers the replicates: the same numbers give the same random numbers.
+        """
+
+
+@dataclass(frozen=True)
+class Resimulation:
+    """A `bench.physics` simulator run again at every row's own geometry and settings."""
+
+    simulator: Simulator
+    window: Window
+
+    @cached_property
+    def stages(self) -> Stages:
+        """Remembers everything before the ranging stage."""
+        return Stages(self.window)
+
+    def with_effects(self, added: Added) -> Simulator:
+        """Return the simulator with these effects added or, by name, replaced."""
+        out = self.simulator
+        for effect in added:
+            out = out.with_effect(effect)
+        return out
+
+    def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
+        """Return recorded rows beside `members` simulated versions with effects `added`."""
+        simulator = self._cropped(self.with_effects(added), view)
+        numbers = range(first, first + members)
+        see = self.stages.observables
+        replicas = [see(simulator, view.scene, number, view.has_cir) for number in numbers]
+        return stack(view.recorded, replicas, view.links)
+
+    def _cropped(self, simulator: Simulator, view: View) -> Simulator:
+        """Return the simulator giving just the window that is compared."""
+        if not view.has_cir:
+            return simulator
+        crop = {
+            "cir_lead": self.window.before,
+            "cir_samples": self.window.before + self.window.after,
+        }
+        return replace(simulator, base=replace(simulator.base, **crop))
+
+
+def view(frame: pd.DataFrame, links: NDArray[np.intp], rows: Rows, window: Window) -> View:
+    """Return a view of some rows of a recorded table; `links` are codes of the whole table."""
+    part = frame.iloc[rows].reset_index(drop=True)
+    return View(part, observe(part, window), links[rows], rows)
+
+
+def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
+    """Return the table without some columns, so that the diagnosis cannot see them."""
+    return frame.drop(columns=[c for c in columns if c in frame])
+
+
+def measured(frame: pd.DataFrame, name: str) -> Floats:
+    """Return a numeric column [n], NaN where unknown or absent."""
+    if name not in frame:
+        return np.full(len(frame), np.nan)
+    return np.asarray(pd.to_numeric(frame[name], errors="coerce"), np.float64)
