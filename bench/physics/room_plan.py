@@ -1,0 +1,68 @@
+"""The plan of the simulated rooms: which rows, in which rooms, behind which obstacles.
+
+The structure follows the Deep UWB dataset (Angarano et al., Zenodo 10.5281/zenodo.4290069): three
+office-like rooms of 10 x 5, 5 x 5 and 5 x 3.5 m, an outdoor place, and ranges through a wall; ten
+obstacle kinds; a tag moving along short paths while an anchor stands still. Widths, thicknesses
+and the mix of obstacles are not published; those here are plausible ones for such objects.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+HEIGHT_M = 2.8
+
+
+@dataclass(frozen=True)
+class Place:
+    """One environment: its floor in metres (None: open space), rows without and with sight."""
+
+    name: str
+    floor_m: tuple[float, float] | None
+    nlos_rows: int
+    los_rows: int
+    wall_at_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An obstacle kind: its share of the links, and the range of thickness and width in metres.
+
+    `thickness_m` counts the material in the way: a full box or several plates are thick.
+    """
+
+    kind: str
+    share: float
+    thickness_m: tuple[float, float]
+    width_m: tuple[float, float]
+
+
+ROW_TOTAL = 55_000
+ROWS_PER_LINK = (20, 40)
+
+
+def places() -> tuple[Place, ...]:
+    """Return the environments with the row counts of the paper; 55 000 rows in all."""
+    return (
+        Place("big", (10.0, 5.0), 18_422, 1_564),
+        Place("medium", (5.0, 5.0), 13_210, 1_564),
+        Place("small", (5.0, 3.5), 17_601, 1_563),
+        Place("outdoor", None, 400, 138),
+        Place("through-the-wall", (10.0, 5.0), 538, 0, wall_at_m=5.0),
+    )
+
+
+def things() -> tuple[Thing, ...]:
+    """Return the ten obstacle kinds and how often each stands in the straight line."""
+    return (
+        Thing("wall", 0.02, (0.10, 0.25), (0.8, 2.0)),
+        Thing("polystyrene plate", 0.08, (0.03, 0.15), (0.6, 1.2)),
+        Thing("plastic", 0.14, (0.02, 0.35), (0.4, 0.8)),
+        Thing("plywood plate", 0.10, (0.01, 0.05), (0.6, 1.5)),
+        Thing("cardboard box", 0.13, (0.10, 0.60), (0.4, 1.0)),
+        Thing("LCD TV", 0.10, (0.002, 0.004), (0.7, 1.3)),
+        Thing("metal plate", 0.16, (0.001, 0.004), (0.5, 1.2)),
+        Thing("wood door", 0.13, (0.04, 0.12), (0.8, 1.0)),
+        Thing("glass plate", 0.09, (0.006, 0.03), (0.6, 1.4)),
+        Thing("metal window", 0.05, (0.001, 0.003), (0.6, 1.2)),
+    )
