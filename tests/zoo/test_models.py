@@ -82,7 +82,7 @@ def test_same_seed_same_fit_and_global_random_state_is_left(name: str, rows: Row
     model = FAST[name]()
     state = torch.get_rng_state()
     first = model.fit(*rows).predict(rows[0])
-    np.random.random()  # noqa: NPY002 - a fit must not depend on global randomness
+    np.random.random()  # a fit must not depend on it
     assert torch.equal(torch.get_rng_state(), state)
     torch.rand(3)
     np.testing.assert_array_equal(clone(model).fit(*rows).predict(rows[0]), first)

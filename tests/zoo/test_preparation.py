@@ -22,7 +22,7 @@ def test_rows_exactly_as_wide_pass_untouched() -> None:
 
 
 def test_narrower_rows_are_refused_naming_both_widths() -> None:
-    with pytest.raises(ValueError, match="152 samples from sample 5 on.*at least 157.*got 156"):
+    with pytest.raises(ValueError, match=r"152 samples from sample 5 on.*at least 157.*got 156"):
         Crop(156, 5, 152)
 
 
