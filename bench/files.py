@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from secrets import token_hex
 
 from bench.errors import WriteError
 
@@ -20,11 +20,10 @@ def atomic_path(target: Path) -> Iterator[Path]:
     scratch: Path | None = None
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.name[:40]}.", suffix=".part" + target.suffix
-        )
-        os.close(handle)
-        scratch = Path(name)
+        # Not tempfile.mkstemp: its files are readable by this user alone, whatever the umask.
+        name = f".{target.name[:40]}.{token_hex(6)}.part{target.suffix}"
+        scratch = target.with_name(name)
+        scratch.touch(exist_ok=False)
         yield scratch
         scratch.replace(target)
     except OSError as problem:

@@ -45,7 +45,7 @@ class Plugin:
         """Import and return the object. Raises BenchError with the reason where that fails."""
         try:
             return EntryPoint(self.name, self.target, f"bench.{self.group}").load()
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:  # a plug-in must not end the harness
             reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
             kind = _SINGULAR[self.group]
             raise BenchError(f"{kind} {self.name!r} is unavailable: {reason}") from problem

@@ -26,7 +26,10 @@ PNG_DPI = 150
 
 @dataclass(frozen=True)
 class Point:
-    """One model on one backend: latency in microseconds and NLoS MAE in metres, with intervals."""
+    """One model on one backend: latency in microseconds and NLoS MAE in metres, with intervals.
+
+    An `unstable` latency cannot be quoted: such a point is hollow and not on the front.
+    """
 
     model: str
     backend: str
@@ -36,6 +39,7 @@ class Point:
     mae_m: float
     mae_low_m: float
     mae_high_m: float
+    unstable: bool
 
 
 def points(board: Board, device: str | None = None) -> list[Point]:
@@ -89,7 +93,9 @@ def _point(entry: Entry, device: str | None) -> Point | None:
     mae = entry.nlos.mae_m
     low = mae.value if mae.low is None else mae.low
     high = mae.value if mae.high is None else mae.high
-    return Point(entry.model, entry.backend, *latency, mae.value, low, high)
+    measured = entry.latency(1) if device is None else None
+    unstable = measured is not None and measured.unstable
+    return Point(entry.model, entry.backend, *latency, mae.value, low, high, unstable)
 
 
 def _latency(entry: Entry, device: str | None) -> tuple[float, float, float] | None:
@@ -114,7 +120,7 @@ def _panel(axes: Axes, board: Board, some: Sequence[Point], device: str | None) 
         _draw(axes, point, colours[point.model], markers[point.backend])
     _draw_front(axes, some)
     _draw_floor(axes, board)
-    _legend(axes, colours, markers)
+    _legend(axes, colours, markers, any(point.unstable for point in some))
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -144,6 +150,7 @@ def _draw(axes: Axes, point: Point, colour: str, marker: str) -> None:
         yerr=_arms(point.mae_m, point.mae_low_m, point.mae_high_m),
         color=colour,
         marker=marker,
+        markerfacecolor="none" if point.unstable else colour,
         elinewidth=0.7,
         alpha=0.9,
     )
@@ -155,16 +162,10 @@ def _arms(value: float, low: float, high: float) -> list[list[float]]:
 
 
 def _draw_front(axes: Axes, some: Sequence[Point]) -> None:
-    front = pareto_front([(point.latency_us, point.mae_m) for point in some])
-    latency = [some[i].latency_us for i in front]
-    axes.step(
-        latency,
-        [some[i].mae_m for i in front],
-        where="post",
-        color="black",
-        lw=1,
-        label="Pareto front",
-    )
+    stable = [(point.latency_us, point.mae_m) for point in some if not point.unstable]
+    front = [stable[i] for i in pareto_front(stable)]
+    latency_us, mae_m = [x for x, _ in front], [y for _, y in front]
+    axes.step(latency_us, mae_m, where="post", color="black", lw=1, label="Pareto front")
 
 
 def _draw_floor(axes: Axes, board: Board) -> None:
@@ -172,7 +173,7 @@ def _draw_floor(axes: Axes, board: Board) -> None:
     axes.axhline(scored[0], color="grey", ls="--", lw=1, label="no mitigation")
 
 
-def _legend(axes: Axes, colours: dict[str, str], markers: dict[str, str]) -> None:
+def _legend(axes: Axes, colours: dict[str, str], markers: dict[str, str], unstable: bool) -> None:
     from matplotlib.lines import Line2D
 
     models = [Line2D([], [], color=colour, lw=4, label=name) for name, colour in colours.items()]
@@ -182,4 +183,8 @@ def _legend(axes: Axes, colours: dict[str, str], markers: dict[str, str]) -> Non
     ]
     lines, _ = axes.get_legend_handles_labels()
     handles = [*models, *backends, *lines]
+    if unstable:
+        handles.append(
+            Line2D([], [], color="black", marker="o", mfc="none", ls="", label="unstable")
+        )
     axes.legend(handles=handles, fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5))

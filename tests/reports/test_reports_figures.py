@@ -83,6 +83,17 @@ def test_the_front_drawn_is_the_front(tmp_path: Path) -> None:
     assert list(front.get_ydata()) == pytest.approx([0.08, 0.07])
 
 
+def test_an_unstable_point_is_hollow_and_not_on_the_front(tmp_path: Path) -> None:
+    good, shaky = files.run("good"), files.run("shaky", nlos=files.score(0.01))
+    records = [files.timing(good, 50), files.timing(shaky, latency=[files.latency(1, 5, True)])]
+    (axes,) = latency_against_error(boards(tmp_path, good, shaky, *records)).axes
+    (front,) = [line for line in axes.lines if line.get_label() == "Pareto front"]
+    assert list(front.get_xdata()) == [50]
+    hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
+    assert [list(line.get_xdata()) for line in hollow] == [[5]]
+    assert axes.get_legend().get_texts()[-1].get_text() == "unstable"
+
+
 def test_estimated_latency_is_labelled_an_estimate(tmp_path: Path) -> None:
     (axes,) = latency_against_error(boards(tmp_path, files.run()), "cortex-a53").axes
     assert axes.get_xlabel() == "estimated latency of one inference on cortex-a53 (µs, est.)"

@@ -47,6 +47,8 @@ def test_writes_the_file_it_would_print(folder: Path) -> None:
     result = call("--out", "deep/BOARD.md")
     assert result.stdout == "wrote deep/BOARD.md\n"
     assert (folder / "deep" / "BOARD.md").read_text(encoding="utf-8") == printed
+    (folder / "usual").touch()
+    assert (folder / "deep" / "BOARD.md").stat().st_mode == (folder / "usual").stat().st_mode
 
 
 def test_json_is_all_that_stdout_holds(folder: Path) -> None:

@@ -234,6 +234,7 @@ def test_the_harness_finds_it_without_a_line_of_ours(site: Site) -> None:
             "ModuleNotFoundError: No module named 'a_library_nobody_has'",
         ),
         ("1 / 0", "ZeroDivisionError: division by zero"),
+        ("raise SystemExit('stop')", "SystemExit: stop"),
         ("def (", "SyntaxError: invalid syntax"),
         ("Good = 1", "AttributeError: module 'bad_plugin' has no attribute 'Bad'"),
     ],
