@@ -22,10 +22,14 @@ def command() -> None:
     """
 
 
-@command.command(epilog="Example: bench plugin new ridge-cir -o ~/models")
+@command.command(epilog="Example: bench plugin new ridge-cir -o ~/plug-ins")
 @click.argument("name")
 @click.option(
-    "--kind", type=click.Choice(["model"]), default="model", show_default=True, help="What it adds."
+    "--kind",
+    type=click.Choice(["model", "dataset"]),
+    default="model",
+    show_default=True,
+    help="What it adds.",
 )
 @click.option(
     "-o",
@@ -37,20 +41,21 @@ def command() -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def new(name: str, kind: Kind, parent: Path, as_json: bool) -> None:
-    """Write a complete, installable package NAME: a model, its tests, pyproject.toml, README."""
+    """Write a complete, installable package NAME: code, its tests, pyproject.toml, README."""
     from bench.scaffold import write_package
 
     folder, files = write_package(name, kind, parent)
     if as_json:
         click.echo(json.dumps({"folder": str(folder), "kind": kind, "files": files}, indent=1))
     else:
-        _explain(name, folder, files)
+        _explain(name, kind, folder, files)
 
 
-def _explain(name: str, folder: Path, files: Sequence[str]) -> None:
+def _explain(name: str, kind: Kind, folder: Path, files: Sequence[str]) -> None:
     click.echo(f"wrote {folder}:")
     for path in files:
         click.echo(f"  {path}")
     quoted = shlex.quote(str(folder))
     click.echo(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
-    click.echo(f"then: bench run --model {name} --backend fp32")
+    chosen = f"--model {name}" if kind == "model" else f"--model all --data {name}"
+    click.echo(f"then: bench run {chosen} --backend fp32")

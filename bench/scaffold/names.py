@@ -20,7 +20,7 @@ LONGEST = 50
 class PluginName:
     """One plug-in's names: `ridge-cir` as distribution, `ridge_cir` as module.
 
-    The class is `RidgeCirRegressor`; the ending keeps it apart from whatever the module imports.
+    Classes are called `RidgeCir` with an ending that keeps them apart from what a module imports.
     """
 
     text: str
@@ -31,10 +31,9 @@ class PluginName:
         return self.text.replace("-", "_").lower()
 
     @property
-    def class_name(self) -> str:
-        """The class's name."""
-        words = re.split("[-_]", self.text)
-        return "".join(word[0].upper() + word[1:] for word in words) + "Regressor"
+    def words(self) -> str:
+        """The name as a class's name begins."""
+        return "".join(word[0].upper() + word[1:] for word in re.split("[-_]", self.text))
 
     def check(self, group: Group) -> None:
         """Raise BenchError where the name cannot be used for a new plug-in of the group."""

@@ -15,18 +15,27 @@ from bench.errors import BenchError, WriteError
 from bench.plugins import Group
 from bench.scaffold.names import PluginName
 
-Kind = Literal["model"]
-GROUPS: Mapping[Kind, Group] = {"model": "models"}
+Kind = Literal["model", "dataset"]
+_GROUPS: Mapping[Kind, Group] = {"model": "models", "dataset": "datasets"}
+_CLASS_ENDINGS: Mapping[Kind, str] = {"model": "Regressor", "dataset": "Recorded"}
+_COMMON = {
+    "pyproject.toml.tmpl": "pyproject.toml",
+    "README.md.tmpl": "README.md",
+    "init.py.tmpl": "src/$module/__init__.py",
+    "typed.tmpl": "src/$module/py.typed",
+}
 _LAYOUT: Mapping[Kind, Mapping[str, str]] = {
     "model": {
-        "pyproject.toml.tmpl": "pyproject.toml",
-        "README.md.tmpl": "README.md",
-        "init.py.tmpl": "src/$module/__init__.py",
+        **_COMMON,
         "model.py.tmpl": "src/$module/model.py",
         "network.py.tmpl": "src/$module/network.py",
-        "typed.tmpl": "src/$module/py.typed",
         "test_model.py.tmpl": "tests/test_$module.py",
-    }
+    },
+    "dataset": {
+        **_COMMON,
+        "source.py.tmpl": "src/$module/source.py",
+        "test_source.py.tmpl": "tests/test_$module.py",
+    },
 }
 
 
@@ -37,7 +46,7 @@ def write_package(name: str, kind: Kind, parent: Path) -> tuple[Path, list[str]]
     written; then nothing is left behind.
     """
     names = PluginName(name)
-    names.check(GROUPS[kind])
+    names.check(_GROUPS[kind])
     target = parent / name
     _check_free(target)
     content = _render(names, kind)
@@ -51,7 +60,8 @@ def write_package(name: str, kind: Kind, parent: Path) -> tuple[Path, list[str]]
 
 def _render(names: PluginName, kind: Kind) -> dict[str, str]:
     """Return the text of every file by its path in the package."""
-    values = {"name": names.text, "module": names.module, "class_name": names.class_name}
+    class_name = names.words + _CLASS_ENDINGS[kind]
+    values = {"name": names.text, "module": names.module, "class_name": class_name}
     folder = files(f"bench.scaffold.{kind}")
     return {
         Template(path).substitute(values): Template(

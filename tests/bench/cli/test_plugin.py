@@ -16,6 +16,7 @@ from bench.cli.plugin import command
 from bench.errors import BenchError
 
 NAME = "ridge-cir"
+LOGS = "office-logs"
 
 
 def call(*arguments: str) -> Result:
@@ -43,16 +44,30 @@ def test_writes_a_whole_package_and_says_what_to_do_next(tmp_path: Path) -> None
     assert f"bench run --model {NAME} --backend fp32" in result.stdout
 
 
-def test_no_placeholder_is_left_and_every_module_compiles(tmp_path: Path) -> None:
-    call("new", "My_Model2", "-o", str(tmp_path))
+def test_a_data_set_package_says_how_to_use_it(tmp_path: Path) -> None:
+    result = call("new", LOGS, "--kind", "dataset", "-o", str(tmp_path))
+    assert (tmp_path / LOGS / "src" / "office_logs" / "source.py").is_file()
+    assert f"bench run --model all --data {LOGS} --backend fp32" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("kind", "module", "class_line"),
+    [
+        ("model", "model.py", "class MyOwn2Regressor(MitigationModel):"),
+        ("dataset", "source.py", "class MyOwn2Recorded(Source):"),
+    ],
+)
+def test_no_placeholder_is_left_and_every_module_compiles(
+    tmp_path: Path, kind: str, module: str, class_line: str
+) -> None:
+    call("new", "My_Own2", "--kind", kind, "-o", str(tmp_path))
     for path in everything(tmp_path):
         if path.is_file():
             text = path.read_text(encoding="utf-8")
             assert "$" not in text
             if path.suffix == ".py":
                 compile(text, str(path), "exec")
-    model = (tmp_path / "My_Model2" / "src" / "my_model2" / "model.py").read_text()
-    assert "class MyModel2Regressor(MitigationModel):" in model
+    assert class_line in (tmp_path / "My_Own2" / "src" / "my_own2" / module).read_text()
 
 
 def test_json_lists_what_was_written(tmp_path: Path) -> None:
@@ -155,29 +170,34 @@ class Site:
     """A temporary environment: this one, plus what is installed in `folder`."""
 
     folder: Path
-    package: Path
+    packages: Path
 
-    def python(self, *arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    def python(
+        self, *arguments: str, cwd: Path | None = None, data: Path | None = None
+    ) -> subprocess.CompletedProcess[str]:
         environment = {**os.environ, "PYTHONPATH": str(self.folder)}
+        if data:
+            environment["BENCH_DATA"] = str(data)
         return subprocess.run(
             [sys.executable, *arguments],
             env=environment,
+            cwd=cwd,
             capture_output=True,
             text=True,
             check=False,
-            **options,
         )
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
-    """Install the example package as a user would, without a network and outside our tree."""
+    """Install the example packages as a user would, without a network and outside our tree."""
     root = tmp_path_factory.mktemp("plugin")
     call("new", NAME, "-o", str(root))
-    made = Site(root / "site", root / NAME)
+    call("new", LOGS, "--kind", "dataset", "-o", str(root))
+    made = Site(root / "site", root)
     offline = ("--no-deps", "--no-index", "--no-build-isolation", "--quiet")
     install = [sys.executable, "-m", "pip", "install", *offline, "--target", str(made.folder)]
-    subprocess.run([*install, str(made.package)], check=True)
+    subprocess.run([*install, str(root / NAME), str(root / LOGS)], check=True)
     return made
 
 
@@ -197,10 +217,20 @@ def broken(site: Site) -> Any:
 
 
 @pytest.mark.slow
-def test_the_package_passes_its_own_tests(site: Site) -> None:
-    run = site.python("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=site.package)
+@pytest.mark.parametrize(("name", "least"), [(NAME, 50), (LOGS, 6)])
+def test_a_package_passes_its_own_tests(site: Site, name: str, least: int) -> None:
+    package = site.packages / name
+    run = site.python("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=package)
     assert run.returncode == 0, run.stdout
-    assert "failed" not in run.stdout
+    assert int(run.stdout.splitlines()[-1].split(" passed")[0]) >= least
+
+
+def test_a_data_set_is_found_and_read_by_its_name(site: Site, tmp_path: Path) -> None:
+    (tmp_path / LOGS).mkdir()
+    (tmp_path / LOGS / "hall.jsonl").write_text('{"range_m": 2.1, "true_range_m": 2.0}\n')
+    code = f"from bench.recordings.open import *; print(open_recordings({LOGS!r})[0].errors_m())"
+    run = site.python("-c", code, data=tmp_path)
+    assert run.stdout == "[0.1]\n", run.stderr
 
 
 LISTING = """

@@ -1,0 +1,1 @@
+"""Templates of a data set package ($$ stands for one $)."""
