@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from bench.physics.units import Floats
 _RATE_HZ = 10.0  # ranges per second, as the laser tracker of the paper
 _MARGIN_M = 0.25
 _SHORTEST_M = 0.8
+_METAL = ("LCD TV", "metal plate", "metal window")
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def _with_obstacles(frame: pd.DataFrame, links: _Links, rng: np.random.Generator
     step = np.concatenate([np.arange(size) for size in links.rows])
     first = frame.index.to_numpy() - step
     sideways = _sideways(frame, first)
-    columns: dict[str, list[object]] = {name: [] for name in _COLUMNS}
+    columns: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
     drawn = [_drawn(links, at, rng) for at in range(len(links.rows))]
     for row, at in enumerate(link):
         kinds, thick, place, near, far, angle = drawn[at]
@@ -172,10 +174,12 @@ def _drawn(
     if links.sight[at]:
         chosen = []
     else:
+        metal = [thing.kind in _METAL for thing in known]
         share = np.array([thing.share for thing in known])
-        count = 1 + int(rng.random() < 0.25)
+        share *= np.where(metal, links.place.metal, 1.0)
+        count = 1 + int(rng.random() < 0.12)
         chosen = [known[i] for i in rng.choice(len(known), count, p=share / share.sum())]
-    thick = np.array([rng.uniform(*thing.thickness_m) for thing in chosen])
+    thick = links.place.thickness * np.array([rng.uniform(*t.thickness_m) for t in chosen])
     width = np.array([rng.uniform(*thing.width_m) for thing in chosen])
     near = width * rng.uniform(0.1, 0.5, len(chosen))
     place, angle = rng.uniform(0.15, 0.85, len(chosen)), rng.uniform(0, 40, len(chosen))

@@ -15,12 +15,18 @@ HEIGHT_M = 2.8
 
 @dataclass(frozen=True)
 class Place:
-    """One environment: its floor in metres (None: open space), rows without and with sight."""
+    """One environment: its floor in metres (None: open space), rows without and with sight.
+
+    `metal` multiplies the share of metal obstacles, `thickness` that of their material;
+    `wall_at_m` is where a wall divides it.
+    """
 
     name: str
     floor_m: tuple[float, float] | None
     nlos_rows: int
     los_rows: int
+    metal: float = 1.0
+    thickness: float = 1.0
     wall_at_m: float | None = None
 
 
@@ -44,9 +50,9 @@ ROWS_PER_LINK = (20, 40)
 def places() -> tuple[Place, ...]:
     """Return the environments with the row counts of the paper; 55 000 rows in all."""
     return (
-        Place("big", (10.0, 5.0), 18_422, 1_564),
-        Place("medium", (5.0, 5.0), 13_210, 1_564),
-        Place("small", (5.0, 3.5), 17_601, 1_563),
+        Place("big", (10.0, 5.0), 18_422, 1_564, metal=0.4, thickness=0.6),
+        Place("medium", (5.0, 5.0), 13_210, 1_564, metal=0.42, thickness=1.1),
+        Place("small", (5.0, 3.5), 17_601, 1_563, metal=0.28, thickness=0.85),
         Place("outdoor", None, 400, 138),
         Place("through-the-wall", (10.0, 5.0), 538, 0, wall_at_m=5.0),
     )
@@ -55,14 +61,14 @@ def places() -> tuple[Place, ...]:
 def things() -> tuple[Thing, ...]:
     """Return the ten obstacle kinds and how often each stands in the straight line."""
     return (
-        Thing("wall", 0.02, (0.10, 0.25), (0.8, 2.0)),
-        Thing("polystyrene plate", 0.08, (0.03, 0.15), (0.6, 1.2)),
-        Thing("plastic", 0.14, (0.02, 0.35), (0.4, 0.8)),
-        Thing("plywood plate", 0.10, (0.01, 0.05), (0.6, 1.5)),
-        Thing("cardboard box", 0.13, (0.10, 0.60), (0.4, 1.0)),
-        Thing("LCD TV", 0.10, (0.002, 0.004), (0.7, 1.3)),
-        Thing("metal plate", 0.16, (0.001, 0.004), (0.5, 1.2)),
-        Thing("wood door", 0.13, (0.04, 0.12), (0.8, 1.0)),
-        Thing("glass plate", 0.09, (0.006, 0.03), (0.6, 1.4)),
+        Thing("wall", 0.01, (0.08, 0.15), (0.8, 2.0)),
+        Thing("polystyrene plate", 0.10, (0.03, 0.15), (0.6, 1.2)),
+        Thing("plastic", 0.15, (0.01, 0.15), (0.4, 0.8)),
+        Thing("plywood plate", 0.10, (0.006, 0.025), (0.6, 1.5)),
+        Thing("cardboard box", 0.13, (0.03, 0.25), (0.4, 1.0)),
+        Thing("LCD TV", 0.10, (0.002, 0.004), (0.6, 1.2)),
+        Thing("metal plate", 0.16, (0.001, 0.004), (0.4, 1.0)),
+        Thing("wood door", 0.14, (0.03, 0.07), (0.8, 1.0)),
+        Thing("glass plate", 0.12, (0.004, 0.02), (0.6, 1.4)),
         Thing("metal window", 0.05, (0.001, 0.003), (0.6, 1.2)),
     )

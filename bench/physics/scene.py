@@ -14,13 +14,13 @@ from bench.physics.units import Floats
 
 _ENDS = tuple(tuple(f"{end}_{axis}_m" for axis in "xyz") for end in ("tx", "rx"))
 _LISTS = (
-    "obstacles",
     "obstacle_thickness_m",
     "obstacle_at",
     "obstacle_clearance_m",
     "obstacle_far_clearance_m",
     "obstacle_incidence_deg",
 )
+_SEQUENCES = (list, tuple, np.ndarray)
 _HASHED = ("link", "tx", "rx", "environment")
 
 
@@ -29,13 +29,14 @@ class Scene:
     """The known columns of n rows as arrays.
 
     `numbers` holds float64 [n] (NaN = unknown), `lists` float64 [n, M] padded with NaN for the
-    obstacle columns, `kinds` the obstacle names [n, M] padded with "", `hashes` uint64 [n] of the
-    string columns, for draws that are equal within a link or device.
+    obstacle columns, `kinds` the obstacles [n, M] as positions in `kind_names` (-1 = padding),
+    `hashes` uint64 [n] of the string columns, for draws that are equal within a link or device.
     """
 
     numbers: Mapping[str, Floats]
     lists: Mapping[str, Floats]
-    kinds: NDArray[np.str_]
+    kinds: NDArray[np.int16]
+    kind_names: tuple[str, ...]
     hashes: Mapping[str, NDArray[np.uint64]]
     true_range_m: Floats
 
@@ -49,6 +50,7 @@ class Scene:
             {name: column[part] for name, column in self.numbers.items()},
             {name: column[part] for name, column in self.lists.items()},
             self.kinds[part],
+            self.kind_names,
             {name: column[part] for name, column in self.hashes.items()},
             self.true_range_m[part],
         )
@@ -80,7 +82,11 @@ class Scene:
 
     def obstacle_count(self) -> NDArray[np.intp]:
         """Return how many obstacles stand in the straight line of each row [n]."""
-        return np.asarray((self.kinds != "").sum(axis=1))
+        return np.asarray((self.kinds >= 0).sum(axis=1))
+
+    def clear(self) -> NDArray[np.bool_]:
+        """Return which rows [n] have nothing in the straight line."""
+        return np.asarray(~self.blocked() & (self.obstacle_count() == 0))
 
     def blocked(self) -> NDArray[np.bool_]:
         """Return which rows [n] have no line of sight: by `los` where known, else by obstacles."""
@@ -99,9 +105,9 @@ def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:
         if _is_number(column)
     }
     hashes = {name: _hashes(frame[name]) for name in _HASHED if name in frame}
-    lists = {name: _padded(frame[name]) for name in _LISTS[1:] if name in frame}
-    kinds = _padded_names(frame["obstacles"]) if "obstacles" in frame else _none(len(frame))
-    return Scene(numbers, _same_width(lists, kinds), kinds, hashes, _truth(numbers, source))
+    kinds, names = _kinds(frame)
+    lists = {name: _padded(frame[name], kinds) for name in _LISTS if name in frame}
+    return Scene(numbers, lists, kinds, names, hashes, _truth(numbers, source))
 
 
 def _is_number(column: pd.Series) -> bool:
@@ -111,37 +117,35 @@ def _is_number(column: pd.Series) -> bool:
 
 
 def _hashes(column: pd.Series) -> NDArray[np.uint64]:
-    values = column.astype("string").fillna("").to_numpy(dtype=object)
-    return np.asarray(pd.util.hash_array(values), np.uint64)
+    codes, names = pd.factorize(column.to_numpy(dtype=object))
+    texts = np.array(["", *map(str, names)], object)  # an unknown name has code -1
+    return np.asarray(pd.util.hash_array(texts, categorize=False)[codes + 1], np.uint64)
 
 
-def _none(rows: int) -> NDArray[np.str_]:
-    return np.zeros((rows, 0), "U1")
+def _kinds(frame: pd.DataFrame) -> tuple[NDArray[np.int16], tuple[str, ...]]:
+    """Return the `obstacles` column as codes [n, M], padded with -1, and the kinds' names."""
+    if "obstacles" not in frame:
+        return np.full((len(frame), 0), -1, np.int16), ()
+    cells = [cell if isinstance(cell, _SEQUENCES) else () for cell in frame["obstacles"]]
+    sizes = np.fromiter(map(len, cells), np.intp, len(cells))
+    codes, names = pd.factorize(np.array([str(k) for cell in cells for k in cell], object))
+    kinds = np.full((len(cells), sizes.max(initial=0)), -1, np.int16)
+    kinds[np.arange(kinds.shape[1]) < sizes[:, None]] = codes
+    return kinds, tuple(map(str, names))
 
 
-def _padded_names(column: pd.Series) -> NDArray[np.str_]:
-    """Return a list-of-names column as [n, M], padded with ""."""
-    cells = [list(cell) if isinstance(cell, Sequence | np.ndarray) else [] for cell in column]
-    width = max(map(len, cells), default=0)
-    if width == 0:
-        return _none(len(cells))
-    return np.array([[*cell, *[""] * (width - len(cell))] for cell in cells], dtype="U32")
+def _padded(column: pd.Series, kinds: NDArray[np.int16]) -> Floats:
+    """Return a list-of-numbers column as [n, M] like `kinds`, padded with NaN.
 
-
-def _padded(column: pd.Series) -> Floats:
-    """Return a list-of-numbers column as [n, M], padded with NaN."""
-    cells = [list(cell) if isinstance(cell, Sequence | np.ndarray) else [] for cell in column]
-    width = max(map(len, cells), default=0)
-    rows = [[*cell, *[np.nan] * (width - len(cell))] for cell in cells]
-    return np.array(rows, np.float64).reshape(len(cells), width)
-
-
-def _same_width(lists: Mapping[str, Floats], kinds: NDArray[np.str_]) -> dict[str, Floats]:
-    """Raise BenchError where an obstacle column is not parallel to `obstacles`."""
-    for name, values in lists.items():
-        if values.shape != kinds.shape:
-            raise BenchError(f"{name}: expected one value per entry of 'obstacles'")
-    return dict(lists)
+    Raises BenchError where it does not hold one value per obstacle.
+    """
+    cells = [cell if isinstance(cell, _SEQUENCES) else () for cell in column]
+    sizes = np.fromiter(map(len, cells), np.intp, len(cells))
+    if not np.array_equal(sizes, (kinds >= 0).sum(axis=1)):
+        raise BenchError(f"{column.name}: expected one value per entry of 'obstacles'")
+    made = np.full(kinds.shape, np.nan)
+    made[kinds >= 0] = np.fromiter((v for cell in cells for v in cell), np.float64, sizes.sum())
+    return made
 
 
 def _truth(numbers: Mapping[str, Floats], source: str) -> Floats:

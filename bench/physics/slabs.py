@@ -14,11 +14,11 @@ def slabs(rows: Scene, centre_ghz: float, thickness_scale: float = 1.0) -> tuple
     """Return excess path in metres and loss in dB of every obstacle [n, M], 0 where none."""
     angle = np.radians(np.clip(rows.obstacle("obstacle_incidence_deg", 0.0), 0, 85))
     delay, loss = np.zeros(rows.kinds.shape), np.zeros(rows.kinds.shape)
-    for kind in np.unique(rows.kinds[rows.kinds != ""]):
-        made = obstacle(str(kind))
+    for code, kind in enumerate(rows.kind_names):
+        made = obstacle(kind)
         permittivity = material(made.material).permittivity(centre_ghz)
         thick = rows.obstacle("obstacle_thickness_m", made.thickness_m) * thickness_scale
-        at = rows.kinds == kind
+        at = rows.kinds == code
         delay[at] = excess_m(thick[at], permittivity, angle[at])
         loss[at] = loss_db(thick[at], permittivity, angle[at], centre_ghz)
     return delay, loss
@@ -26,9 +26,11 @@ def slabs(rows: Scene, centre_ghz: float, thickness_scale: float = 1.0) -> tuple
 
 def of_metal(rows: Scene) -> NDArray[np.bool_]:
     """Return which obstacles [n, M] are of metal: nothing goes through, only around."""
-    metal = [kind for kind in np.unique(rows.kinds) if kind and _is_metal(str(kind))]
+    metal = [i for i, kind in enumerate(rows.kind_names) if obstacle(kind).material == "metal"]
     return np.isin(rows.kinds, metal)
 
 
-def _is_metal(kind: str) -> bool:
-    return obstacle(kind).material == "metal"
+def of_kind(rows: Scene, kind: str) -> NDArray[np.bool_]:
+    """Return which obstacles [n, M] are of one kind."""
+    code = rows.kind_names.index(kind) if kind in rows.kind_names else -2
+    return np.asarray(rows.kinds == code)

@@ -95,8 +95,10 @@ def _assignments(values: dict[str, Any]) -> list[str]:
 
 
 def _value(value: Any) -> str:
-    """Return a TOML scalar: repr of a float or integer gives back the same number."""
+    """Return a TOML scalar or list: repr of a float or integer gives back the same number."""
     if isinstance(value, str):
         escaped = value.replace("\\", "\\\\").replace('"', '\\"')
         return '"' + escaped.replace("\n", "\\n") + '"'
+    if isinstance(value, tuple | list):
+        return "[" + ", ".join(map(_value, value)) + "]"
     return repr(value)

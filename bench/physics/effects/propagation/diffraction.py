@@ -53,13 +53,13 @@ class Diffraction(Effect):
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows with nothing in the straight line."""
-        return np.asarray(~batch.rows.blocked() & (batch.rows.obstacle_count() == 0))
+        return batch.rows.clear()
 
     def _edges(self, batch: Batch) -> tuple[Floats, Floats, Floats, Floats]:
         """Return the edges [n, 2M + 2]: distance (m, NaN = none), fraction, others' dB and m."""
         rows = batch.rows
-        near = np.where(rows.kinds != "", rows.obstacle("obstacle_clearance_m", np.nan), np.nan)
-        far = np.where(rows.kinds != "", rows.obstacle("obstacle_far_clearance_m", np.nan), np.nan)
+        near = np.where(rows.kinds >= 0, rows.obstacle("obstacle_clearance_m", np.nan), np.nan)
+        far = np.where(rows.kinds >= 0, rows.obstacle("obstacle_far_clearance_m", np.nan), np.nan)
         at = rows.obstacle("obstacle_at", 0.5)
         delay, loss = slabs(rows, batch.centre_ghz)
         others_db = loss.sum(axis=1, keepdims=True) - loss

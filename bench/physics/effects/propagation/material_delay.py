@@ -12,7 +12,7 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import slabs
+from bench.physics.slabs import of_kind, slabs
 from bench.physics.units import C_M_PER_NS, Floats
 
 
@@ -44,7 +44,7 @@ class MaterialDelay(Effect):
         delay_m, loss = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
         wall_m, wall_loss = self._unlisted(batch)
         common = self.spill * (
-            np.where(batch.rows.kinds == "wall", loss, 0).sum(axis=1) + wall_loss
+            np.where(of_kind(batch.rows, "wall"), loss, 0).sum(axis=1) + wall_loss
         )
         alone = np.minimum((loss.sum(axis=1) + wall_loss) * self.loss_scale, 90.0)
         delay = (delay_m.sum(axis=1) + wall_m) * self.delay_scale / C_M_PER_NS
@@ -53,7 +53,7 @@ class MaterialDelay(Effect):
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows with nothing in the straight line."""
-        return np.asarray(~batch.rows.blocked() & (batch.rows.obstacle_count() == 0))
+        return batch.rows.clear()
 
     def _unlisted(self, batch: Batch) -> tuple[Floats, Floats]:
         """Return excess path (m) and loss (dB) [n] of walls that no list names."""
