@@ -1,0 +1,131 @@
+"""The latency reported for a session against a bare loop over the same session.
+
+The bare loop is a fresh process too: `for _ in range(30): run(x)` between two clock reads, with
+nothing of the harness in it. It loops in the pauses between the harness's rounds, so that both see
+the same machine whatever else it is doing. A measurement that the harness itself calls unstable is
+taken again: on a busy machine the scheduler splits short loops into lucky and unlucky ones.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from onnx import TensorProto, helper, numpy_helper
+
+from bench.measure.latency import Timing, TimingTarget, measure
+from bench.results import Latency
+
+WIDTH = 157
+TRIES = 4
+OPENER = """
+import onnxruntime
+
+def open_session(path, threads):
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = threads
+    session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
+    return lambda x: session.run(None, {"x": x})[0]
+"""
+BARE_LOOP = """
+import sys, time
+import numpy as np, psutil
+from session_opener import open_session
+path, batch, width, core = sys.argv[1], *map(int, sys.argv[2:])
+if core >= 0:
+    psutil.Process().cpu_affinity([core])
+run = open_session(path, 1)
+x = np.random.default_rng(0).random((batch, width), dtype=np.float32)
+for _ in range(500):
+    run(x)
+print("ready", flush=True)
+for _ in sys.stdin:
+    for _ in range(200):
+        run(x)
+    start = time.perf_counter()
+    for _ in range(30):
+        run(x)
+    print((time.perf_counter() - start) / 30 * 1e6, flush=True)
+"""
+
+
+def _network(path: Path, layers: int) -> None:
+    """Write a convolutional network of about REMnet's size: 16 channels, kernel 3."""
+    rng = np.random.default_rng(0)
+    weights = [numpy_helper.from_array(np.array([1]), "one")]
+    weights.append(numpy_helper.from_array(np.array([1, 2]), "axes"))
+    nodes = [helper.make_node("Unsqueeze", ["x", "one"], ["h0"])]
+    for k in range(layers):
+        kernel = 0.1 * rng.normal(size=(16, 16 if k else 1, 3))
+        weights.append(numpy_helper.from_array(kernel.astype(np.float32), f"w{k}"))
+        nodes.append(helper.make_node("Conv", [f"h{k}", f"w{k}"], [f"c{k}"], pads=[1, 1]))
+        nodes.append(helper.make_node("Relu", [f"c{k}"], [f"h{k + 1}"]))
+    nodes.append(helper.make_node("ReduceMean", [f"h{layers}", "axes"], ["y"], keepdims=0))
+    graph = helper.make_graph(
+        nodes,
+        "truth",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, ["rows", WIDTH])],
+        [helper.make_tensor_value_info("y", TensorProto.FLOAT, ["rows"])],
+        weights,
+    )
+    onnx.save(
+        helper.make_model(graph, opset_imports=[helper.make_opsetid("", 18)], ir_version=10), path
+    )
+
+
+class BareLoop:
+    """A process that loops 30 times over the session whenever it is asked."""
+
+    def __init__(self, path: Path, batch: int, core: int) -> None:
+        command = [sys.executable, "-c", BARE_LOOP, str(path), str(batch), str(WIDTH), str(core)]
+        environment = {**os.environ, "PYTHONPATH": str(path.parent), "OMP_NUM_THREADS": "1"}
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+        )
+        assert self.process.stdout.readline() == "ready\n"
+
+    def time_us(self) -> float:
+        self.process.stdin.write("go\n")
+        self.process.stdin.flush()
+        return float(self.process.stdout.readline())
+
+
+def _turn(path: Path, batch: int) -> tuple[Latency, list[float]]:
+    """Return what the harness reports and the bare loops between its rounds."""
+    core = max(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else -1
+    loop, bare_us = BareLoop(path, batch, core), []
+
+    def between_rounds(_: float) -> None:
+        bare_us.extend(loop.time_us() for _ in range(5))
+
+    target = TimingTarget(path, "session_opener:open_session", WIDTH)
+    [found] = measure([target], rounds=60, batches=[batch], progress=between_rounds)
+    loop.process.kill()
+    assert isinstance(found, Timing)
+    return found.latency[0], bare_us
+
+
+@pytest.mark.parametrize("batch", [1, 4])
+@pytest.mark.parametrize("layers", [2, 8])
+def test_reported_latency_is_within_3_percent_of_a_bare_loop(
+    layers: int, batch: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "session_opener.py").write_text(OPENER)
+    monkeypatch.syspath_prepend(tmp_path)
+    path = tmp_path / "truth.onnx"
+    _network(path, layers)
+    for _ in range(TRIES):
+        latency, bare_us = _turn(path, batch)
+        ratio = latency.median_us / float(np.median(bare_us))
+        state = "UNSTABLE" if latency.unstable else "stable"
+        text = f"{layers} layers, batch {batch}: {latency.median_us:.1f} us, {state}"
+        print(f"\n{text}, reported / bare = {ratio:.4f}", end="")
+        if not latency.unstable:
+            assert abs(ratio - 1) <= 0.03
+            return
+    pytest.skip(f"the machine is too busy: {TRIES} measurements, all called unstable")
