@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import torch
@@ -78,6 +78,15 @@ class ModuleModel(MitigationModel):
         return rows, np.asarray(errors, np.float32)
 
 
+class Start(NamedTuple):
+    """What training starts from: module with a fitted preparation, prepared rows, errors [n]."""
+
+    module: RangeErrorModule
+    rows: Floats
+    errors_m: Floats
+    width: int
+
+
 class NeuralModel(ModuleModel):
     """A model trained by gradient descent: `_preparation`, `_network` and a recipe are enough.
 
@@ -107,25 +116,12 @@ class NeuralModel(ModuleModel):
 
         Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
         """
-        rows, errors = self._training_rows(X, y)
-        module = self.untrained(rows.shape[1])
-        self._train(module.network, module.preparation.fit(rows), errors, progress)
-        self.module_ = module.eval()
-        return self
-
-    def untrained(self, width: int) -> RangeErrorModule:
-        """Return the module for rows of `width`, with starting weights and an unfitted scaling."""
-        preparation = self._preparation(width)
-        return RangeErrorModule(preparation, self._network(preparation))
-
-    def _train(
-        self, network: nn.Module, prepared: Floats, errors: Floats, progress: Progress | None
-    ) -> None:
+        start = self.prepare(X, y)
         recipe = self.training_recipe()
-        train(
-            network,
-            prepared,
-            errors,
+        self._trainer()(
+            start.module.network,
+            start.rows,
+            start.errors_m,
             loss=recipe.loss,
             learning_rate=recipe.learning_rate,
             batch_size=recipe.batch_size,
@@ -133,6 +129,29 @@ class NeuralModel(ModuleModel):
             seed=self.random_state,
             progress=progress,
         )
+        self.module_ = start.module.eval()
+        return self
+
+    def prepare(self, X: ArrayLike, y: ArrayLike) -> Start:
+        """Return what training starts from; raises ValueError as `fit`."""
+        rows, errors = self._training_rows(X, y)
+        module = self.untrained(rows.shape[1])
+        return Start(module, module.preparation.fit(rows), errors, rows.shape[1])
+
+    def prepare_like(self, other: Start) -> Start:
+        """Return a start on rows that a model differing in `random_state` alone has prepared."""
+        preparation = deepcopy(other.module.preparation)
+        self.n_features_in_ = other.width
+        return other._replace(module=RangeErrorModule(preparation, self._network(preparation)))
+
+    def untrained(self, width: int) -> RangeErrorModule:
+        """Return the module for rows of `width`, with starting weights and an unfitted scaling."""
+        preparation = self._preparation(width)
+        return RangeErrorModule(preparation, self._network(preparation))
+
+    def _trainer(self) -> Callable[..., object]:
+        """Return what trains: called like `zoo.training.train`."""
+        return train
 
     def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:
         return self.untrained(width)
