@@ -10,8 +10,6 @@ from bench.recordings.io import read_recordings
 from bench.recordings.sources.base import Source
 from bench.recordings.table import Recordings
 
-TABLE_SUFFIXES = (".parquet", ".csv")
-
 
 def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None]:
     """Return the recordings of a data set name, or of a .parquet or .csv file (then no source).
@@ -29,12 +27,22 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
 
 
 def open_source(name: str) -> Source:
-    """Return the data set registered under `name`. Raises BenchError with a did-you-mean."""
-    source: Source = find("datasets", name).load()()
+    """Return the data set registered under `name`.
+
+    Raises BenchError for an unknown name (with a did-you-mean) and a plug-in that is no data set.
+    """
+    plugin = find("datasets", name)
+    made = plugin.load()
+    source = made() if callable(made) else made
+    if not isinstance(source, Source):
+        raise BenchError(
+            f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "
+            f"but {type(source).__name__}"
+        )
     return source
 
 
 def _is_path(name_or_path: str | Path) -> bool:
-    """A name is a bare word; whatever has a table's ending or a folder in it is a path."""
+    """Return whether it is a path: a Path, or anything but a bare word without a dot."""
     path = Path(name_or_path)
-    return isinstance(name_or_path, Path) or path.suffix in TABLE_SUFFIXES or len(path.parts) > 1
+    return isinstance(name_or_path, Path) or len(path.parts) != 1 or "." in str(name_or_path)
