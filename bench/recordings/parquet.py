@@ -31,7 +31,12 @@ def write_parquet(recordings: Recordings, path: Path) -> None:
     plain = [name for name in table.schema.names if name not in CIR_COLUMNS]
     with atomic_path(path) as scratch:
         pq.write_table(
-            table, scratch, row_group_size=ROW_GROUP, use_dictionary=plain, compression="zstd"
+            table,
+            scratch,
+            row_group_size=ROW_GROUP,
+            use_dictionary=plain,
+            compression="zstd",
+            write_page_checksum=True,
         )
 
 
@@ -81,7 +86,7 @@ def read_parquet(path: Path) -> tuple[pd.DataFrame, Mapping[str, str]]:
 
     _check_magic(path)
     try:
-        table = pq.read_table(path, partitioning=None)
+        table = pq.read_table(path, partitioning=None, page_checksum_verification=True)
         frame = _to_frame(table, path)
     except (pa.ArrowException, OSError, ValueError, KeyError) as problem:
         raise BenchError(f"{path}: damaged Parquet file: {_first_line(problem)}") from problem

@@ -177,7 +177,7 @@ def accumulator(frame: Frame) -> NDArray[np.float32]:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)  # numpy's word for malformed text
         try:
-            numbers = np.fromstring(text, np.float32, sep=",")
+            numbers = np.fromstring(text, np.int32, sep=",").astype(np.float32)
         except (DeprecationWarning, ValueError):
             numbers = np.empty(0, np.float32)
     return numbers[: len(numbers) // 2 * 2].reshape(-1, 2).T

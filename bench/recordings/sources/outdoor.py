@@ -6,13 +6,13 @@ no CIR. Files `Static_measurements/<LOS|NLOS>/height_<h>cm/<d>m.csv`, one per po
 - True distance: sqrt(d^2 + ((h - 100)/100)^2), d in metres from the file's name and h in cm from
   its folder: the antennas stand h and 1 m above the ground, d apart. `tx` is the end at h.
 - Files end in summary lines ("Distance Mean,..."): these are no rows and are not counted as
-  dropped. Lines that are damaged, and lines whose timestamps contradict the round-trip times
-  printed beside them, are dropped and counted.
+  dropped. Lines that are damaged, whose timestamps contradict the round-trip times printed beside
+  them, or whose registers contradict the printed receive level, are dropped and counted.
 - `rx_power_dbm` and `first_path_power_dbm` are computed from `Max Growth CIR` and the amplitudes by
   the user manual's formulas with 121.74 dB. The printed receive level agrees with its formula, the
   printed first-path level does not with its own (up to 3 dB); both are kept as `*_printed_dbm`.
 - `reply_time_s` = `rtd_resp` in ticks of 15.65 ps; `time_s` = seconds since the data set's first
-  row; the 32-bit timestamps keep their names. Exchange: `range_m` = `Distance`.
+  row; the 32-bit timestamps keep their names.
 - `link` = position pair: LoS and NLoS at the same height and distance are one link, so that the
   same true distance never stands on both sides of a split.
 """
@@ -42,8 +42,10 @@ COLUMNS = (
     "poll_tx_ts", "resp_tx_ts", "poll_rx_ts", "anchor_id",
 )  # fmt: skip
 TIMESTAMP_BITS = 32
+LEVEL_ROUNDING_DB = 0.02
 DAMAGED = "damaged line"
-CONTRADICTED = "timestamps contradict the round-trip times"
+WRONG_TIMES = "timestamps contradict the round-trip times"
+WRONG_LEVEL = "registers contradict the receive level"
 _SUMMARY = ("Distance Mean", "Distance Std", "RSSI(dBm) ", "RSSI_fp(dBm) ")
 _PLACE = re.compile(r"(N?LOS)/height_([\d.]+)cm/([\d.]+)m\.csv$")
 
@@ -68,9 +70,13 @@ class OutdoorSource(Source):
         if folder is None:
             raise BenchError(f"{self.name}: {self.available()}")
         table, damaged = _read_all(folder)
-        contradicted = _contradicted(table)
-        counts = {DAMAGED: damaged, CONTRADICTED: int(contradicted.sum())}
-        frame = _exchange_format(table[~contradicted].reset_index(drop=True))
+        times, level = _wrong_times(table), _wrong_level(table)
+        counts = {
+            DAMAGED: damaged,
+            WRONG_TIMES: int(times.sum()),
+            WRONG_LEVEL: int((level & ~times).sum()),
+        }
+        frame = _exchange_format(table[~(times | level)].reset_index(drop=True))
         cleaned = clean(frame, self.name)
         dropped = add_counts({k: n for k, n in counts.items() if n}, cleaned.dropped)
         return Recordings(cleaned.frame, self.name, self.licence, dropped=dropped)
@@ -104,12 +110,19 @@ def _lines(path: Path) -> Iterator[list[str]]:
             yield [*place.groups(), *line.split(",")]
 
 
-def _contradicted(table: pd.DataFrame) -> NDArray[np.bool_]:
+def _wrong_times(table: pd.DataFrame) -> NDArray[np.bool_]:
     """Return where the four timestamps do not give the two round-trip times printed."""
     init = elapsed(table["poll_tx_ts"], table["resp_rx_ts"], TIMESTAMP_BITS)
     resp = elapsed(table["poll_rx_ts"], table["resp_tx_ts"], TIMESTAMP_BITS)
     printed_init, printed_resp = table["rtd_init"].to_numpy(), table["rtd_resp"].to_numpy()
     return np.asarray((init != printed_init) | (resp != printed_resp))
+
+
+def _wrong_level(table: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return where the receive level printed is not what its registers give."""
+    level = receive_power_dbm(table["Max Growth CIR"], table["Rx Preamble Count"])
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(level - table["RSSI(dBm)"].to_numpy()) > LEVEL_ROUNDING_DB)
 
 
 def _exchange_format(table: pd.DataFrame) -> pd.DataFrame:
