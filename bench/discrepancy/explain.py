@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, refine, screen
 from bench.discrepancy.gain import Tally, gain_interval, tally
+from bench.discrepancy.latent import latent_effects
 from bench.discrepancy.nuisance import corrected
 from bench.discrepancy.score import Estimate
 from bench.discrepancy.world import Added, View, World
@@ -18,6 +19,8 @@ from bench.plugins import plugins
 SCORE_MEMBERS = 12
 SCORE_FIRST = 100  # replicates of scoring are not those of fitting
 REFINED = 4  # best effects of the screening that are fitted fully
+FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
+LEAST = 0.002  # nats
 Tell = Callable[[str], None]
 
 
@@ -31,8 +34,13 @@ class Contender:
 
     @property
     def name(self) -> str:
-        """The effect's name."""
-        return self.effect.name
+        """The name of the physics: that of the library's effect."""
+        return physics_name(self.effect)
+
+
+def physics_name(effect: Effect) -> str:
+    """Return the library's name for what an effect does."""
+    return str(getattr(type(effect), "explains", effect.name))
 
 
 @dataclass(frozen=True)
@@ -83,24 +91,44 @@ def explain(
     """
     base = tally(world.ensemble(fit, added, FIT_MEMBERS))
     screened, skipped = _screened(world, fit, added, kinds, base, tell)
-    best = sorted(screened, key=lambda name: -screened[name][1].gain)[:REFINED]
     before = world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
     reference = tally(before)
-    contenders = []
-    for name in best:
+    have = {physics_name(effect) for effect in added}
+    found = [e for e in latent_effects(world, fit, added) if physics_name(e) not in have]
+    terms = [Fitted(effect, 0.0, 0) for effect in found]
+    contenders = [contender(world, held, added, one, reference, seed) for one in terms]
+    for name in _promising(screened, contenders):
         objective, start = screened[name]
-        if start.gain <= 0:
-            continue
         try:
             fitted = refine(objective, start)
             contenders.append(contender(world, held, added, fitted, reference, seed))
         except BenchError as problem:
             skipped[name] = str(problem)
+    contenders = _best_of_each(contenders)
     contenders.sort(key=lambda one: -one.gain.value)
     nuisance = tally(_nuisance(world, fit, held, added, before, focus))
     removable = gain_interval(reference, nuisance, seed)
     gains = {name: found.gain for name, (_, found) in screened.items()}
     return Explanation(tuple(contenders), reference, removable, nuisance, gains, skipped)
+
+
+def _promising(
+    screened: Mapping[str, tuple[Objective, Fitted]], known: list[Contender]
+) -> list[str]:
+    """Return the effects worth a full fit: the best few, none far behind the best."""
+    gains = {name: found.gain for name, (_, found) in screened.items()}
+    top = max([*gains.values(), *(one.gain.value for one in known), 0.0])
+    names = sorted(gains, key=lambda name: -gains[name])[:REFINED]
+    return [name for name in names if gains[name] > max(FAR_BEHIND * top, LEAST)]
+
+
+def _best_of_each(contenders: list[Contender]) -> list[Contender]:
+    """Return for every physics the form of it that scored best."""
+    best: dict[str, Contender] = {}
+    for one in contenders:
+        if one.name not in best or one.gain.value > best[one.name].gain.value:
+            best[one.name] = one
+    return list(best.values())
 
 
 def _screened(

@@ -63,8 +63,17 @@ class Objective:
 
 
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
-    """Return the parameters that are fitted: all but switches."""
-    return tuple(p for p in kind.parameters() if p.unit != FLAG and p.high > p.low)
+    """Return the parameters that are fitted.
+
+    Not switches, and not spreads over devices: the devices of recordings are few and have values
+    of their own, which `bench.discrepancy.latent` finds.
+    """
+    skip = ("device_spread",)
+    return tuple(
+        p
+        for p in kind.parameters()
+        if p.unit != FLAG and p.high > p.low and not p.name.startswith(skip)
+    )
 
 
 def screen(objective: Objective) -> Fitted:

@@ -16,6 +16,7 @@ from bench.discrepancy.explain import (
     Tell,
     equivalents,
     explain,
+    physics_name,
 )
 from bench.discrepancy.fit import Fitted, Objective, refine
 from bench.discrepancy.gain import gain_interval, tally
@@ -99,7 +100,7 @@ def diagnose(search: Search) -> Diagnosis:
         added = _with(added, best.effect)
         added = _polished(search, added) if len(added) > 1 else added
     verdicts = _verdicts(search, rounds, added)
-    kept = tuple(e for e in added if any(e.name in v.names for v in verdicts))
+    kept = tuple(e for e in added if any(physics_name(e) in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
 
 
@@ -113,12 +114,15 @@ def _best(explanation: Explanation | None) -> Contender | None:
 
 def _with(added: Added, effect: Effect) -> Added:
     """Return the effects with `effect` added, or in place of the one of its name."""
-    return (*(known for known in added if known.name != effect.name), effect)
+    physics = physics_name(effect)
+    return (*(known for known in added if physics_name(known) != physics), effect)
 
 
 def _polished(search: Search, added: Added) -> Added:
     """Fit every added effect again, given the others."""
     for effect in added:
+        if not getattr(type(effect), "fitted", True):
+            continue
         others = tuple(known for known in added if known.name != effect.name)
         base = tally(search.world.ensemble(search.fit, others, 4))
         objective = Objective(type(effect), search.world, search.fit, others, base)
@@ -138,7 +142,9 @@ def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdic
     share = _share(search, first, added)
     unexplained = last.located.significant and last.added is None
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
-    worth = unexplained and removable.above_zero
+    # Once effects are fitted, their parameters are only known so well: what that leaves is small.
+    least = MARGIN if added else 0.0
+    worth = unexplained and (removable.above_zero or not added) and removable.value > least
     if worth and share < SHARE:
         return (_unknown(last, "the best known effects remove too little of what is removable"),)
     named = _named(search, rounds, added, share)
@@ -168,7 +174,7 @@ def _named(search: Search, rounds: list[Round], added: Added, share: float) -> t
         if turn.added is None or turn.explanation is None:
             continue
         effect = next((e for e in added if e.name == turn.added.name), None)
-        if effect is None or any(effect.name in v.names for v in out):
+        if effect is None or any(physics_name(effect) in v.names for v in out):
             continue
         same = equivalents(turn.explanation, search.seed)
         options = tuple(

@@ -14,6 +14,8 @@ from bench.errors import BenchError
 T = TypeVar("T")
 Rows = NDArray[np.intp]
 MIN_LINKS = 4
+FEW_LINKS = 8  # below this, discover and fit share links (in stretches of rows), confirm does not
+STRETCH = 20  # rows
 
 
 class Sealed(Generic[T]):
@@ -44,12 +46,17 @@ class Sealed(Generic[T]):
 
 @dataclass(frozen=True)
 class LinkSplit:
-    """Row positions of the discover and fit links; those of the confirm links are sealed."""
+    """Row positions of the discover and fit links; those of the confirm links are sealed.
+
+    `shared` is True where links are so few that discover and fit are alternate stretches of rows
+    of the same links; confirm links are always apart.
+    """
 
     discover: Rows
     fit: Rows
     confirm: Sealed[Rows]
     links: int
+    shared: bool = False
 
     @property
     def work(self) -> Rows:
@@ -85,12 +92,25 @@ def split_links(
     order = np.random.default_rng(seed).permutation(count)
     wanted = max(1, round(count * (1 - sum(shares))))
     held = _held_out(order, wanted, _devices(frame, codes, count))
+    if count < FEW_LINKS:
+        return _shared(codes, held, count)
     rest = [link for link in order.tolist() if link not in held]
     cut = max(1, round(len(rest) * shares[0] / sum(shares)))
     part = np.full(count, 1)
     part[rest[:cut]], part[list(held)] = 0, 2
     rows = [np.flatnonzero(part[codes] == which) for which in range(3)]
     return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
+
+
+def _shared(codes: NDArray[np.intp], held: set[int], count: int) -> LinkSplit:
+    """Return a split whose discover and fit rows are alternate stretches of the same links."""
+    aside = np.isin(codes, list(held))
+    place = np.zeros(len(codes), np.intp)
+    for link in range(count):
+        rows = np.flatnonzero(codes == link)
+        place[rows] = np.arange(len(rows)) // STRETCH
+    parts = [np.flatnonzero(~aside & (place % 2 == which)) for which in (0, 1)]
+    return LinkSplit(parts[0], parts[1], Sealed(np.flatnonzero(aside)), count, shared=True)
 
 
 def _devices(frame: pd.DataFrame, codes: NDArray[np.intp], count: int) -> list[tuple[str, str]]:

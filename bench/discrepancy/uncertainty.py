@@ -30,17 +30,22 @@ def parameter_intervals(
     world: World, view: View, added: Added, effect: Effect
 ) -> tuple[ParameterEstimate, ...]:
     """Return every fitted parameter with its 90 % interval, from the rows it was fitted on."""
+    if not getattr(type(effect), "fitted", True):
+        return ()
     free = free_parameters(type(effect))
     moving = [p for p in free if p.high > p.low]
     values = np.array([float(getattr(effect, p.name)) for p in moving])
     steps = np.array([_step(p, v) for p, v in zip(moving, values, strict=True)])
+
+    edges = np.array([(p.low, p.high) for p in moving]).reshape(-1, 2)
+    centre = np.clip(values, edges[:, 0] + steps, edges[:, 1] - steps)
 
     def per_link(theta: Floats) -> Tally:
         given = {p.name: float(v) for p, v in zip(moving, theta, strict=True)}
         changed = type(effect).from_values(given)
         return tally(world.ensemble(view, (*added, changed), MEMBERS))
 
-    errors = _standard_errors(per_link, values, steps)
+    errors = _standard_errors(per_link, centre, steps)
     links = len(np.unique(view.links))
     wide = float(student.ppf((1 + LEVEL) / 2, max(links - 1, 1))) * np.sqrt(1 + 1 / MEMBERS)
     return tuple(

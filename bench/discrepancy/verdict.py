@@ -54,11 +54,11 @@ class LeftOut:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The effect's name, as a tuple of one."""
-        return (self.effect.name,)
+        """The name of the physics, as a tuple of one."""
+        return (str(getattr(type(self.effect), "explains", self.effect.name)),)
 
     def __str__(self) -> str:
-        return f"left out: {self.effect.name} ({type(self.effect).signature})"
+        return f"left out: {self.names[0]} ({type(self.effect).signature})"
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Ambiguous:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the equivalence class, best first."""
-        return tuple(option.effect.name for option in self.options)
+        return tuple(option.names[0] for option in self.options)
 
     def __str__(self) -> str:
         return f"{' or '.join(self.names)}: these recordings cannot tell; {self.separate}"

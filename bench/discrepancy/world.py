@@ -24,6 +24,7 @@ from bench.discrepancy.observables import (
 )
 from bench.discrepancy.split import Rows
 from bench.discrepancy.staged import Stages
+from bench.errors import BenchError
 from bench.physics.effect import Effect
 from bench.physics.scene import Scene, scene
 from bench.physics.simulator import Simulator
@@ -104,10 +105,30 @@ class Resimulation:
         return replace(simulator, base=replace(simulator.base, **crop))
 
 
-def view(frame: pd.DataFrame, links: NDArray[np.intp], rows: Rows, window: Window) -> View:
-    """Return a view of some rows of a recorded table; `links` are codes of the whole table."""
+NEEDS_WAVEFORM = ("noise_std", "preamble_count")  # not simulated from paths alone
+
+
+def view(
+    frame: pd.DataFrame,
+    links: NDArray[np.intp],
+    rows: Rows,
+    window: Window,
+    names: tuple[str, ...] | None = None,
+) -> View:
+    """Return a view of some rows of a recorded table; `links` are codes of the whole table.
+
+    `names` restricts the comparison to some observables. Without a CIR, noise and accumulation
+    count take no part: they belong to a waveform.
+    """
     part = frame.iloc[rows].reset_index(drop=True)
-    return View(part, observe(part, window), links[rows], rows)
+    seen = observe(part, window)
+    cir = any(name.startswith("profile_db") for name in seen.names)
+    kept = [n for n in seen.names if cir or n not in NEEDS_WAVEFORM]
+    chosen = tuple(n for n in kept if names is None or n in names)
+    if not chosen:
+        have = ", ".join(kept) or "none"
+        raise BenchError(f"recorded: no observable to compare (the table gives: {have})")
+    return View(part, seen.keep(chosen), links[rows], rows)
 
 
 def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
