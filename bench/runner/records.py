@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bench.files import atomic_path
-from bench.measure.estimate import estimate
 from bench.measure.machine import describe_machine
 from bench.results import Estimate, RunKey, RunRecord, Size
 from bench.runner.evaluate import Evaluation, score_rows
@@ -99,6 +98,7 @@ def _coverage(artifact: Artifact) -> str | None:
 
 def _estimates(artifact: Artifact, plan: Plan) -> list[Estimate]:
     from backends.cost import graph_cost
+    from bench.measure.estimate import estimate
 
     cost = graph_cost(artifact.path)
     return [estimate(device.load(), cost, artifact.precision) for device in plan.devices]
