@@ -25,6 +25,7 @@ from bench.physics.units import (
     Complexes,
     Floats,
     Reals,
+    absolute,
     amplitude,
     decibel,
     wavelength_m,
@@ -120,13 +121,15 @@ class Base:
         """Return the batch with first path, range and what the chip reports."""
         if batch.waveform is None or batch.noise is None or batch.start_ns is None:
             return self._detected_paths(batch)
-        magnitude = np.abs(batch.waveform + batch.noise)
-        noise_std = np.std(np.abs(batch.noise), axis=1, dtype=np.float64)
-        found = first_path(magnitude, _known(batch.threshold) * np.maximum(noise_std, 1e-9))
+        magnitude = absolute(batch.waveform + batch.noise)
+        noise_std = np.asarray(np.std(absolute(batch.noise), axis=1), np.float64)
+        threshold = _known(batch.threshold) * np.maximum(noise_std, 1e-9)
+        threshold = np.maximum(threshold, batch.peak_fraction * np.max(magnitude, axis=1))
+        found = first_path(magnitude, threshold)
         found = np.minimum(found, magnitude.shape[1] - self.cir_samples + self.cir_lead)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = _known(batch.symbols)
-        energy = np.sum(np.square(magnitude), axis=1, dtype=np.float64)
+        energy = np.einsum("ns,ns->n", magnitude, magnitude).astype(np.float64)
         return replace(
             batch,
             first_path=found,

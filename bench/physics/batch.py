@@ -51,6 +51,7 @@ class Batch:
     nominal_symbols: Floats | None = None
     agc_db: Floats | None = None
     threshold: Floats | None = None
+    peak_fraction: float = 0.0
     level_dbm: Floats | None = None
     first_path: Floats | None = None
     range_m: Floats | None = None

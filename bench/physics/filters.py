@@ -10,25 +10,25 @@ from bench.physics.units import Complexes, Floats, Reals
 def convolved(waveform: Complexes, taps: Floats) -> Complexes:
     """Return `waveform` [n, S] filtered with 2R + 1 real taps, the middle one at lag zero."""
     reach = len(taps) // 2
-    padded = np.pad(waveform, ((0, 0), (reach, reach)))
-    made = np.zeros_like(waveform)
-    for lag, weight in enumerate(taps):
-        if weight != 0:
-            start = 2 * reach - lag
-            made += np.float32(weight) * padded[:, start : start + waveform.shape[1]]
-    return made
+    padded = np.pad(waveform, ((0, 0), (reach, reach))).view(np.float32)
+    return _weighted(padded, taps[::-1].astype(np.float32), waveform.shape)
 
 
 def delayed(waveform: Complexes, by_samples: float) -> Complexes:
     """Return `waveform` [n, S] later by a positive number of samples (cubic Lagrange between)."""
     whole = int(np.floor(by_samples))
     taps = _lagrange(by_samples - whole)
-    padded = np.pad(waveform, ((0, 0), (whole + 2, 1)))
-    made = np.zeros_like(waveform)
-    for lag in range(4):  # taps at lags -1, 0, 1, 2 of the whole delay
-        start = 3 - lag
-        made += taps[lag] * padded[:, start : start + waveform.shape[1]]
-    return made
+    padded = np.pad(waveform, ((0, 0), (whole + 2, 1))).view(np.float32)
+    return _weighted(padded, taps[::-1], waveform.shape)
+
+
+def _weighted(padded: Reals, weights: Reals, shape: tuple[int, ...]) -> Complexes:
+    """Return sum_k weights[k] x the columns from k on; `padded` holds parts side by side."""
+    made = np.zeros((shape[0], 2 * shape[1]), np.float32)
+    part = np.empty_like(made)
+    for lag, weight in enumerate(weights):
+        made += np.multiply(padded[:, 2 * lag : 2 * lag + made.shape[1]], weight, out=part)
+    return made.view(np.complex64)
 
 
 def _lagrange(fraction: float) -> Reals:
@@ -43,6 +43,12 @@ def _lagrange(fraction: float) -> Reals:
         ],
         np.float32,
     )
+
+
+def filtered(noise: Complexes, taps: Floats) -> Complexes:
+    """Return `noise` [n, S] through a causal filter, circular along the samples."""
+    wrapped = np.concatenate([noise[:, len(noise[0]) - len(taps) + 1 :], noise], axis=1)
+    return _weighted(wrapped.view(np.float32), taps[::-1].astype(np.float32), noise.shape)
 
 
 def moving_average(lags: Floats, passes: int = 4096) -> Floats:

@@ -16,6 +16,7 @@ from bench.physics.materials import material, reflection
 from bench.physics.units import Complexes, Floats
 
 Ints = NDArray[np.intp]
+_STEPS = 2000
 
 
 @lru_cache(maxsize=8)
@@ -50,18 +51,24 @@ def _coefficients(
     image: Ints, cosine: Floats, walls: tuple[str, str, str], ghz: float
 ) -> Complexes:
     """Return the product of the Fresnel coefficients of all reflections of each image [n, Q]."""
-    side, floor, ceiling = (material(name).permittivity(ghz) for name in walls)
-    total = np.ones(cosine.shape[:2], np.complex128)
-    counts = np.abs(image)
-    for axis in (0, 1):
-        at = counts[:, axis] > 0
-        once = reflection(side, np.arccos(np.clip(cosine[:, at, axis], 0, 1)))
-        total[:, at] *= once ** counts[at, axis]
-    at = counts[:, 2] > 0
-    angle = np.arccos(np.clip(cosine[:, at, 2], 0, 1))
-    low, high = floor_ceiling(image[at, 2])
-    total[:, at] *= reflection(floor, angle) ** low * reflection(ceiling, angle) ** high
-    return total.astype(np.complex64)
+    side, floor, ceiling = (_table(name, ghz) for name in walls)
+    step = np.rint(cosine * _STEPS).astype(np.int16)
+    total = np.ones(cosine.shape[:2], np.complex64)
+    for at, counts in enumerate(np.abs(image)):
+        for axis in (0, 1):
+            if counts[axis]:
+                total[:, at] *= side[step[:, at, axis]] ** int(counts[axis])
+        if counts[2]:
+            low, high = floor_ceiling(image[at, 2:])
+            total[:, at] *= (floor ** int(low[0]) * ceiling ** int(high[0]))[step[:, at, 2]]
+    return total
+
+
+@lru_cache(maxsize=64)
+def _table(name: str, ghz: float) -> Complexes:
+    """Return a material's reflection coefficient at _STEPS + 1 cosines of incidence, 0 to 1."""
+    angle = np.arccos(np.linspace(0, 1, _STEPS + 1))
+    return reflection(material(name).permittivity(ghz), angle).astype(np.complex64)
 
 
 def floor_ceiling(image: Ints) -> tuple[Ints, Ints]:

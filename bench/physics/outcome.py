@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.physics.base import Base
 from bench.physics.batch import Batch
-from bench.physics.units import Complexes, Floats, Reals
+from bench.physics.units import Complexes, Floats, Reals, absolute
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def outcome(batch: Batch, base: Base) -> Outcome:
         first_path_power_dbm=_there(batch.first_path_power_dbm),
         noise_std=_there(batch.noise_std),
         preamble_count=_there(batch.symbols),
-        cir=None if whole is None else np.abs(whole),
+        cir=None if whole is None else absolute(whole),
         cir_complex=whole,
         first_path_index=index,
         clock_offset_ppm=batch.clock_offset_ppm,

@@ -46,9 +46,9 @@ class Draws:
 
     def complex_normal(self, *shape: int) -> Complexes:
         """Return circular complex normal draws of mean power one, complex64."""
-        pairs = self.generator.standard_normal((*shape, 2), np.float32)
+        pairs = self.generator.standard_normal((*shape[:-1], 2 * shape[-1]), np.float32)
         pairs *= np.float32(np.sqrt(0.5))
-        return pairs.view(np.complex64)[..., 0]
+        return pairs.view(np.complex64)
 
     def group_uniform(self, hashes: NDArray[np.uint64], draw: int = 0) -> Floats:
         """Return draws on (0, 1), equal for rows of equal hash (a link, a device), in any block.

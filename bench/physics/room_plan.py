@@ -50,8 +50,8 @@ ROWS_PER_LINK = (20, 40)
 def places() -> tuple[Place, ...]:
     """Return the environments with the row counts of the paper; 55 000 rows in all."""
     return (
-        Place("big", (10.0, 5.0), 18_422, 1_564, metal=0.4, thickness=0.6),
-        Place("medium", (5.0, 5.0), 13_210, 1_564, metal=0.42, thickness=1.1),
+        Place("big", (10.0, 5.0), 18_422, 1_564, metal=0.34, thickness=0.6),
+        Place("medium", (5.0, 5.0), 13_210, 1_564, metal=0.38, thickness=1.1),
         Place("small", (5.0, 3.5), 17_601, 1_563, metal=0.28, thickness=0.85),
         Place("outdoor", None, 400, 138),
         Place("through-the-wall", (10.0, 5.0), 538, 0, wall_at_m=5.0),

@@ -48,12 +48,14 @@ def _tail(batch: Batch, start_ns: Reals, samples: int, fwhm_samples: float) -> C
     else:
         weights = table(fwhm_samples)[np.rint(fraction * STEPS).astype(np.intp)]
         reach = HALF_WIDTH
-    taps = _aligned(batch.tail, whole - reach, samples, weights.shape[1])
-    waveform = np.zeros((len(batch), samples), np.complex64)
-    for lag in range(weights.shape[1]):
-        window = taps[:, weights.shape[1] - 1 - lag :][:, :samples]
-        waveform += weights[:, lag, None] * window
-    return waveform
+    width = weights.shape[1]
+    taps = _aligned(batch.tail, whole - reach, samples, width).view(np.float32)
+    made = np.zeros((len(batch), 2 * samples), np.float32)
+    part = np.empty_like(made)
+    for lag in range(width):  # on real and imaginary parts side by side: no complex products
+        start = 2 * (width - 1 - lag)
+        made += np.multiply(weights[:, lag, None], taps[:, start : start + 2 * samples], out=part)
+    return made.view(np.complex64)
 
 
 def _aligned(tail: Complexes, first: np.ndarray, samples: int, width: int) -> Complexes:

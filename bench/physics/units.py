@@ -33,3 +33,16 @@ def decibel(power: Any) -> Floats:
 def wavelength_m(centre_ghz: float) -> float:
     """Return the wavelength in metres at a centre frequency in GHz."""
     return C_M_PER_NS / centre_ghz
+
+
+def squared(values: Complexes) -> Reals:
+    """Return |values|^2, several times faster than numpy's hypot-based abs."""
+    made = np.square(values.real)
+    made += np.square(values.imag)
+    return np.asarray(made, np.float32)
+
+
+def absolute(values: Complexes) -> Reals:
+    """Return |values|, several times faster than numpy's hypot-based abs."""
+    made = squared(values)
+    return np.asarray(np.sqrt(made, out=made), np.float32)

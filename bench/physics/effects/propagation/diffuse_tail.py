@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from bench.physics.batch import Batch
@@ -26,7 +27,8 @@ class DiffuseTail(Effect):
     the free-space level at 1 m and falls as distance^-`distance_exponent` (0: a reverberant
     room, 2: follows the straight path). Clusters are drawn per link; `static` of a tap's power is
     the same in all rows of a link, the rest changes from row to row as the tag moves.
-    `room_scaling` 1 scales both decays with the mean free path of the row's room.
+    `room_scaling` 1 scales both decays with the mean free path of the row's room; rows in the
+    open (room columns there, but empty) have `open_space_db` more.
     """
 
     name = "diffuse-tail"
@@ -38,12 +40,13 @@ class DiffuseTail(Effect):
 
     level_db: float = parameter(-14, "dB", -60, 10, "total power over free space at 1 m")
     distance_exponent: float = parameter(0.5, "1", -1, 6, "how the level falls with distance")
-    ray_decay_ns: float = parameter(12, "ns", 1, 120, "of the rays in a cluster (gamma)")
-    cluster_decay_ns: float = parameter(15, "ns", 1, 200, "of the clusters (Gamma)")
+    ray_decay_ns: float = parameter(9, "ns", 1, 120, "of the rays in a cluster (gamma)")
+    cluster_decay_ns: float = parameter(12, "ns", 1, 200, "of the clusters (Gamma)")
     cluster_rate: float = parameter(0.05, "1/ns", 0.001, 1, "arrivals of clusters (Lambda)")
     cluster_sigma_db: float = parameter(3, "dB", 0, 10, "shadowing of each cluster")
     static: float = parameter(0.3, "ratio", 0, 1, "of a tap's power that a link keeps")
     room_scaling: int = parameter(1, "0 or 1", 0, 1, "decays follow the size of the room")
+    open_space_db: float = parameter(-15, "dB", -60, 0, "level where there is no room")
     length_ns: float = parameter(180, "ns", 10, 1000, "where the tail is cut")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -65,7 +68,8 @@ class DiffuseTail(Effect):
         truth = batch.rows.true_range_m
         at_1m = decibel(np.abs(_reference(batch)) ** 2) + 20 * np.log10(truth)
         fall = 10 * self.distance_exponent * np.log10(np.maximum(truth, 0.3))
-        return amplitude(at_1m + self.level_db - fall).astype(np.float32)
+        indoors = np.where(in_the_open(batch.rows), self.open_space_db, 0.0)
+        return amplitude(at_1m + self.level_db + indoors - fall).astype(np.float32)
 
     def _room_scale(self, rows: Scene) -> Floats:
         """Return each row's decay over that of the reference room [n], 1 where no room is known."""
@@ -91,6 +95,13 @@ class DiffuseTail(Effect):
             gap = -np.log(draws.group_uniform(links, 2 * cluster + 1)) / self.cluster_rate
             arrival = arrival + gap
         return _decayed(starts, self.ray_decay_ns * scale[first] / period)[place]
+
+
+def in_the_open(rows: Scene) -> NDArray[np.bool_]:
+    """Return the rows [n] of a table with room columns that have no room."""
+    if not rows.has("room_x_m"):
+        return np.zeros(len(rows), bool)
+    return np.isnan(rows.number("room_x_m", np.nan))
 
 
 def _decayed(starts: Floats, decay_taps: Floats) -> Reals:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
@@ -35,8 +33,5 @@ class LateDetection(Effect):
         if batch.threshold is None:
             return batch
         threshold = batch.threshold * amplitude(self.rise_db)
-        if batch.waveform is not None and batch.noise is not None and self.peak_fraction > 0:
-            peak = np.max(np.abs(batch.waveform), axis=1)
-            noise_std = np.maximum(np.std(np.abs(batch.noise), axis=1, dtype=np.float64), 1e-9)
-            threshold = np.maximum(threshold, self.peak_fraction * peak / noise_std)
-        return replace(batch, threshold=threshold)
+        fraction = max(batch.peak_fraction, self.peak_fraction)
+        return replace(batch, threshold=threshold, peak_fraction=fraction)

@@ -9,7 +9,7 @@ import numpy as np
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
-from bench.physics.units import Floats, amplitude
+from bench.physics.units import Floats, amplitude, squared
 
 
 @dataclass(frozen=True)
@@ -17,8 +17,8 @@ class LevelControl(Effect):
     """Strong signals are attenuated and accumulated for fewer symbols; the peak stays near 18 000.
 
     The reported level over the true one follows the DW1000 User Manual's figure for 64 MHz PRF
-    (-60 dBm reads -77.5); the share of symbols accumulated follows recorded accumulators (28 %
-    above -80 dBm reported, all of them below -92).
+    (-60 dBm reads -77.5), and no peak exceeds `peak_counts`. The share of symbols accumulated
+    follows recorded accumulators (28 % above -80 dBm reported, all of them below -92).
     """
 
     name = "level-control"
@@ -29,6 +29,7 @@ class LevelControl(Effect):
 
     compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
+    peak_counts: float = parameter(20000, "counts", 1000, 1e9, "highest peak that is let through")
     shift_db: float = parameter(0, "dB", -15, 15, "the true level at which both curves start")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -43,9 +44,11 @@ class LevelControl(Effect):
         if batch.waveform is None or batch.noise is None:
             return made
         longer = symbols / batch.symbols
-        signal = (longer * amplitude(read - level)).astype(np.float32)[:, None]
+        signal = (longer * amplitude(read - level)).astype(np.float32)
+        peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
+        signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
         noise = np.sqrt(longer).astype(np.float32)[:, None]
-        return replace(made, waveform=batch.waveform * signal, noise=batch.noise * noise)
+        return replace(made, waveform=batch.waveform * signal[:, None], noise=batch.noise * noise)
 
 
 def reported_dbm(true_dbm: Floats) -> Floats:

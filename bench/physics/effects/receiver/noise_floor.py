@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.filters import moving_average
+from bench.physics.filters import filtered, moving_average
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, amplitude
 
@@ -43,9 +43,5 @@ class NoiseFloor(Effect):
 
     def _coloured(self, noise: Complexes) -> Complexes:
         """Filter along the samples, circularly, keeping the power."""
-        taps = moving_average(np.array([self.lag_1, self.lag_2, self.lag_3])).astype(np.float32)
-        made: Complexes = taps[0] * noise
-        for lag in range(1, len(taps)):
-            made[:, lag:] += taps[lag] * noise[:, :-lag]
-            made[:, :lag] += taps[lag] * noise[:, -lag:]
-        return made
+        taps = moving_average(np.array([self.lag_1, self.lag_2, self.lag_3]))
+        return filtered(noise, taps)
