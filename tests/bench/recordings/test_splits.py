@@ -43,7 +43,16 @@ def test_leaving_an_environment_out_is_the_papers_protocol() -> None:
     assert not los[fold.train].any()
     assert set(where[fold.test_nlos]) == {"medium"}
     assert not los[fold.test_nlos].any()
-    np.testing.assert_array_equal(fold.test_los, np.flatnonzero(los))
+    indoor = np.isin(where, ["big", "medium", "small"])
+    np.testing.assert_array_equal(fold.test_los, np.flatnonzero(los & indoor))
+
+
+def test_los_rows_labelled_only_outdoors_are_scored_all_the_same() -> None:
+    recordings = _rooms()
+    where = recordings.frame["environment"].to_numpy()
+    recordings.frame["los"] &= where == "outdoor"
+    (fold,) = make_split(recordings, "leave-environment-out:medium").folds
+    assert set(where[fold.test_los]) == {"outdoor"}
 
 
 def test_every_room_is_scored_on_the_same_los_rows() -> None:

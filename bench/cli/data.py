@@ -1,0 +1,264 @@
+"""`bench data`: list, describe, import and fetch recordings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from bench.recordings import Recordings
+    from bench.recordings.describe import Description, ErrorStatistics
+    from bench.recordings.sources.base import Source
+
+SHOWN = (5, 50, 95)  # percentiles in the table; all of them stand in the JSON
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
+
+
+@click.group(
+    epilog="Example: bench data info rooms --plot rooms.png",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+def command() -> None:
+    """List, describe, import and fetch recordings.
+
+    A data set is named (`bench data list`) or is a recordings file: Parquet or CSV with a column
+    per quantity, its unit in its name: range_m, true_range_m (or error_m), cir, link, ...
+    """
+
+
+@command.command("list", epilog="Example: bench data list --json")
+@AS_JSON
+def list_command(as_json: bool) -> None:
+    """List the named data sets and whether they are on this machine."""
+    rows = list(_listed())
+    if as_json:
+        click.echo(json.dumps(rows, indent=1))
+        return
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("data set", "on this machine", "what it is", "licence"):
+        table.add_column(heading, overflow="fold")
+    for row in rows:
+        here = "[green]yes[/green]" if row["available"] else "[yellow]no[/yellow]"
+        table.add_row(row["name"], here, row["title"], row["licence"])
+    _console().print(table)
+    for row in rows:
+        if not row["available"]:
+            _console().print(f"{row['name']}: {row['reason']}", highlight=False, soft_wrap=True)
+
+
+def _listed() -> Iterator[dict[str, Any]]:
+    """Yield one entry per registered data set; one that fails to import says why."""
+    from bench.plugins import plugins
+    from bench.recordings.open import open_source
+
+    for plugin in plugins("datasets"):
+        entry: dict[str, Any] = {"name": plugin.name, "title": "", "licence": ""}
+        try:
+            source = open_source(plugin.name)
+            mark = " (SIMULATED)" if source.simulated else ""
+            entry |= {"title": source.title + mark, "licence": source.licence}
+            reason = source.available()
+        except BenchError as error:
+            reason = str(error)
+        yield entry | {"available": reason is None, "reason": reason}
+
+
+@command.command(epilog="Example: bench data info apartment --plot apartment.png")
+@click.argument("name_or_path", metavar="NAME|PATH")
+@click.option(
+    "--plot", type=click.Path(path_type=Path), help="Draw CIRs and errors to a .png, .svg or .pdf."
+)
+@AS_JSON
+def info(name_or_path: str, plot: Path | None, as_json: bool) -> None:
+    """Describe recordings: rows, links, what was dropped and why, and range errors in metres.
+
+    Error = measured - true range: positive reads long.
+    """
+    from bench.recordings.describe import describe_recordings
+
+    recordings, source = _open(name_or_path)
+    found = describe_recordings(recordings)
+    if plot:
+        from bench.recordings.picture import save_picture
+
+        with _busy(f"Drawing {plot}"):
+            save_picture(recordings, plot)
+    if as_json:
+        click.echo(json.dumps(asdict(found), indent=1))
+        return
+    _print_facts(found, source)
+    _print_errors(found)
+    if plot:
+        _console().print(f"picture: {plot}", highlight=False)
+
+
+def _print_facts(found: Description, source: Source | None) -> None:
+    """Print the size of the table and where it comes from."""
+    from bench.recordings.clean import describe
+
+    console = _console()
+    mark = "  [bold yellow]SIMULATED[/bold yellow]" if found.simulated else ""
+    console.print(f"[bold]{found.source}[/bold]{mark}" + (f"  {source.title}" if source else ""))
+    cir = "none"
+    if found.cir_samples is not None:
+        cir = f"{found.cir_samples} samples of {found.sample_period_ns:.4f} ns"
+    facts = {
+        "rows": str(found.rows),
+        "links": "no link column" if found.links is None else str(found.links),
+        "dropped": describe(found.dropped) or "none",
+        "CIR": cir,
+        "licence": found.licence,
+        "fingerprint": found.fingerprint,
+        "columns": ", ".join(found.columns),
+    }
+    for name, value in facts.items():
+        console.print(f"{name:<12} {value}", highlight=False, soft_wrap=True, markup=False)
+
+
+def _print_errors(found: Description) -> None:
+    """Print the error statistics as a table."""
+    from rich.table import Table
+
+    mark = ", SIMULATED" if found.simulated else ""
+    table = Table(
+        title=f"Range error = measured - true, in metres{mark}",
+        title_justify="left",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
+    )
+    table.add_column("environment", no_wrap=True)
+    table.add_column("kind", no_wrap=True)
+    for heading in ("rows", "links", "mean", "MAE", "sigma", *(f"p{p}" for p in SHOWN)):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for line in found.errors:
+        table.add_row(*_cells(line))
+    _console().print()
+    _console().print(table)
+
+
+def _cells(line: ErrorStatistics) -> list[str]:
+    """Return one line of the table as text, metres with three decimals."""
+    lengths = [line.mean_m, line.mae_m, line.sigma_m, *(line.percentiles_m[p] for p in SHOWN)]
+    links = "-" if line.links is None else str(line.links)
+    texts = [f"{length:.3f}" for length in lengths]
+    return [line.environment, line.kind, str(line.rows), links, *texts]
+
+
+@command.command("import", epilog="Example: bench data import measured.csv -o measured.parquet")
+@click.argument("source", metavar="SOURCE")
+@click.option(
+    "-o",
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Recordings Parquet to write.",
+)
+def import_command(source: str, out: Path) -> None:
+    """Write a named data set, or a CSV, as recordings Parquet.
+
+    In a CSV the CIR stands in one cell ([12, 15.5, 9] or 12 15.5 9) or in columns cir_0 .. cir_N.
+    """
+    from bench.recordings.clean import describe
+    from bench.recordings.io import PARQUET_SUFFIXES, write_recordings
+
+    if out.suffix not in PARQUET_SUFFIXES:
+        raise BenchError(f"{out}: recordings are written as Parquet; expected a .parquet name")
+    recordings, _ = _open(source)
+    with _busy(f"Writing {out}"):
+        write_recordings(recordings, out)
+    dropped = f"; dropped: {describe(recordings.dropped)}" if recordings.dropped else ""
+    click.echo(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
+
+
+@command.command(epilog="Example: bench data fetch deepuwb")
+@click.argument("name", metavar="NAME")
+@click.option("--sha256", help="Checksum of the file, where the publisher gives none.")
+@click.option(
+    "--accept-unverified",
+    is_flag=True,
+    help="Download files whose checksum is not known, without a check.",
+)
+def fetch(name: str, sha256: str | None, accept_unverified: bool) -> None:
+    """Download a data set from its publisher, checked against the publisher's checksums.
+
+    An interrupted download continues where it stopped. Without a network it says what to download
+    by hand and where to put it.
+    """
+    from bench.recordings.fetch import fetch as download
+    from bench.recordings.open import open_source
+    from bench.recordings.sources.base import download_folder
+
+    source = open_source(name)
+    with _downloads() as progress:
+        files = download(source, accept_unverified, sha256, progress)
+    click.echo(f"{name}: {len(files)} files in {download_folder(name)}")
+    if missing := source.available():
+        raise BenchError(f"{name}: downloaded, but not as expected: {missing}")
+    click.echo(f"Look at it with: bench data info {name}")
+
+
+def _open(name_or_path: str) -> tuple[Recordings, Source | None]:
+    """Open recordings with a sign of life on stderr."""
+    from bench.recordings.open import open_recordings
+
+    with _busy(f"Reading {name_or_path}"):
+        return open_recordings(name_or_path)
+
+
+def _console(stderr: bool = False) -> Console:
+    from rich.console import Console
+
+    # Where nobody watches (a file, a pipe) a table need not fit a terminal.
+    console = Console(stderr=stderr)
+    return console if console.is_terminal else Console(stderr=stderr, width=120)
+
+
+@contextmanager
+def _busy(what: str) -> Iterator[None]:
+    """Show that something is going on, in a terminal."""
+    with _console(stderr=True).status(f"{what} ..."):
+        yield
+
+
+@contextmanager
+def _downloads() -> Iterator[Any]:
+    """Show a bar per file on stderr; yields what to call with name, bytes so far, bytes in all."""
+    from rich import progress as bars
+
+    columns = (
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.DownloadColumn(),
+        bars.TransferSpeedColumn(),
+        bars.TimeRemainingColumn(),
+    )
+    tasks: dict[str, bars.TaskID] = {}
+    with bars.Progress(*columns, console=_console(stderr=True)) as shown:
+
+        def advance(name: str, done: int, total: int | None) -> None:
+            _advance(shown, tasks, name, done, total)
+
+        yield advance
+
+
+def _advance(
+    shown: Progress, tasks: dict[str, Any], name: str, done: int, total: int | None
+) -> None:
+    """Move a file's bar to so many bytes, starting it where it is new."""
+    if name not in tasks:
+        tasks[name] = shown.add_task(name, total=total)
+    shown.update(tasks[name], completed=done, total=total)

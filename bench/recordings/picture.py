@@ -1,0 +1,126 @@
+"""A picture of a recordings table: median CIRs and the error histogram, LoS against NLoS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.files import atomic_path
+from bench.recordings.describe import KINDS, row_kinds
+from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
+from bench.recordings.window import cir_window
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SUFFIXES = (".png", ".svg", ".pdf")
+COLOURS = {"LoS": "#1b6ca8", "NLoS": "#d1603d", "unlabelled": "#4f5d75"}
+BEFORE, SHOWN_AFTER = 5, 60
+BINS = 80
+SHOWN_PERCENTILES = (0.5, 99.5)
+
+
+def save_picture(recordings: Recordings, path: Path) -> None:
+    """Draw the table to a .png, .svg or .pdf file.
+
+    Raises BenchError for another kind of file, and where the file cannot be written.
+    """
+    if path.suffix not in SUFFIXES:
+        raise BenchError(f"{path}: expected a name that ends in {', '.join(SUFFIXES)}")
+    figure = draw(recordings)
+    with atomic_path(path) as scratch:
+        figure.savefig(scratch, dpi=150)
+
+
+def draw(recordings: Recordings) -> Figure:
+    """Return the figure: CIRs aligned at the first path (where there are any), and errors."""
+    from matplotlib.figure import Figure
+
+    has_cirs = "cir" in recordings.frame
+    figure = Figure(figsize=(11 if has_cirs else 6.5, 4.4), layout="constrained")
+    axes = figure.subplots(1, 2 if has_cirs else 1, squeeze=False)[0]
+    if has_cirs:
+        _draw_cirs(axes[0], recordings)
+    _draw_errors(axes[-1], recordings)
+    for ax in axes:
+        ax.spines[["top", "right"]].set_visible(False)
+        ax.grid(color="#e6e6e6", linewidth=0.6)
+        ax.set_axisbelow(True)
+    figure.suptitle(_title(recordings), fontsize=12, fontweight="bold")
+    return figure
+
+
+def _title(recordings: Recordings) -> str:
+    """Return the source, marked SIMULATED where it is, with its size."""
+    links = recordings.frame["link"].nunique() if "link" in recordings.frame else None
+    size = f"{len(recordings):,} ranges".replace(",", " ")
+    return f"{recordings.label}: {size}" + (f" over {links} links" if links else "")
+
+
+def _draw_cirs(ax: Axes, recordings: Recordings) -> None:
+    """Draw the median CIR of each kind with the band between its quartiles.
+
+    Each CIR is divided by its own largest value: shapes are compared, not levels.
+    """
+    cirs, kinds, period = _aligned(recordings)
+    time_ns = (np.arange(cirs.shape[1]) - BEFORE) * period
+    for kind in [kind for kind in KINDS if (kinds == kind).any()]:
+        low, middle, high = np.percentile(cirs[kinds == kind], (25, 50, 75), axis=0)
+        ax.fill_between(time_ns, low, high, color=COLOURS[kind], alpha=0.22, linewidth=0)
+        label = f"{kind} ({int((kinds == kind).sum())})"
+        ax.plot(time_ns, middle, color=COLOURS[kind], linewidth=1.8, label=label)
+    ax.axvline(0.0, color="#555555", linewidth=0.9, linestyle=":")
+    ax.set_xlabel("time after the detected first path (ns)")
+    ax.set_ylabel("CIR magnitude / its maximum")
+    ax.set_title("Median CIR, band between quartiles", fontsize=10, loc="left")
+    ax.set_xlim(time_ns[0], time_ns[-1])
+    ax.set_ylim(0, None)
+    ax.legend(frameon=False)
+
+
+def _aligned(
+    recordings: Recordings,
+) -> tuple[NDArray[np.float32], NDArray[np.str_], float]:
+    """Return scaled CIRs [n, k] with the first path at one place, their kinds, sample period.
+
+    The first path lies between two samples: each CIR is shifted by that fraction (linearly).
+    """
+    frame = recordings.frame
+    width = len(frame["cir"].iloc[0])
+    first = frame.get("first_path_index", pd.Series([float(BEFORE)]))
+    after = max(2, min(SHOWN_AFTER, width - int(np.nanpercentile(first, 90))))
+    window = cir_window(
+        recordings, BEFORE, after if "first_path_index" in frame else width - BEFORE
+    )
+    cirs = window.cirs / np.maximum(window.cirs.max(axis=1, keepdims=True), 1e-12)
+    if "first_path_index" in frame:
+        share = np.mod(first.to_numpy(np.float32)[window.rows, None], 1.0)
+        cirs = (1 - share) * cirs[:, :-1] + share * cirs[:, 1:]
+    period = float(np.nanmedian(frame.get("sample_period_ns", SAMPLE_PERIOD_NS)))
+    return cirs, row_kinds(recordings)[window.rows], period
+
+
+def _draw_errors(ax: Axes, recordings: Recordings) -> None:
+    """Draw the histogram of range errors of each kind, as densities."""
+    errors, kinds = recordings.errors_m(), row_kinds(recordings)
+    low, high = np.percentile(errors, SHOWN_PERCENTILES)
+    edges = np.linspace(min(low, 0.0), max(high, 0.0) + 1e-9, BINS + 1)
+    for kind in [kind for kind in KINDS if (kinds == kind).any()]:
+        of_kind = errors[kinds == kind]
+        label = f"{kind}: MAE {np.abs(of_kind).mean():.3f} m, $\\sigma$ {of_kind.std():.3f} m"
+        density, _ = np.histogram(of_kind, edges, density=True)
+        ax.stairs(density, edges, color=COLOURS[kind], alpha=0.22, fill=True)
+        ax.stairs(density, edges, color=COLOURS[kind], linewidth=1.5, label=label)
+    outside = int(((errors < edges[0]) | (errors > edges[-1])).sum())
+    ax.axvline(0.0, color="#555555", linewidth=0.9, linestyle=":")
+    ax.set_xlabel("range error = measured - true (m)")
+    ax.set_ylabel("density (1/m)")
+    note = f" ({outside} rows lie outside)" if outside else ""
+    ax.set_title(f"Range error{note}", fontsize=10, loc="left")
+    ax.legend(frameon=False)
