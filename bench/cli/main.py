@@ -18,6 +18,7 @@ COMMANDS = {
     "backends": "List the backends a model can run on.",
     "devices": "List the device profiles and what their figures rest on.",
     "data": "List, describe, import and fetch recordings.",
+    "diagnose": "Find, name and model what a simulator leaves out of recordings.",
     "plugin": "Start a plug-in package of your own.",
     "doctor": "Say what this machine has, what is missing and how to get it.",
 }

@@ -34,12 +34,17 @@ Added = tuple[Effect, ...]
 
 @dataclass(frozen=True)
 class View:
-    """Some recorded rows: `frame` as known to the simulator, what was recorded, link codes [n]."""
+    """Some recorded rows: `frame` as known to the simulator, what was recorded, link codes [n].
+
+    `waveform` False has them simulated from paths alone: faster, but powers are approximate and
+    there is no noise, so only the range and the receive level are compared.
+    """
 
     frame: pd.DataFrame
     recorded: Observables
     links: NDArray[np.intp]
     rows: Rows
+    waveform: bool = True
 
     @cached_property
     def scene(self) -> Scene:
@@ -50,11 +55,6 @@ class View:
     def covariates(self) -> Covariates:
         """What can be searched over."""
         return covariates(self.frame)
-
-    @property
-    def has_cir(self) -> bool:
-        """True where the rows have a CIR to compare."""
-        return any(name.startswith("profile_db") for name in self.recorded.names)
 
 
 class World(Protocol):
@@ -91,12 +91,12 @@ class Resimulation:
         simulator = self._cropped(self.with_effects(added), view)
         numbers = range(first, first + members)
         see = self.stages.observables
-        replicas = [see(simulator, view.scene, number, view.has_cir) for number in numbers]
+        replicas = [see(simulator, view.scene, number, view.waveform) for number in numbers]
         return stack(view.recorded, replicas, view.links)
 
     def _cropped(self, simulator: Simulator, view: View) -> Simulator:
         """Return the simulator giving just the window that is compared."""
-        if not view.has_cir:
+        if not view.waveform:
             return simulator
         crop = {
             "cir_lead": self.window.before,
@@ -105,7 +105,7 @@ class Resimulation:
         return replace(simulator, base=replace(simulator.base, **crop))
 
 
-NEEDS_WAVEFORM = ("noise_std", "preamble_count")  # not simulated from paths alone
+NEEDS_WAVEFORM = ("noise_std", "preamble_count", "first_path_power_dbm")
 
 
 def view(
@@ -114,21 +114,21 @@ def view(
     rows: Rows,
     window: Window,
     names: tuple[str, ...] | None = None,
+    waveform: bool = True,
 ) -> View:
     """Return a view of some rows of a recorded table; `links` are codes of the whole table.
 
-    `names` restricts the comparison to some observables. Without a CIR, noise and accumulation
-    count take no part: they belong to a waveform.
+    `names` restricts the comparison to some observables; without a simulated `waveform` those
+    that belong to one take no part.
     """
     part = frame.iloc[rows].reset_index(drop=True)
     seen = observe(part, window)
-    cir = any(name.startswith("profile_db") for name in seen.names)
-    kept = [n for n in seen.names if cir or n not in NEEDS_WAVEFORM]
+    kept = [n for n in seen.names if waveform or n not in NEEDS_WAVEFORM]
     chosen = tuple(n for n in kept if names is None or n in names)
     if not chosen:
         have = ", ".join(kept) or "none"
         raise BenchError(f"recorded: no observable to compare (the table gives: {have})")
-    return View(part, seen.keep(chosen), links[rows], rows)
+    return View(part, seen.keep(chosen), links[rows], rows, waveform)
 
 
 def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:

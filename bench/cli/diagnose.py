@@ -1,0 +1,145 @@
+"""`bench diagnose`: name and model what a simulator leaves out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from bench.discrepancy.study import Study
+    from bench.physics.simulator import Simulator
+    from bench.recordings.table import Recordings
+
+EPILOG = """\b
+Examples:
+  bench diagnose --recorded mine.parquet --simulated my_simulator.toml -o diagnosis
+  bench diagnose --recorded mine.parquet --simulated other_simulator.parquet
+  bench diagnose --recorded ghent --hide clock_offset_ppm --json
+"""
+
+
+@click.command(epilog=EPILOG, no_args_is_help=True)
+@click.option("--recorded", required=True, metavar="NAME|PATH", help="Recordings to explain.")
+@click.option(
+    "--simulated",
+    metavar="SIM.toml|TABLE.parquet|NAME",
+    help="A simulator file, a simulated table or a plug-in; default: the base simulator alone.",
+)
+@click.option("--hide", default="", metavar="COLUMN,..", help="Columns the diagnosis must not see.")
+@click.option("--observe", default="", metavar="NAME,..", help="Compare only these observables.")
+@click.option("--paths-only", is_flag=True, help="Simulate no waveforms: range and level only.")
+@click.option("--environment", metavar="NAME", help="Only the rows of this environment.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), help="Folder for report, TOML and figures."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON, nothing else.")
+def command(
+    recorded: str,
+    simulated: str | None,
+    hide: str,
+    observe: str,
+    paths_only: bool,
+    environment: str | None,
+    seed: int,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Find, name, model and remove what a simulator leaves out.
+
+    The simulator is run again at each recorded row's own geometry and settings (or its table is
+    compared); differences are located, every known effect is fitted on some links and scored on
+    others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB.
+    """
+    from bench.discrepancy.report import summary, write_report
+    from bench.discrepancy.study import Options
+
+    seen = _names(observe) or None
+    options = Options(seed, hide=_names(hide), observables=seen, waveform=not paths_only)
+    study = _run(_recorded(recorded, environment, options.hide), _simulated(simulated), options)
+    if out is not None:
+        path = write_report(study, out)
+        click.echo(f"report: {path}", err=True)
+    if as_json:
+        import json
+
+        click.echo(json.dumps(summary(study), indent=1))
+    else:
+        _print(study)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _recorded(name: str, environment: str | None, hide: tuple[str, ...]) -> Recordings:
+    """Return the recorded table. Raises BenchError where a name is not there."""
+    import numpy as np
+
+    from bench.recordings.open import open_recordings
+
+    table, _ = open_recordings(name)
+    table.require(*hide)
+    if environment is None:
+        return table
+    table.require("environment")
+    rows = np.asarray(table.frame["environment"] == environment, bool)
+    if not rows.any():
+        have = ", ".join(sorted(map(str, table.frame["environment"].dropna().unique())))
+        raise BenchError(f"{name}: no environment {environment!r} (it has: {have})")
+    return table.select(rows)
+
+
+def _simulated(name: str | None) -> Simulator | Recordings:
+    """Return the simulator or simulated table of that name."""
+    from bench.physics.base import Base
+    from bench.physics.simulator import Simulator
+    from bench.physics.toml_file import read_toml
+
+    if name is None:
+        return Simulator(Base(), name="base")
+    if name.endswith(".toml"):
+        return read_toml(Path(name))
+    if Path(name).suffix in (".parquet", ".csv") or "/" in name:
+        from bench.recordings.open import open_recordings
+
+        return open_recordings(name)[0]
+    from bench.plugins import load
+
+    made = load("simulators", name)
+    found = made() if callable(made) else made
+    if not isinstance(found, Simulator):
+        raise BenchError(f"simulator {name!r}: expected a bench.physics Simulator")
+    return found
+
+
+def _run(recorded: Recordings, simulated: Simulator | Recordings, options: object) -> Study:
+    """Run the diagnosis with a progress line on stderr."""
+    from rich.console import Console
+
+    from bench.discrepancy.study import Options, study
+
+    assert isinstance(options, Options)
+    console = Console(stderr=True)
+    with console.status("diagnosing ...") as status:
+        return study(recorded, simulated, options, status.update)
+
+
+def _print(study: Study) -> None:
+    """Print the verdicts and the confirm figures."""
+    from bench.discrepancy.report import describe
+
+    for verdict in study.diagnosis.verdicts:
+        for line in describe(verdict):
+            click.echo(line.replace("**", ""))
+    seen = study.confirmed
+    click.echo(
+        f"confirm links ({seen.links}): mean abs. range mismatch {seen.mae_before_m} -> "
+        f"{seen.mae_after_m}; AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
+    )
+    for name, reason in study.diagnosis.skipped.items():
+        click.echo(f"skipped {name}: {reason}")
