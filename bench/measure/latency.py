@@ -124,6 +124,7 @@ class _Run:
         self.target, self.batches = target, batches
         self.error: BenchError | None = None
         self.samples: dict[int, list[list[float]]] = {b: [] for b in [*batches, THROUGHPUT_ROWS]}
+        self.shares: dict[int, list[float]] = {batch: [] for batch in self.samples}
         self.calls: dict[int, int] = {}
         self._own, self._timeout_s = stack.enter_context(ExitStack()), timeout_s
 
@@ -165,6 +166,7 @@ class _Run:
         for batch, rounds in self.samples.items():
             answer = self.worker.ask(do="sample", batch=batch, samples=SAMPLES_PER_ROUND)
             rounds.append(answer["samples_us"])
+            self.shares[batch].append(answer["core_share"])
 
     def result(self, meter: EnergyMeter) -> Timing | BenchError:
         """Return the finished timing, or why there is none."""
@@ -173,7 +175,7 @@ class _Run:
             return self.error
         bulk_us = float(np.median(self.samples[THROUGHPUT_ROWS]))
         return Timing(
-            latency=[summarise(batch, self.samples[batch]) for batch in self.batches],
+            latency=[summarise(b, self.samples[b], self.shares[b]) for b in self.batches],
             throughput_rows_per_s=THROUGHPUT_ROWS * 1e6 / bulk_us,
             peak_memory_bytes=self.opened["peak_memory_bytes"],
             energy_mj=self.energy_mj,

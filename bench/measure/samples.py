@@ -11,16 +11,20 @@ from scipy.special import bdtr
 from bench.results import Latency
 
 FEWEST_ROUNDS = 6  # fewer give no 95 % interval: 1 - 2 x 0.5^5 = 94 %
-WIDE, DRIFTED = 0.10, 0.05
+WIDE, DRIFTED, SHARED = 0.10, 0.05, 0.95
 
 
-def summarise(batch: int, rounds_us: Sequence[Sequence[float]]) -> Latency:
+def summarise(
+    batch: int, rounds_us: Sequence[Sequence[float]], core_shares: Sequence[float]
+) -> Latency:
     """Return the statistics of samples [rounds, samples] in microseconds.
 
     Median, p95 and p99 are over all samples. The interval of the median is between two order
     statistics of the ROUND medians (`median_ranks`), because samples of one round share what the
-    machine was doing then. `unstable` is set where that interval is wider than 10 % of the median,
-    or where the medians of the first and the last half of the rounds differ by more than 5 %.
+    machine was doing then. `unstable` is set where that interval is wider than 10 % of the median
+    (spread), where the medians of the first and the last half of the rounds differ by more than
+    5 % (drift), or where in the middle round of `core_shares` [rounds] other processes had the
+    core for more than 5 % of the time (load).
     """
     samples = np.asarray(rounds_us, np.float64)
     median = float(np.median(samples))
@@ -35,7 +39,11 @@ def summarise(batch: int, rounds_us: Sequence[Sequence[float]]) -> Latency:
         high_us=max(high, median),
         p95_us=float(p95),
         p99_us=float(p99),
-        unstable=high - low > WIDE * median or drift > DRIFTED * median,
+        unstable=bool(
+            high - low > WIDE * median
+            or drift > DRIFTED * median
+            or np.median(core_shares) < SHARED
+        ),
         samples_us=[round(float(sample), 4) for sample in samples.ravel()],
     )
 

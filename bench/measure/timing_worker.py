@@ -6,7 +6,7 @@ ends when its input does, so it never outlives the process that asked.
     {"do": "open", "path": .., "opener": "module:function", "width": 157, "batches": [1, 4],
      "rows": 256, "preload": ["onnxruntime"]}      -> {"peak_memory_bytes": .., "core": 1}
     {"do": "calibrate", "sample_s": 0.002}         -> {"calls": {"1": 20, "4": 9, "256": 1}}
-    {"do": "sample", "batch": 1, "samples": 10}    -> {"samples_us": [..]}
+    {"do": "sample", "batch": 1, "samples": 10}    -> {"samples_us": [..], "core_share": 0.998}
     {"do": "burst", "batch": 1, "seconds": 0.5}    -> {"calls": 5012, "seconds": 0.5001}
 """
 
@@ -60,11 +60,18 @@ class Timer:
             self.calls[batch] = max(1, -int(-sample_s // fastest))
         return self.calls
 
-    def sample(self, batch: int, samples: int) -> list[float]:
-        """Return `samples` means over the calibrated number of calls, in microseconds a call."""
+    def sample(self, batch: int, samples: int) -> dict[str, Any]:
+        """Return `samples` means over the calibrated number of calls, in microseconds a call.
+
+        `core_share` is the processor time they took over the time that passed: below 1 where
+        other processes had the core meanwhile.
+        """
         self._run_for(batch, SETTLE_S)
         calls = self.calls[batch]
-        return [self._time(batch, calls) * 1e6 / calls for _ in range(samples)]
+        start, start_busy = time.perf_counter(), time.process_time()
+        samples_us = [self._time(batch, calls) * 1e6 / calls for _ in range(samples)]
+        busy, passed = time.process_time() - start_busy, time.perf_counter() - start
+        return {"samples_us": samples_us, "core_share": busy / max(passed, 1e-9)}
 
     def burst(self, batch: int, seconds: float) -> dict[str, float]:
         """Run without pause for about `seconds`; return how many calls that took, and how long."""
@@ -157,7 +164,7 @@ def _timed(timer: Timer, request: dict[str, Any]) -> dict[str, Any]:
             case "burst":
                 return timer.burst(request["batch"], request["seconds"])
             case _:
-                return {"samples_us": timer.sample(request["batch"], request["samples"])}
+                return timer.sample(request["batch"], request["samples"])
     finally:
         gc.enable()
 

@@ -2,8 +2,8 @@
 
 The bare loop is a fresh process too: `for _ in range(30): run(x)` between two clock reads, with
 nothing of the harness in it. It loops in the pauses between the harness's rounds, so that both see
-the same machine whatever else it is doing. A measurement that the harness itself calls unstable is
-taken again: on a busy machine the scheduler splits short loops into lucky and unlucky ones.
+the same machine whatever else it is doing. A measurement disturbed by other load (the harness
+calls it unstable, or the loop had less than 95 % of its core) is taken again.
 """
 
 from __future__ import annotations
@@ -47,10 +47,11 @@ print("ready", flush=True)
 for _ in sys.stdin:
     for _ in range(200):
         run(x)
-    start = time.perf_counter()
+    start, busy = time.perf_counter(), time.process_time()
     for _ in range(30):
         run(x)
-    print((time.perf_counter() - start) / 30 * 1e6, flush=True)
+    passed, busy = time.perf_counter() - start, time.process_time() - busy
+    print(passed / 30 * 1e6, busy / passed, flush=True)
 """
 
 
@@ -89,25 +90,27 @@ class BareLoop:
         )
         assert self.process.stdout.readline() == "ready\n"
 
-    def time_us(self) -> float:
+    def time(self) -> tuple[float, float]:
+        """Return microseconds a call and the share of the core the loop had."""
         self.process.stdin.write("go\n")
         self.process.stdin.flush()
-        return float(self.process.stdout.readline())
+        passed_us, share = self.process.stdout.readline().split()
+        return float(passed_us), float(share)
 
 
-def _turn(path: Path, batch: int) -> tuple[Latency, list[float]]:
+def _turn(path: Path, batch: int) -> tuple[Latency, list[tuple[float, float]]]:
     """Return what the harness reports and the bare loops between its rounds."""
     core = max(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else -1
-    loop, bare_us = BareLoop(path, batch, core), []
+    loop, bare = BareLoop(path, batch, core), []
 
     def between_rounds(_: float) -> None:
-        bare_us.extend(loop.time_us() for _ in range(5))
+        bare.extend(loop.time() for _ in range(5))
 
     target = TimingTarget(path, "session_opener:open_session", WIDTH)
     [found] = measure([target], rounds=60, batches=[batch], progress=between_rounds)
     loop.process.kill()
     assert isinstance(found, Timing)
-    return found.latency[0], bare_us
+    return found.latency[0], bare
 
 
 @pytest.mark.parametrize("batch", [1, 4])
@@ -120,12 +123,13 @@ def test_reported_latency_is_within_3_percent_of_a_bare_loop(
     path = tmp_path / "truth.onnx"
     _network(path, layers)
     for _ in range(TRIES):
-        latency, bare_us = _turn(path, batch)
-        ratio = latency.median_us / float(np.median(bare_us))
-        state = "UNSTABLE" if latency.unstable else "stable"
-        text = f"{layers} layers, batch {batch}: {latency.median_us:.1f} us, {state}"
-        print(f"\n{text}, reported / bare = {ratio:.4f}", end="")
-        if not latency.unstable:
+        latency, bare = _turn(path, batch)
+        bare_us, share = np.median(bare, axis=0)
+        ratio = latency.median_us / bare_us
+        quiet = not latency.unstable and share > 0.95
+        text = f"{layers} layers, batch {batch}: {latency.median_us:.1f} us"
+        print(f"\n{text}, reported / bare = {ratio:.4f}{'' if quiet else ' (disturbed)'}", end="")
+        if quiet:
             assert abs(ratio - 1) <= 0.03
             return
-    pytest.skip(f"the machine is too busy: {TRIES} measurements, all called unstable")
+    pytest.skip(f"the machine is too busy: {TRIES} measurements, all disturbed")

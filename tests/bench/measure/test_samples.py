@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bench.measure.samples import median_interval, median_rank, summarise
+from bench.measure import samples
+from bench.measure.samples import median_interval, median_rank
+
+
+def summarise(batch, rounds_us, share=1.0):
+    return samples.summarise(batch, rounds_us, [share] * len(rounds_us))
 
 
 @pytest.mark.parametrize("count", [6, 7, 10, 20, 51, 200])
@@ -66,3 +71,8 @@ def test_samples_of_one_round_are_not_taken_for_independent() -> None:
     wide = summarise(1, shared)
     narrow = summarise(1, rng.permutation(shared.ravel()).reshape(20, 50))
     assert wide.high_us - wide.low_us > 2 * (narrow.high_us - narrow.low_us)
+
+
+@pytest.mark.parametrize(("share", "unstable"), [(0.99, False), (0.5, True)])
+def test_a_core_shared_with_others_is_unstable_however_steady_the_samples(share, unstable) -> None:
+    assert summarise(1, np.full((20, 5), 100.0), share).unstable is unstable
