@@ -3,6 +3,7 @@
 from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, Parameter, parameter
+from bench.physics.foreign import ForeignTable
 from bench.physics.outcome import Outcome
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene, scene
@@ -14,6 +15,7 @@ __all__ = [
     "Batch",
     "Draws",
     "Effect",
+    "ForeignTable",
     "Outcome",
     "Parameter",
     "Scene",

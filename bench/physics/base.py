@@ -91,44 +91,47 @@ class Base:
         )
 
     def counted(self, batch: Batch) -> Batch:
-        """Return the batch with its accumulation count and true receive level."""
+        """Return the batch with count, true level, noise power and threshold, but no waveform."""
         nominal = batch.rows.number("preamble_symbols", float(self.preamble_symbols))
         recorded = batch.rows.number("preamble_count", np.nan)
         kept = np.isfinite(recorded) & bool(self.keep_count)
         symbols = np.where(kept, recorded, nominal)
-        level = batch.path_power_dbm()
-        return replace(batch, symbols=symbols, nominal_symbols=nominal, level_dbm=level)
+        return replace(
+            batch,
+            symbols=symbols,
+            nominal_symbols=nominal,
+            level_dbm=batch.path_power_dbm(),
+            noise_power=self.noise_power(symbols),
+            threshold=np.full(len(batch), float(self.threshold)),
+        )
 
     def received(self, batch: Batch, draws: Draws) -> Batch:
         """Return the batch with waveform and white noise, in counts, at a random alignment."""
         batch = self.counted(batch)
         lead = max(LEAD_SAMPLES, self.cir_lead + 8)
         start = -(lead + draws.uniform(len(batch))) * np.float32(self.sample_period_ns)
-        per_root_mw = amplitude(self.power_offset_db) * _known(batch.symbols)
+        per_root_mw = amplitude(self.power_offset_db) * there(batch.symbols)
         signal = sampled(batch, start, self.samples, self.pulse_fwhm)
         signal *= per_root_mw.astype(np.float32)[:, None]
         noise = draws.complex_normal(len(batch), self.samples)
-        noise *= self._noise_scale(batch)[:, None]
-        threshold = np.full(len(batch), float(self.threshold))
-        return replace(batch, waveform=signal, noise=noise, start_ns=start, threshold=threshold)
+        noise *= np.sqrt(there(batch.noise_power)).astype(np.float32)[:, None]
+        return replace(batch, waveform=signal, noise=noise, start_ns=start)
 
-    def _noise_scale(self, batch: Batch) -> Reals:
-        """Return sqrt(mean |noise|^2) [n] in counts; it grows as the root of the count."""
-        per_symbol = self.noise_per_symbol / RAYLEIGH_STD * np.sqrt(2)
-        return np.asarray(per_symbol * np.sqrt(_known(batch.symbols)), np.float32)
+    def noise_power(self, symbols: Floats) -> Floats:
+        """Return mean |noise|^2 [n] in counts^2; the noise grows as the root of the count."""
+        return 2 * (self.noise_per_symbol / RAYLEIGH_STD) ** 2 * symbols
 
     def detected(self, batch: Batch) -> Batch:
         """Return the batch with first path, range and what the chip reports."""
         if batch.waveform is None or batch.noise is None or batch.start_ns is None:
             return self._detected_paths(batch)
         magnitude = absolute(batch.waveform + batch.noise)
-        noise_std = np.asarray(np.std(absolute(batch.noise), axis=1), np.float64)
-        threshold = _known(batch.threshold) * np.maximum(noise_std, 1e-9)
+        noise_std = _noise_std(batch)
+        threshold = there(batch.threshold) * np.maximum(noise_std, 1e-9)
         threshold = np.maximum(threshold, batch.peak_fraction * np.max(magnitude, axis=1))
         found = first_path(magnitude, threshold)
-        found = np.minimum(found, magnitude.shape[1] - self.cir_samples + self.cir_lead)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
-        symbols = _known(batch.symbols)
+        symbols = there(batch.symbols)
         energy = np.einsum("ns,ns->n", magnitude, magnitude).astype(np.float64)
         return replace(
             batch,
@@ -148,13 +151,13 @@ class Base:
 
     def _detected_paths(self, batch: Batch) -> Batch:
         """Range from the paths alone (no waveform): the earliest one above the threshold."""
-        symbols = _known(batch.symbols)
-        noise_std = self.noise_per_symbol * np.sqrt(symbols)
+        symbols = there(batch.symbols)
+        noise_std = _noise_std(batch)
         counts = np.abs(batch.gain) * (amplitude(self.power_offset_db) * symbols)[:, None]
-        there = batch.kind != NO_PATH
-        strongest = np.max(np.where(there, counts, 0), axis=1, keepdims=True)
-        limit = np.minimum((self.threshold * noise_std)[:, None], strongest)
-        seen = there & (counts >= limit)
+        path = batch.kind != NO_PATH
+        strongest = np.max(np.where(path, counts, 0), axis=1, keepdims=True)
+        limit = np.minimum((there(batch.threshold) * noise_std)[:, None], strongest)
+        seen = path & (counts >= limit)
         excess = np.min(np.where(seen, batch.excess_ns, np.inf), axis=1)
         at_first = seen & (batch.excess_ns <= excess[:, None] + 1.0)
         agc_db = np.zeros(len(batch)) if batch.agc_db is None else batch.agc_db
@@ -163,7 +166,7 @@ class Base:
             batch,
             noise_std=noise_std,
             range_m=batch.rows.true_range_m + C_M_PER_NS * excess,
-            rx_power_dbm=_known(batch.level_dbm) + agc_db,
+            rx_power_dbm=there(batch.level_dbm) + agc_db,
             first_path_power_dbm=decibel(first) + agc_db,
         )
 
@@ -178,7 +181,15 @@ class Base:
         return np.take_along_axis(whole, window, axis=1), batch.first_path - first
 
 
-def _known(values: Floats | None) -> Floats:
+def there(values: Floats | None) -> Floats:
+    """Return `values`, which some stage must have set. Raises ValueError where none did."""
     if values is None:
-        raise ValueError("the batch has not reached the receiver yet")
+        raise ValueError("the batch has not reached that stage yet")
     return values
+
+
+def _noise_std(batch: Batch) -> Floats:
+    """Return the standard deviation of |noise| [n] in counts, as the chip would measure it."""
+    if batch.as_given or batch.noise is None:
+        return RAYLEIGH_STD * np.sqrt(there(batch.noise_power) / 2)
+    return np.asarray(np.std(absolute(batch.noise), axis=1), np.float64)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.physics.scene import Scene
+from bench.physics.shaped import first_edge, shifted, with_pulse
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel
 
 NO_PATH, DIRECT, SPECULAR, DIFFRACTED = 0, 1, 2, 3
@@ -24,12 +25,15 @@ class Batch:
 
     Propagation: `excess_ns` [n, P], `gain` [n, P] (complex, sqrt(mW) at the receiver), `kind`
     [n, P] (`DIRECT`, `SPECULAR`, `DIFFRACTED`, or `NO_PATH` for padding), `tail` [n, G] complex
-    taps one sample apart from `tail_start_ns` [n] on (no pulse in them unless `tail_shaped`),
+    taps one sample apart from `tail_start_ns` [n] on, bare unless `tail_fwhm` > 0: then they are
+    a CIR as given, with a pulse of that width in samples in it (see `bench.physics.foreign`),
     `free_gain` [n] what the straight path would have with nothing in its way.
     Receiver: `waveform` [n, S] (counts, signal alone) and `noise` [n, S] (counts), the excess
     delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
     noise's standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
     `symbols` and `level_dbm`.
+    `noise_power` [n] is the mean |noise|^2 of one sample. `as_given`: the waveform came from a
+    table, with its noise in it; `noise` holds only what effects add.
     Ranging: `first_path` [n] (samples from sample 0), `range_m` [n], the chip's `rx_power_dbm`
     and `first_path_power_dbm` [n], `noise_std` [n] counts. `clock_offset_ppm` [n] where known.
     """
@@ -43,7 +47,7 @@ class Batch:
     tail: Complexes
     tail_start_ns: Reals
     free_gain: Complexes | None = None
-    tail_shaped: bool = False
+    tail_fwhm: float = 0.0
     waveform: Complexes | None = None
     noise: Complexes | None = None
     start_ns: Reals | None = None
@@ -52,6 +56,8 @@ class Batch:
     agc_db: Floats | None = None
     threshold: Floats | None = None
     peak_fraction: float = 0.0
+    noise_power: Floats | None = None
+    as_given: bool = False
     level_dbm: Floats | None = None
     first_path: Floats | None = None
     range_m: Floats | None = None
@@ -96,7 +102,18 @@ class Batch:
         later = np.asarray(delay_ns, np.float32)[:, None]
         gain = np.where(self.direct, self.gain * ratio, self.gain)
         excess = np.where(self.direct, self.excess_ns + later, self.excess_ns)
-        return replace(self, gain=gain, excess_ns=excess)
+        tail = self._first_changed(ratio, later[:, 0]) if self.tail_fwhm else self.tail
+        return replace(self, gain=gain, excess_ns=excess, tail=tail)
+
+    def _first_changed(self, ratio: Reals, later_ns: Reals) -> Complexes:
+        """Return the tail, a CIR as given, with its first path weaker and later."""
+        direct_ns = np.min(np.where(self.direct, self.excess_ns, np.inf), axis=1)
+        peak_at = (direct_ns - self.tail_start_ns) / self.sample_period_ns
+        first = first_edge(self.tail, np.nan_to_num(peak_at), self.tail_fwhm)
+        moved: Complexes = (
+            shifted(first, np.asarray(later_ns, np.float64) / self.sample_period_ns) * ratio
+        )
+        return self.tail - first + moved
 
     def with_paths(self, excess_ns: Floats | Reals, gain: Complexes, kind: int) -> Batch:
         """Return the batch with more paths, [n, Q] each; those of zero gain become padding."""
@@ -109,13 +126,17 @@ class Batch:
         )
 
     def with_tail(self, taps: Complexes, start_ns: Floats) -> Batch:
-        """Return the batch with tail taps [n, G] from `start_ns` [n] on, one sample apart.
+        """Return the batch with bare tail taps [n, G] from `start_ns` [n] on, a sample apart.
 
         Only the first tail decides the grid; a further one is added to it tap by tap.
         """
+        if self.tail_fwhm:
+            taps = with_pulse(taps, self.tail_fwhm)
         if not self.tail.shape[1]:
             return replace(self, tail=taps, tail_start_ns=np.asarray(start_ns, np.float32))
-        whole = np.zeros((len(self), max(taps.shape[1], self.tail.shape[1])), np.complex64)
+        columns = self.tail.shape[1]  # a CIR as given keeps its samples, a bare tail may grow
+        columns = columns if self.tail_fwhm else max(columns, taps.shape[1])
+        whole = np.zeros((len(self), columns), np.complex64)
         whole[:, : self.tail.shape[1]] = self.tail
         lag = np.rint((start_ns - self.tail_start_ns) / self.sample_period_ns).astype(np.intp)
         column = np.arange(whole.shape[1]) - lag[:, None]

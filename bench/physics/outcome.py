@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.physics.base import Base
+from bench.physics.base import Base, there
 from bench.physics.batch import Batch
 from bench.physics.units import Complexes, Floats, Reals, absolute
 
@@ -76,11 +76,11 @@ def outcome(batch: Batch, base: Base) -> Outcome:
     whole, index = crop if crop is not None else (None, None)
     return Outcome(
         true_range_m=batch.rows.true_range_m,
-        range_m=_there(batch.range_m),
-        rx_power_dbm=_there(batch.rx_power_dbm),
-        first_path_power_dbm=_there(batch.first_path_power_dbm),
-        noise_std=_there(batch.noise_std),
-        preamble_count=_there(batch.symbols),
+        range_m=there(batch.range_m),
+        rx_power_dbm=there(batch.rx_power_dbm),
+        first_path_power_dbm=there(batch.first_path_power_dbm),
+        noise_std=there(batch.noise_std),
+        preamble_count=there(batch.symbols),
         cir=None if whole is None else absolute(whole),
         cir_complex=whole,
         first_path_index=index,
@@ -97,9 +97,3 @@ def joined(parts: Sequence[Outcome]) -> Outcome:
         array = isinstance(values[0], np.ndarray)
         columns[item.name] = np.concatenate(values) if array else values[0]
     return Outcome(**columns)
-
-
-def _there(values: Floats | None) -> Floats:
-    if values is None:
-        raise ValueError("the batch has not been detected yet")
-    return np.asarray(values, np.float64)

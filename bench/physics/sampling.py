@@ -43,7 +43,7 @@ def _tail(batch: Batch, start_ns: Reals, samples: int, fwhm_samples: float) -> C
     place = (batch.tail_start_ns - start_ns) / batch.sample_period_ns
     whole = np.floor(place).astype(np.intp)
     fraction = place - whole
-    if batch.tail_shaped:
+    if batch.tail_fwhm:
         weights, reach = np.stack([1 - fraction, fraction], axis=1).astype(np.float32), 0
     else:
         weights = table(fwhm_samples)[np.rint(fraction * STEPS).astype(np.intp)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
@@ -12,7 +12,7 @@ import pandas as pd
 from bench.errors import BenchError, unknown_name
 from bench.physics.base import Base
 from bench.physics.batch import Batch
-from bench.physics.effect import STAGES, Effect
+from bench.physics.effect import Effect, Stage
 from bench.physics.outcome import Outcome, joined, outcome
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene, scene
@@ -100,17 +100,20 @@ class Simulator:
 
     def _block(self, rows: Scene, draws: Draws, cir: bool) -> Outcome:
         """Simulate one block of at most BLOCK rows."""
-        batch = self._stage(STAGES[0], self.base.paths(rows), draws)
+        batch = applied(self.effects, "propagation", self.base.paths(rows), draws)
         batch = self.base.received(batch, draws) if cir else self.base.counted(batch)
-        batch = self._stage(STAGES[1], batch, draws)
-        batch = self._stage(STAGES[2], self.base.detected(batch), draws)
-        return outcome(batch, self.base)
+        batch = self.base.detected(applied(self.effects, "receiver", batch, draws))
+        return outcome(applied(self.effects, "ranging", batch, draws), self.base)
 
-    def _stage(self, stage: str, batch: Batch, draws: Draws) -> Batch:
-        """Apply the effects of one stage, each with random numbers of its own."""
-        for effect in self.at_stage(stage):
-            if batch.waveform is None and stage == "receiver" and not effect.without_cir:
-                continue
+
+def applied(effects: Sequence[Effect], stage: Stage, batch: Batch, draws: Draws) -> Batch:
+    """Return the batch after the effects of one stage, each with random numbers of its own.
+
+    Effects on the waveform are left out where there is none.
+    """
+    for effect in effects:
+        needless = stage == "receiver" and batch.waveform is None and not effect.without_cir
+        if effect.stage == stage and not needless:
             with np.errstate(all="ignore"):
                 batch = effect.apply(batch, replace(draws, name=effect.name))
-        return batch
+    return batch

@@ -34,14 +34,15 @@ class NarrowbandInterference(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the tone to the noise of the struck rows."""
-        if batch.noise is None:
+        if batch.noise is None or batch.noise_power is None:
             return batch
-        power = np.mean(np.abs(batch.noise) ** 2, axis=1) * amplitude(self.level_db) ** 2
+        power = batch.noise_power * amplitude(self.level_db) ** 2
         size = np.sqrt(power * draws.generator.standard_exponential(len(batch), np.float32))
         size = np.where(self._struck(draws, len(batch)), size, 0)
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
         tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
-        return replace(batch, noise=(batch.noise + size[:, None] * tone).astype(np.complex64))
+        noise = (batch.noise + size[:, None] * tone).astype(np.complex64)
+        return replace(batch, noise=noise, noise_power=batch.noise_power + size**2)
 
     def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
         return np.asarray(draws.uniform(rows) < self.share)

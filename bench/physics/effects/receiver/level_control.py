@@ -40,10 +40,11 @@ class LevelControl(Effect):
         read = level + self.compression * (reported_dbm(level) - level)
         share = 1 - self.accumulation * (1 - accumulated_share(read))
         symbols = np.maximum(np.rint(batch.nominal_symbols * np.clip(share, 0.05, 1)), 1.0)
-        made = replace(batch, symbols=symbols, agc_db=read - level)
+        longer = symbols / batch.symbols
+        power = None if batch.noise_power is None else batch.noise_power * longer
+        made = replace(batch, symbols=symbols, agc_db=read - level, noise_power=power)
         if batch.waveform is None or batch.noise is None:
             return made
-        longer = symbols / batch.symbols
         signal = (longer * amplitude(read - level)).astype(np.float32)
         peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))

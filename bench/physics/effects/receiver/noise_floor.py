@@ -10,7 +10,7 @@ from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import filtered, moving_average
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, amplitude
+from bench.physics.units import Complexes, Floats, amplitude
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,6 @@ class NoiseFloor(Effect):
     stage = "receiver"
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     signature = "noise level and correlation in every bin alike, before the first path too"
-    without_cir = False
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)
     device_spread_db: float = parameter(0, "dB", 0, 6, "std over receiving devices", null=0)
@@ -35,11 +34,24 @@ class NoiseFloor(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Scale and filter the noise of every row."""
-        if batch.noise is None:
+        if batch.noise_power is None:
             return batch
         spread = self.device_spread_db * draws.group_normal(batch.rows.group("rx"))
-        scale = amplitude(self.level_db + spread).astype(np.float32)[:, None]
-        return replace(batch, noise=self._coloured(batch.noise) * scale)
+        ratio = amplitude(self.level_db + spread)
+        made = replace(batch, noise_power=batch.noise_power * ratio**2)
+        if batch.noise is None:
+            return made
+        if batch.as_given:
+            return replace(made, noise=batch.noise + self._missing(batch, ratio, draws))
+        coloured = self._coloured(batch.noise) * ratio.astype(np.float32)[:, None]
+        return replace(made, noise=coloured)
+
+    def _missing(self, batch: Batch, ratio: Floats, draws: Draws) -> Complexes:
+        """Return the noise that a table's own, of known power, lacks; it cannot be taken away."""
+        assert batch.noise is not None
+        assert batch.noise_power is not None
+        size = np.sqrt(batch.noise_power * np.maximum(ratio**2 - 1, 0)).astype(np.float32)
+        return self._coloured(draws.complex_normal(*batch.noise.shape)) * size[:, None]
 
     def _coloured(self, noise: Complexes) -> Complexes:
         """Filter along the samples, circularly, keeping the power."""

@@ -1,0 +1,202 @@
+"""Effects on the rows of another simulator's table, whose paths are not known.
+
+The rows are taken as they are: the CIR stands in for paths and tail, the recorded range, first
+path, powers, noise and count are the starting point, and every effect changes them by as much as
+it would change a simulation. Without effects the table comes back unchanged.
+
+What effects do here. Ranging: all of them, in full. Receiver: all; noise is in the CIR already, so
+it can only be raised (`noise-floor`, `narrowband-interference`), and colouring applies to what is
+raised. Propagation: `material-delay`, `diffraction`, `blocked-path`, `path-loss`, `antenna-pattern`
+act on the CIR's first path, on what comes before a detour, or on all of it; reflections and tails
+are added to it. `small-scale-fading` would tear the pulse apart and is refused (`on_tables`).
+A table without phases is taken as real; without a CIR, effects act on a single path.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from bench.errors import BenchError
+from bench.physics.base import RAYLEIGH_STD, Base, there
+from bench.physics.batch import Batch
+from bench.physics.detection import edge_offset
+from bench.physics.effect import Effect
+from bench.physics.outcome import Outcome, joined
+from bench.physics.pulse import peak
+from bench.physics.randomness import BLOCK, Draws
+from bench.physics.sampling import sampled
+from bench.physics.scene import Scene, scene
+from bench.physics.simulator import applied
+from bench.physics.units import (
+    C_M_PER_NS,
+    Complexes,
+    Floats,
+    absolute,
+    amplitude,
+)
+
+
+@dataclass(frozen=True)
+class ForeignTable:
+    """Another simulator's rows, ready for effects to act on.
+
+    `frame` needs `true_range_m` (or positions) and `range_m` or `error_m`; `base` gives what the
+    table does not tell (pulse width, threshold, noise). All rows must have CIRs of one length.
+    """
+
+    frame: pd.DataFrame
+    base: Base = field(default_factory=Base)
+    source: str = "simulated table"
+
+    @cached_property
+    def rows(self) -> Scene:
+        """What is known of the rows. Raises BenchError where the true range is not."""
+        return scene(self.frame, self.source)
+
+    @cached_property
+    def range_m(self) -> Floats:
+        """The table's ranges [n]. Raises BenchError where they are not known."""
+        for name, offset in (("range_m", 0.0), ("error_m", self.rows.true_range_m)):
+            if self.rows.has(name):
+                return np.asarray(self.rows.numbers[name] + offset)
+        raise BenchError(f"{self.source}: needs a column 'range_m' or 'error_m'")
+
+    @cached_property
+    def cir(self) -> Complexes | None:
+        """The CIRs [n, K], complex where the table has both parts, None without any."""
+        names = [("cir_i", "cir_q"), ("cir",)]
+        found = next((part for part in names if set(part) <= set(self.frame)), None)
+        if found is None:
+            return None
+        parts = [_stacked(self.frame[name], self.source) for name in found]
+        whole = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
+        return whole.astype(np.complex64)
+
+    def observe(self, effects: tuple[Effect, ...], seed: int = 0, replicate: int = 0) -> Outcome:
+        """Return the table's rows with `effects` in them; with none, as they are.
+
+        The CIR stays on the table's own samples; `first_path_index` moves where detection does.
+        Raises BenchError naming an effect that cannot act on a table.
+        """
+        for effect in effects:
+            if not effect.on_tables:
+                raise BenchError(f"effect {effect.name!r} needs the simulator, not its table")
+        starts = range(0, len(self.rows), BLOCK)
+        draws = [Draws(seed, replicate, "base", start // BLOCK) for start in starts]
+        pairs = zip(starts, draws, self._plain, strict=True)
+        return joined(
+            [self._outcome(at, self._run(effects, at, key), plain) for at, key, plain in pairs]
+        )
+
+    @cached_property
+    def _plain(self) -> list[Batch]:
+        """The blocks of the table run through the receiver without any effect."""
+        starts = range(0, len(self.rows), BLOCK)
+        return [self._run((), start, Draws(0, 0, "base", 0)) for start in starts]
+
+    def _run(self, effects: tuple[Effect, ...], start: int, draws: Draws) -> Batch:
+        """Return one block after all stages."""
+        arriving = self._arriving(slice(start, start + BLOCK))
+        given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
+        offset_db = np.where(np.isfinite(given), given, 0.0)
+        batch = self._received(applied(effects, "propagation", arriving, draws), offset_db)
+        batch = self.base.detected(applied(effects, "receiver", batch, draws))
+        return applied(effects, "ranging", batch, draws)
+
+    def _arriving(self, part: slice) -> Batch:
+        """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
+        batch = self.base.counted(self.base.paths(self.rows.slice(part.start, part.stop)))
+        excess = ((self.range_m[part] - batch.rows.true_range_m) / C_M_PER_NS).astype(np.float32)
+        batch = replace(batch, excess_ns=excess[:, None])
+        if self.cir is None:
+            given = batch.rows.number("first_path_power_dbm", np.nan)
+            return batch.louder(np.nan_to_num(given - batch.level()))
+        scale = amplitude(self.base.power_offset_db) * there(batch.symbols)
+        return self._as_tail(batch, (self.cir[part] / scale[:, None]).astype(np.complex64))
+
+    def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
+        """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
+
+        The path stays as a mark of where the first one arrives, with no power of its own.
+        """
+        width = self.base.pulse_fwhm
+        centre = self._index(batch.rows) + edge_offset(width)
+        column = np.clip(np.rint(centre).astype(np.intp), 0, taps.shape[1] - 1)
+        edge = absolute(taps)[np.arange(len(taps)), column] / peak(width)
+        start = batch.excess_ns[:, 0] - centre * self.base.sample_period_ns
+        return replace(
+            batch,
+            gain=np.zeros_like(batch.gain),
+            free_gain=edge.astype(np.complex64),
+            tail=taps,
+            tail_start_ns=start.astype(np.float32),
+            tail_fwhm=width,
+        )
+
+    def _index(self, rows: Scene) -> Floats:
+        """Return the first path's index in the table's CIRs [n]."""
+        return rows.number("first_path_index", float(self.base.cir_lead))
+
+    def _received(self, batch: Batch, offset_db: Floats) -> Batch:
+        """Return the batch at the receiver: its own samples, no noise but its own.
+
+        `offset_db` [n] is the recorded receive level over that of the CIR.
+        """
+        batch = self.base.counted(batch)
+        batch = replace(batch, level_dbm=batch.level() + offset_db)
+        recorded = batch.rows.number("noise_std", np.nan)
+        power = 2 * (recorded / RAYLEIGH_STD) ** 2
+        power = np.where(np.isfinite(power), power, there(batch.noise_power))
+        batch = replace(batch, noise_power=power, as_given=True)
+        if not batch.tail_fwhm:
+            return batch
+        scale = (amplitude(self.base.power_offset_db) * there(batch.symbols)).astype(np.float32)
+        waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.base.pulse_fwhm)
+        waveform *= scale[:, None]
+        noise = np.zeros_like(waveform)
+        return replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
+
+    def _outcome(self, start: int, changed: Batch, plain: Batch) -> Outcome:
+        """Return the table's values plus what the effects changed in one block."""
+        rows, part = changed.rows, slice(start, start + BLOCK)
+        rx, first, noise = (
+            np.where(np.isfinite(given), given, there(getattr(plain, name)))
+            for name in ("rx_power_dbm", "first_path_power_dbm", "noise_std")
+            for given in [rows.number(name, np.nan)]
+        )
+        whole = None
+        if changed.waveform is not None and changed.noise is not None:
+            whole = changed.waveform + changed.noise
+        return Outcome(
+            true_range_m=rows.true_range_m,
+            range_m=self.range_m[part] + there(changed.range_m) - there(plain.range_m),
+            rx_power_dbm=rx + there(changed.rx_power_dbm) - there(plain.rx_power_dbm),
+            first_path_power_dbm=first
+            + there(changed.first_path_power_dbm)
+            - there(plain.first_path_power_dbm),
+            noise_std=noise * there(changed.noise_std) / there(plain.noise_std),
+            preamble_count=there(changed.symbols),
+            cir=None if whole is None else absolute(whole),
+            cir_complex=whole,
+            first_path_index=self._moved_index(changed, plain),
+            clock_offset_ppm=changed.clock_offset_ppm,
+            sample_period_ns=changed.sample_period_ns,
+        )
+
+    def _moved_index(self, changed: Batch, plain: Batch) -> Floats | None:
+        """Return where detection finds the first path in the CIR [n], None without one."""
+        if changed.first_path is None or plain.first_path is None:
+            return None
+        return self._index(changed.rows) + changed.first_path - plain.first_path
+
+
+def _stacked(column: pd.Series, source: str) -> Floats:
+    """Return a column of CIRs as [n, K]. Raises BenchError where their lengths differ."""
+    sizes = {len(cell) for cell in column}
+    if len(sizes) != 1:
+        raise BenchError(f"{source}: CIRs of {len(sizes)} different lengths; expected one")
+    return np.asarray(np.stack(column.to_list()), np.float64)
