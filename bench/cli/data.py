@@ -62,7 +62,7 @@ def list_command(as_json: bool) -> None:
 def _listed() -> Iterator[dict[str, Any]]:
     """Yield one entry per registered data set; one that fails to import says why."""
     from bench.plugins import plugins
-    from bench.recordings.open import open_source
+    from bench.recordings.sources.base import open_source
 
     for plugin in plugins("datasets"):
         entry: dict[str, Any] = {"name": plugin.name, "title": "", "licence": ""}
@@ -199,8 +199,7 @@ def fetch(name: str, sha256: str | None, accept_unverified: bool) -> None:
     by hand and where to put it.
     """
     from bench.recordings.fetch import fetch as download
-    from bench.recordings.open import open_source
-    from bench.recordings.sources.base import download_folder
+    from bench.recordings.sources.base import download_folder, open_source
 
     source = open_source(name)
     with _downloads() as progress:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from bench.errors import BenchError
-from bench.plugins import find
 from bench.recordings.io import read_recordings
-from bench.recordings.sources.base import Source
+from bench.recordings.sources.base import Source, open_source
 from bench.recordings.table import Recordings
+
+__all__ = ["open_recordings", "open_source"]
 
 
 def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None]:
@@ -24,22 +25,6 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
     if missing is not None:
         raise BenchError(f"data set {source.name!r} is not here: {missing}")
     return source.load(), source
-
-
-def open_source(name: str) -> Source:
-    """Return the data set registered under `name`.
-
-    Raises BenchError for an unknown name (with a did-you-mean) and a plug-in that is no data set.
-    """
-    plugin = find("datasets", name)
-    made = plugin.load()
-    source = made() if callable(made) else made
-    if not isinstance(source, Source):
-        raise BenchError(
-            f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "
-            f"but {type(source).__name__}"
-        )
-    return source
 
 
 def _is_path(name_or_path: str | Path) -> bool:

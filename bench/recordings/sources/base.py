@@ -7,10 +7,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from bench.errors import BenchError
 from bench.files import cache_dir
-from bench.recordings.table import Recordings
+from bench.plugins import find
+
+if TYPE_CHECKING:
+    from bench.recordings.table import Recordings
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,22 @@ class Source(ABC):
     @abstractmethod
     def load(self) -> Recordings:
         """Read (or make) the recordings. Raises BenchError where they cannot be had."""
+
+
+def open_source(name: str) -> Source:
+    """Return the data set registered under `name`.
+
+    Raises BenchError for an unknown name (with a did-you-mean) and a plug-in that is no data set.
+    """
+    plugin = find("datasets", name)
+    made = plugin.load()
+    source = made() if callable(made) else made
+    if not isinstance(source, Source):
+        raise BenchError(
+            f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "
+            f"but {type(source).__name__}"
+        )
+    return source
 
 
 def data_root() -> Path | None:

@@ -15,27 +15,30 @@ from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import cache_dir
+from bench.recordings.clean import Cleaned
 from bench.recordings.io import read_recordings, write_recordings
+from bench.recordings.sources.base import Source
 from bench.recordings.table import Recordings
 
 _LIBRARIES = ("numpy", "pandas", "pyarrow")
 
 
 def cached(
-    name: str, files: Iterable[Path], modules: Iterable[str], build: Callable[[], Recordings]
+    source: Source, files: Iterable[Path], modules: Iterable[str], build: Callable[[], Cleaned]
 ) -> Recordings:
     """Return what `build()` gave for these very files and this very code, building it if need be.
 
     `modules` are the dotted names of the modules that do the reading. Where the cache cannot be
     written the built recordings are returned all the same.
     """
-    target = cache_dir() / "parsed" / f"{name}-{_key(files, modules)}.parquet"
+    target = cache_dir() / "parsed" / f"{source.name}-{_key(files, modules)}.parquet"
     if target.exists():
         try:
             return read_recordings(target)
         except BenchError:
             target.unlink(missing_ok=True)
-    recordings = build()
+    read = build()
+    recordings = Recordings(read.frame, source.name, source.licence, dropped=read.dropped)
     try:
         write_recordings(recordings, target)
     except BenchError:

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from bench.errors import BenchError
-from bench.recordings.sources.pickled import read_pickled_frame
+from bench.recordings.readers.pickled import read_pickled_frame
 
 ROWS = 7
 

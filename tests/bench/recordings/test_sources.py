@@ -11,11 +11,13 @@ import pytest
 from bench.errors import BenchError
 from bench.plugins import plugins
 from bench.recordings import open_recordings
+from bench.recordings.readers.deepuwb import OBSTACLES
+from bench.recordings.readers.ghent import unmirrored
+from bench.recordings.readers.outdoor import COLUMNS
 from bench.recordings.sources.apartment import ApartmentSource
 from bench.recordings.sources.base import Source, download_folder
-from bench.recordings.sources.deepuwb import OBSTACLES, DeepUwbSource
-from bench.recordings.sources.ghent import unmirrored
-from bench.recordings.sources.outdoor import COLUMNS, OutdoorSource
+from bench.recordings.sources.deepuwb import DeepUwbSource
+from bench.recordings.sources.outdoor import OutdoorSource
 from bench.recordings.splits import make_split
 
 REAL = ("apartment", "ghent", "outdoor", "deepuwb")

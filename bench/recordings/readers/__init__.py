@@ -1,0 +1,1 @@
+"""Published forms of recordings, read into the exchange format."""
