@@ -45,7 +45,7 @@ class _Request:
     module: nn.Module = field(compare=False)
 
 
-@lru_cache(maxsize=4)  # the backends of one model follow one another
+@lru_cache(maxsize=16)  # every backend goes through all folds before the next one does
 def _exported(request: _Request) -> bytes:
     graph = program_to_graph(export_program(request.module, request.width))
     serialised: bytes = graph.SerializeToString()

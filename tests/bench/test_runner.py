@@ -167,7 +167,9 @@ def test_killed_run_keeps_what_was_finished(table: Path, tmp_path: Path) -> None
         [sys.executable, "-m", "bench", *ask], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     deadline = time.monotonic() + 120
-    while not list(out.glob("runs/*.json")) and time.monotonic() < deadline:
+    while (
+        not list(out.glob("runs/*.json")) and time.monotonic() < deadline and victim.poll() is None
+    ):
         time.sleep(0.05)
     victim.send_signal(signal.SIGKILL)
     victim.wait()
