@@ -21,7 +21,7 @@ Progress = Callable[[str, int, int | None], None]
 """Called with the file's name, the bytes so far and the bytes in all (None: not known)."""
 
 ATTEMPTS = 3
-CHUNK_BYTES = 1 << 18
+CHUNK_BYTES = 1 << 16
 TIMEOUT_S = 30
 
 
@@ -160,15 +160,16 @@ class ResumingDownloader:
 
     def __call__(self, url: str, output_file: str, pooch: Any) -> None:
         """Download `url` to `output_file`, continuing what an earlier call left behind."""
-        import requests
+        from requests import exceptions
 
         if self._file.known_hash is None:
             self.partial.unlink(missing_ok=True)
+        broken = (exceptions.ConnectionError, exceptions.Timeout, exceptions.ChunkedEncodingError)
         for attempt in range(1, ATTEMPTS + 1):
             try:
                 self._download(url)
                 break
-            except (requests.ConnectionError, requests.Timeout):
+            except broken:
                 if attempt == ATTEMPTS:
                     raise
         self.partial.replace(output_file)
