@@ -15,7 +15,6 @@ from bench.errors import BenchError
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import Progress
 
     from bench.recordings import Recordings
     from bench.recordings.describe import Description, ErrorStatistics
@@ -37,7 +36,11 @@ def command() -> None:
     """
 
 
-@command.command("list", epilog="Example: bench data list --json")
+@command.command(
+    "list",
+    short_help="List the named data sets and what is here.",
+    epilog="Example: bench data list --json",
+)
 @AS_JSON
 def list_command(as_json: bool) -> None:
     """List the named data sets and whether they are on this machine."""
@@ -76,7 +79,10 @@ def _listed() -> Iterator[dict[str, Any]]:
         yield entry | {"available": reason is None, "reason": reason}
 
 
-@command.command(epilog="Example: bench data info apartment --plot apartment.png")
+@command.command(
+    short_help="Describe recordings: rows, links, range errors; draw them.",
+    epilog="Example: bench data info apartment --plot apartment.png",
+)
 @click.argument("name_or_path", metavar="NAME|PATH")
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Draw CIRs and errors to a .png, .svg or .pdf."
@@ -158,7 +164,11 @@ def _cells(line: ErrorStatistics) -> list[str]:
     return [line.environment, line.kind, str(line.rows), links, *texts]
 
 
-@command.command("import", epilog="Example: bench data import measured.csv -o measured.parquet")
+@command.command(
+    "import",
+    short_help="Write a data set or a CSV as recordings Parquet.",
+    epilog="Example: bench data import measured.csv -o measured.parquet",
+)
 @click.argument("source", metavar="SOURCE")
 @click.option(
     "-o",
@@ -184,7 +194,10 @@ def import_command(source: str, out: Path) -> None:
     click.echo(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
 
 
-@command.command(epilog="Example: bench data fetch deepuwb")
+@command.command(
+    short_help="Download a data set from its publisher, checked.",
+    epilog="Example: bench data fetch deepuwb",
+)
 @click.argument("name", metavar="NAME")
 @click.option("--sha256", help="Checksum of the file, where the publisher gives none.")
 @click.option(
@@ -245,19 +258,17 @@ def _downloads() -> Iterator[Any]:
         bars.TransferSpeedColumn(),
         bars.TimeRemainingColumn(),
     )
+    shown = bars.Progress(*columns, console=_console(stderr=True))
     tasks: dict[str, bars.TaskID] = {}
-    with bars.Progress(*columns, console=_console(stderr=True)) as shown:
 
-        def advance(name: str, done: int, total: int | None) -> None:
-            _advance(shown, tasks, name, done, total)
+    def advance(name: str, done: int, total: int | None) -> None:
+        shown.start()  # only now: an error before the first byte stays one line
+        if name not in tasks:
+            tasks[name] = shown.add_task(name, total=total)
+        shown.update(tasks[name], completed=done, total=total)
 
+    try:
         yield advance
-
-
-def _advance(
-    shown: Progress, tasks: dict[str, Any], name: str, done: int, total: int | None
-) -> None:
-    """Move a file's bar to so many bytes, starting it where it is new."""
-    if name not in tasks:
-        tasks[name] = shown.add_task(name, total=total)
-    shown.update(tasks[name], completed=done, total=total)
+    finally:
+        if tasks:
+            shown.stop()

@@ -68,8 +68,7 @@ def _draw_cirs(ax: Axes, recordings: Recordings) -> None:
 
     Each CIR is divided by its own largest value: shapes are compared, not levels.
     """
-    cirs, kinds, period = _aligned(recordings)
-    time_ns = (np.arange(cirs.shape[1]) - BEFORE) * period
+    cirs, kinds, time_ns = _aligned(recordings)
     for kind in [kind for kind in KINDS if (kinds == kind).any()]:
         low, middle, high = np.percentile(cirs[kinds == kind], (25, 50, 75), axis=0)
         ax.fill_between(time_ns, low, high, color=COLOURS[kind], alpha=0.22, linewidth=0)
@@ -86,24 +85,25 @@ def _draw_cirs(ax: Axes, recordings: Recordings) -> None:
 
 def _aligned(
     recordings: Recordings,
-) -> tuple[NDArray[np.float32], NDArray[np.str_], float]:
-    """Return scaled CIRs [n, k] with the first path at one place, their kinds, sample period.
+) -> tuple[NDArray[np.float32], NDArray[np.str_], NDArray[np.float64]]:
+    """Return scaled CIRs [n, k] with the first path at one place, their kinds, and times in ns.
 
     The first path lies between two samples: each CIR is shifted by that fraction (linearly).
     """
     frame = recordings.frame
     width = len(frame["cir"].iloc[0])
-    first = frame.get("first_path_index", pd.Series([float(BEFORE)]))
-    after = max(2, min(SHOWN_AFTER, width - int(np.nanpercentile(first, 90))))
-    window = cir_window(
-        recordings, BEFORE, after if "first_path_index" in frame else width - BEFORE
-    )
+    first = frame.get("first_path_index", pd.Series([float(BEFORE)] * len(frame)))
+    early, late = (int(np.nanpercentile(first, percent)) for percent in (10, 90))
+    before, after = min(BEFORE, early, width - 1), min(SHOWN_AFTER, width - late)
+    known = "first_path_index" in frame
+    window = cir_window(recordings, before, max(1, after) if known else width - before)
     cirs = window.cirs / np.maximum(window.cirs.max(axis=1, keepdims=True), 1e-12)
-    if "first_path_index" in frame:
+    if known and cirs.shape[1] > 1:
         share = np.mod(first.to_numpy(np.float32)[window.rows, None], 1.0)
         cirs = (1 - share) * cirs[:, :-1] + share * cirs[:, 1:]
     period = float(np.nanmedian(frame.get("sample_period_ns", SAMPLE_PERIOD_NS)))
-    return cirs, row_kinds(recordings)[window.rows], period
+    time_ns = (np.arange(cirs.shape[1]) - before) * period
+    return cirs, row_kinds(recordings)[window.rows], time_ns
 
 
 def _draw_errors(ax: Axes, recordings: Recordings) -> None:
@@ -114,7 +114,7 @@ def _draw_errors(ax: Axes, recordings: Recordings) -> None:
     for kind in [kind for kind in KINDS if (kinds == kind).any()]:
         of_kind = errors[kinds == kind]
         label = f"{kind}: MAE {np.abs(of_kind).mean():.3f} m, $\\sigma$ {of_kind.std():.3f} m"
-        density, _ = np.histogram(of_kind, edges, density=True)
+        density = np.histogram(of_kind, edges)[0] / (len(of_kind) * (edges[1] - edges[0]))
         ax.stairs(density, edges, color=COLOURS[kind], alpha=0.22, fill=True)
         ax.stairs(density, edges, color=COLOURS[kind], linewidth=1.5, label=label)
     outside = int(((errors < edges[0]) | (errors > edges[-1])).sum())

@@ -7,14 +7,15 @@ before the detected first path. Nothing in it was measured: it is SIMULATED.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
 from bench.files import cache_dir
 from bench.plugins import load
-from bench.recordings.io import read_recordings, write_recordings
 from bench.recordings.sources.base import Source
-from bench.recordings.table import Recordings
+
+if TYPE_CHECKING:
+    from bench.recordings.table import Recordings
 
 
 class RoomsSource(Source):
@@ -35,6 +36,8 @@ class RoomsSource(Source):
 
         Where the cache cannot be written the rows are returned all the same.
         """
+        from bench.recordings.io import read_recordings, write_recordings
+
         rooms: Any = load("simulators", "rooms")()
         target = cache_dir() / "simulated" / f"rooms-{rooms.key()}.parquet"
         if target.exists():

@@ -174,6 +174,79 @@ def test_outdoor_with_another_header_is_refused(data: Path) -> None:
         OutdoorSource().load()
 
 
+# Ghent --------------------------------------------------------------------------------------------
+
+
+def _put_ghent(data: Path) -> Path:
+    """Return a folder with both years: the columns read, a few rows each."""
+    folder = data / "ghent"
+    folder.mkdir()
+    hall_19 = {
+        "x_tag": 1000, "y_tag": 0, "z_tag": 1500, "x_anchor": 4000, "y_anchor": 4000,
+        "z_anchor": 1500, "anchorNumber": 7.0, "RXPACC": 1500.0, "fpindex": 46350.0,
+        "fp_ampl1": 1958, "fp_ampl2": 3287, "fp_ampl3": 3313, "std_noise": 88.0,
+        "RX_power": -91.274, "FP_power": -111.719, "timestamp": 2.7e9,
+        "estimated_range": ["5100", "4900", "-"], "actual_range": 5000.0, "newlabel": "good",
+        "loc_tag": "10-7", "NLOS": ["NLOS", "LOS", "LOS"],
+    }  # fmt: skip
+    pd.DataFrame(hall_19).to_csv(folder / "meta_IIoT_19.csv")
+    stamps = {"T1": 57055236684, "T2": 56459561043, "T3": 69652782156, "T4": 70248523212,
+              "T5": 70601671244, "T6": 70005933158}  # fmt: skip
+    registers = dict.fromkeys((f"{name}_{end}" for end in ("tag", "anchor") for name in (
+        "rxtofs", "DRX_CAR_INT", "sar_temp_l", "otp_temp_23", "sar_bat_l", "ppampl", "rxpacc",
+        "rxpacc_nosat", "fpindex", "rcphase", "rsmpdel", "ldethres")), 300.0)  # fmt: skip
+    hall_20 = stamps | registers | {
+        "fp_ampl1_tag": 17442, "fp_ampl2_tag": 18524, "fp_ampl3_tag": 18109, "CIR_noise_tag": 48,
+        "rxpower_tag": -79.948, "fppower_tag": -81.873, "RMoteclk_tag": [1000, 1000, 1129],
+        "tag_ID": [1, 1, 3], "anchor_ID": [3, 3, 1], "distance_UWB": 10786,
+        "distance_GT": 10969.4, "NLOS": "LOS", "DRX_CAR_INT_tag": 44122,
+    }  # fmt: skip
+    table = pd.DataFrame(hall_20)
+    table.loc[2, "T1"] += 100
+    table.to_csv(folder / "meta_IIoT_20.csv")
+    return folder
+
+
+def test_ghent_lengths_signs_and_levels(data: Path) -> None:
+    _put_ghent(data)
+    recordings, _ = open_recordings("ghent")
+    hall = recordings.frame[recordings.frame["environment"] == "IIoT_19"]
+    assert recordings.errors_m()[:2] == pytest.approx([0.1, -0.1])
+    assert hall["true_range_m"].tolist() == [5.0, 5.0]
+    assert hall["los"].tolist() == [False, True]
+    assert hall["first_path_index"].iloc[0] == pytest.approx(724.21875)
+    assert hall["rx_power_dbm"].iloc[0] == pytest.approx(-91.726)
+    assert hall[["tx_x_m", "rx_y_m", "rx"]].iloc[0].tolist() == [1.0, 4.0, "anchor 7"]
+    assert recordings.dropped["no range error"] == 1
+
+
+def test_ghent_repeats_are_one_exchange_and_both_directions_one_link(data: Path) -> None:
+    _put_ghent(data)
+    recordings, _ = open_recordings("ghent")
+    hall = recordings.frame[recordings.frame["environment"] == "IIoT_20"]
+    assert recordings.dropped["repeated exchange (the same six timestamps)"] == 1
+    assert hall["link"].tolist() == ["IIoT_20 1-3"] * 2
+    assert hall["tx"].tolist() == ["node 1", "node 3"]
+    assert hall["clock_offset_ppm"].iloc[0] == pytest.approx(4.5657, abs=1e-3)
+    assert hall["reply_time_s"].iloc[0] == pytest.approx(0.20647, abs=1e-4)
+    assert hall["time_s"].tolist() == pytest.approx([0, 1.0009], abs=1e-3)
+    assert hall["T6"].tolist() == [70005933158.0] * 2
+
+
+@pytest.mark.parametrize(
+    ("column", "content", "expected"),
+    [("T5", None, "no column 'T5'"), ("distance_UWB", "-", "'distance_UWB' holds no number")],
+)
+def test_ghent_of_another_form_is_named(data: Path, column, content, expected: str) -> None:
+    path = _put_ghent(data) / "meta_IIoT_20.csv"
+    table = pd.read_csv(path)
+    table = table.drop(columns=column) if content is None else table.assign(**{column: content})
+    table.to_csv(path)
+    with pytest.raises(BenchError, match=expected) as caught:
+        open_recordings("ghent")
+    assert str(path) in str(caught.value)
+
+
 # Apartment ----------------------------------------------------------------------------------------
 
 FRAME = (
