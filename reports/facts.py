@@ -79,8 +79,9 @@ def _machine(board: Board) -> str:
     if board.machine is None:
         return "machine: no timings"
     label = machine_label(board.machine)
-    known = [(key, _fact(value)) for key, value in board.machine.items()]
-    details = [f"{key} {text}" for key, text in known if text and text != label]
+    known = [(key, _fact(value)) for key, value in board.machine.items() if key != "id"]
+    told = label.partition(", id ")[0]
+    details = [f"{key.replace('_', ' ')} {text}" for key, text in known if text not in ("", told)]
     return f"machine: {label} ({'; '.join(details)})"
 
 

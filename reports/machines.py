@@ -12,11 +12,14 @@ NAME_KEYS = ("name", "cpu", "cpu_model", "processor", "hostname", "host", "node"
 
 
 def machine_label(machine: Mapping[str, Any]) -> str:
-    """Return what a machine is called: the first of `NAME_KEYS` it states."""
-    for key in NAME_KEYS:
-        if isinstance(machine.get(key), str) and machine[key].strip():
-            return " ".join(machine[key].split())
-    return "unnamed machine"
+    """Return what a machine is called: the first of `NAME_KEYS` it states, and its `id`.
+
+    The id tells apart machines with the same processor but other cores or another Python.
+    """
+    stated = (machine.get(key) for key in NAME_KEYS)
+    names = [" ".join(name.split()) for name in stated if isinstance(name, str)]
+    name = next(filter(None, names), "unnamed machine")
+    return f"{name}, id {machine['id']}" if machine.get("id") else name
 
 
 def choose_machine(timings: Sequence[Timing], wanted: str | None) -> str | None:

@@ -20,7 +20,14 @@ from bench.results import (
 )
 
 VERSIONS = {"numpy": "2.4.6", "onnxruntime": "1.31.1", "torch": "2.13.0"}
-MACHINE = {"cpu": "Example CPU 3000", "cores": 2, "os": "Linux 6.1", "python": "3.11.9"}
+MACHINE = {
+    "cpu": "Example CPU 3000",
+    "cores": 2,
+    "instruction_sets": ["avx2", "fma"],
+    "system": "Linux x86_64",
+    "python": "3.11.9",
+    "id": "0123abcd",
+}
 
 
 def interval(value: float, half: float) -> Interval:

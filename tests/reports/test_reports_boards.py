@@ -179,7 +179,7 @@ def two_machines() -> list[Any]:
 def test_the_machine_used_last_is_shown_and_the_others_named(tmp_path: Path) -> None:
     found = board(tmp_path, *two_machines())
     assert found.machine == OTHER
-    assert found.other_machines == ["Example CPU 3000"]
+    assert found.other_machines == ["Example CPU 3000, id 0123abcd"]
     assert found.entries[0].latency(1).median_us == 20
 
 
@@ -190,7 +190,7 @@ def test_a_machine_can_be_chosen_by_part_of_its_name(tmp_path: Path) -> None:
 
 
 def test_a_machine_never_timed_is_an_error_that_names_the_others(tmp_path: Path) -> None:
-    with pytest.raises(ReportError, match="Example CPU 3000, Small board"):
+    with pytest.raises(ReportError, match="Example CPU 3000, id 0123abcd, Small board"):
         board(tmp_path, *two_machines(), machine="mainframe")
 
 
@@ -198,6 +198,15 @@ def test_a_machine_without_a_name_still_has_a_label(tmp_path: Path) -> None:
     nameless = files.timing(files.run(), machine={"cores": 2}, created_utc="2020-01-01")
     found = board(tmp_path, files.run(), nameless, files.timing(files.run(), machine=OTHER))
     assert found.other_machines == ["unnamed machine"]
+
+
+def test_one_processor_under_two_pythons_is_two_machines(tmp_path: Path) -> None:
+    run = files.run()
+    other = {**files.MACHINE, "python": "3.12.1", "id": "feedbeef"}
+    timings = [files.timing(run, 10), files.timing(run, 20, machine=other)]
+    found = board(tmp_path, run, *timings, machine="feedbeef")
+    assert found.entries[0].latency(1).median_us == 20
+    assert found.other_machines == ["Example CPU 3000, id 0123abcd"]
 
 
 def test_the_same_files_give_the_same_boards(tmp_path: Path) -> None:

@@ -219,7 +219,10 @@ def test_machines_whose_timings_are_not_shown_are_named(tmp_path: Path) -> None:
     run = files.run()
     old = files.timing(run, machine={"cpu": "Old chip"}, created_utc="2020-01-01")
     text = markdown(tmp_path, run, old, files.timing(run))
-    assert "- machine: Example CPU 3000 (" in text
+    assert (
+        "- machine: Example CPU 3000, id 0123abcd (cores 2; instruction sets avx2, fma; "
+        "python 3.11.9; system Linux x86_64)"
+    ) in text
     assert "- timings of other machines, not shown (choose with --machine): Old chip" in text
 
 

@@ -90,7 +90,7 @@ def test_a_plot_of_a_device_shows_its_estimate(folder: Path) -> None:
         (("--results", "."), r"no results in \.: expected runs/\*\.json"),
         (
             ("--machine", "cray"),
-            r"no timings of a machine like 'cray' \(machines: Example CPU 3000\)",
+            r"no timings of a machine like 'cray' \(machines: Example CPU 3000, id 0123abcd\)",
         ),
         (("--plot", "a.pdf"), r"--plot a\.pdf: expected a name ending in \.svg or \.png"),
         (("--device", "cortex-a53"), "expected --plot FILE beside it"),
