@@ -179,4 +179,4 @@ def _rebuild(hint: Any, value: Any) -> Any:
         return None if value is None else _rebuild(inner[0], value)
     if get_origin(hint) is list:
         return [_rebuild(get_args(hint)[0], item) for item in value]
-    return from_json(hint, value) if is_dataclass(hint) else value
+    return from_json(hint, value) if isinstance(hint, type) and is_dataclass(hint) else value

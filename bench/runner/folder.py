@@ -7,12 +7,15 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from bench.errors import BenchError
 from bench.files import write_atomically
 from bench.results import SCHEMA_VERSION, RunRecord, TimingRecord, from_json, to_json
 from bench.runner.hashes import file_sha256
+
+
+Record = TypeVar("Record", RunRecord, TimingRecord)
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class ResultFolder:
         write_atomically(self.root / "timings" / f"{digest}.json", to_json(record))
 
     @staticmethod
-    def _read(path: Path, kind: type[Any]) -> Any:
+    def _read(path: Path, kind: type[Record]) -> Record | None:
         """Return the record in a file, or None where it is absent, damaged or of another schema."""
         try:
             content: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))

@@ -32,8 +32,8 @@ def time_artifacts(
     known: list[TimingRecord] = []
     missing: list[RunRecord] = []
     for run in _first_seeds(runs):
-        timing = folder.find_timing(_digest(run, machine))
-        known.append(timing) if timing else missing.append(run)
+        earlier = folder.find_timing(_digest(run, machine))
+        known.append(earlier) if earlier else missing.append(run)
     failures: list[Failure] = []
     for start in range(0, len(missing), AT_ONCE):
         block = missing[start : start + AT_ONCE]
