@@ -10,6 +10,7 @@ import ast
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
@@ -54,7 +55,7 @@ class Plugin:
         """Return the first line of its docstring, read from the source without importing it."""
         module, _, attribute = self.target.partition(":")
         try:
-            tree = ast.parse(_source_path(module).read_text(encoding="utf-8"))
+            tree = ast.parse(source_path(module).read_text(encoding="utf-8"))
         except (OSError, SyntaxError, ImportError, ValueError):
             return ""
         for node in tree.body:
@@ -73,16 +74,15 @@ class Plugin:
         return None
 
 
-def _source_path(module: str) -> Path:
-    """Return the file of a dotted module name, importing nothing on the way."""
-    path: list[str] | None = None
-    for depth in range(1, module.count(".") + 2):
-        spec = PathFinder.find_spec(".".join(module.split(".")[:depth]), path)
-        if spec is None:
-            raise ImportError(module)
-        path = list(spec.submodule_search_locations or [])
+def source_path(module: str) -> Path:
+    """Return the file of a dotted module name, importing nothing. Raises ImportError."""
+    spec = find_spec(module.partition(".")[0])  # the top level: editable installs have a finder
+    for depth in range(2, module.count(".") + 2):
+        if spec is not None:
+            name = ".".join(module.split(".")[:depth])
+            spec = PathFinder.find_spec(name, list(spec.submodule_search_locations or []))
     if spec is None or spec.origin is None:
-        raise ImportError(module)
+        raise ImportError(f"no source found for {module!r}")
     return Path(spec.origin)
 
 

@@ -24,7 +24,7 @@ def show(group: Group, title: str, as_json: bool) -> None:
     for column in ("name", "what it is", "from"):
         table.add_column(column, overflow="fold")
     for one in facts:
-        what = f"unavailable: {one['problem']}" if one["problem"] else one["summary"]
+        what = one["problem"] or one["summary"]
         table.add_row(one["name"], what, one["distribution"])
     Console().print(table)
 

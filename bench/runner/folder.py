@@ -14,7 +14,6 @@ from bench.files import write_atomically
 from bench.results import SCHEMA_VERSION, RunRecord, TimingRecord, from_json, to_json
 from bench.runner.hashes import file_sha256
 
-
 Record = TypeVar("Record", RunRecord, TimingRecord)
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from functools import cache
-from importlib.machinery import PathFinder
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from bench.plugins import Plugin
+from bench.plugins import Plugin, source_path
 
 DECISIVE_PACKAGES = ("numpy", "numba", "onnx", "onnxruntime", "scikit-learn", "scipy", "torch")
 _SCORING = ("bench/measure", "bench/recordings", "bench/runner/evaluate.py")
@@ -53,10 +52,7 @@ def _package_root(plugin: Plugin) -> Path:
 
 @cache
 def _package_root_of(name: str) -> Path:
-    spec = PathFinder.find_spec(name)
-    if spec is None or spec.origin is None:
-        raise ImportError(f"no source found for package {name!r}")
-    origin = Path(spec.origin)
+    origin = source_path(name)
     return origin.parent if origin.name == "__init__.py" else origin
 
 
