@@ -17,6 +17,7 @@ COMMANDS = {
     "models": "List the mitigation models.",
     "backends": "List the backends a model can run on.",
     "devices": "List the device profiles and what their figures rest on.",
+    "simulate": "Simulate recordings from a simulator's TOML and a geometry.",
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
     "plugin": "Start a plug-in package of your own.",

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch
@@ -126,13 +127,16 @@ class Base:
         if batch.waveform is None or batch.noise is None or batch.start_ns is None:
             return self._detected_paths(batch)
         magnitude = absolute(batch.waveform + batch.noise)
-        noise_std = _noise_std(batch)
-        threshold = there(batch.threshold) * np.maximum(noise_std, 1e-9)
+        noise_std, noise_power = _noise(batch)
+        # The threshold follows the noise's power: a tone in it raises it too.
+        noise_level = RAYLEIGH_STD * np.sqrt(noise_power / 2)
+        threshold = there(batch.threshold) * np.maximum(noise_level, 1e-9)
         threshold = np.maximum(threshold, batch.peak_fraction * np.max(magnitude, axis=1))
         found = first_path(magnitude, threshold)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = there(batch.symbols)
         energy = np.einsum("ns,ns->n", magnitude, magnitude).astype(np.float64)
+        energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)
         return replace(
             batch,
             first_path=found,
@@ -152,7 +156,7 @@ class Base:
     def _detected_paths(self, batch: Batch) -> Batch:
         """Range from the paths alone (no waveform): the earliest one above the threshold."""
         symbols = there(batch.symbols)
-        noise_std = _noise_std(batch)
+        noise_std, _ = _noise(batch)
         counts = np.abs(batch.gain) * (amplitude(self.power_offset_db) * symbols)[:, None]
         path = batch.kind != NO_PATH
         strongest = np.max(np.where(path, counts, 0), axis=1, keepdims=True)
@@ -170,15 +174,25 @@ class Base:
             first_path_power_dbm=decibel(first) + agc_db,
         )
 
-    def cropped(self, batch: Batch) -> tuple[Complexes, Floats] | None:
-        """Return the complex CIR [n, K] around the detected path and its index in it [n]."""
-        if batch.waveform is None or batch.noise is None or batch.first_path is None:
+    def cropped(self, batch: Batch) -> tuple[Reals, Floats] | None:
+        """Return the CIR's magnitude [n, K] around the detected path and its index in it [n]."""
+        whole = self.cropped_complex(batch)
+        if whole is None:
             return None
-        first = np.floor(batch.first_path).astype(np.intp) - self.cir_lead
-        first = np.clip(first, 0, batch.waveform.shape[1] - self.cir_samples)
-        window = first[:, None] + np.arange(self.cir_samples)
-        whole = batch.waveform + batch.noise
-        return np.take_along_axis(whole, window, axis=1), batch.first_path - first
+        return absolute(whole), there(batch.first_path) - self._crop(batch)
+
+    def cropped_complex(self, batch: Batch) -> Complexes | None:
+        """Return the complex CIR [n, K] around the detected path, None without a waveform."""
+        if batch.waveform is None or batch.noise is None:
+            return None
+        column = self._crop(batch)[:, None] + np.arange(self.cir_samples)
+        signal = np.take_along_axis(batch.waveform, column, axis=1)
+        return signal + np.take_along_axis(batch.noise, column, axis=1)
+
+    def _crop(self, batch: Batch) -> NDArray[np.intp]:
+        """Return the sample [n] at which each row's CIR begins."""
+        first = np.floor(there(batch.first_path)).astype(np.intp) - self.cir_lead
+        return np.clip(first, 0, self.samples - self.cir_samples)
 
 
 def there(values: Floats | None) -> Floats:
@@ -188,8 +202,12 @@ def there(values: Floats | None) -> Floats:
     return values
 
 
-def _noise_std(batch: Batch) -> Floats:
-    """Return the standard deviation of |noise| [n] in counts, as the chip would measure it."""
+def _noise(batch: Batch) -> tuple[Floats, Floats]:
+    """Return std of |noise| [n] in counts and mean |noise|^2 [n], as the chip would measure."""
     if batch.as_given or batch.noise is None:
-        return RAYLEIGH_STD * np.sqrt(there(batch.noise_power) / 2)
-    return np.asarray(np.std(absolute(batch.noise), axis=1), np.float64)
+        power = there(batch.noise_power)
+        return RAYLEIGH_STD * np.sqrt(power / 2), power
+    size = absolute(batch.noise)
+    mean = np.mean(size, axis=1, dtype=np.float64)
+    power = np.einsum("ns,ns->n", size, size).astype(np.float64) / size.shape[1]
+    return np.sqrt(np.maximum(power - mean**2, 0)), power

@@ -38,7 +38,10 @@ STAGES: tuple[Stage, ...] = ("propagation", "receiver", "ranging")
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter: unit, physical bounds, and the value at which it does nothing, if any."""
+    """One parameter: unit, physical bounds, and the value at which it does nothing, if any.
+
+    `whole` parameters are counts or switches: nothing to be fitted by small steps.
+    """
 
     name: str
     unit: str
@@ -47,6 +50,7 @@ class Parameter:
     default: float
     meaning: str
     null: float | None
+    whole: bool = False
 
 
 def parameter(
@@ -66,7 +70,12 @@ def parameter(
 def describe(kind: type[Any]) -> tuple[Parameter, ...]:
     """Return the parameters of a dataclass made with `parameter` fields."""
     return tuple(
-        Parameter(name=item.name, default=float(cast(float, item.default)), **item.metadata)
+        Parameter(
+            name=item.name,
+            default=float(cast(float, item.default)),
+            whole=item.type in (int, "int"),
+            **item.metadata,
+        )
         for item in fields(kind)
         if "unit" in item.metadata
     )
@@ -79,6 +88,8 @@ def check_bounds(owner: str, values: Any) -> None:
         where = f"{owner}: {item.name} = {value!r}"
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
             raise BenchError(f"{where}, expected a number in {item.unit}")
+        if item.whole and value != int(value):
+            raise BenchError(f"{where}, expected a whole number ({item.unit})")
         if not item.low <= value <= item.high:
             bounds = f"{item.low:g} to {item.high:g} {item.unit}"
             raise BenchError(f"{where} {item.unit} is outside its physical bounds, {bounds}")

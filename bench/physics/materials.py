@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.errors import BenchError, unknown_name
 from bench.physics.units import C_M_PER_NS, Floats, decibel
 
 Complex = NDArray[np.complex128]
@@ -41,8 +42,13 @@ class Obstacle:
 
 
 def material(name: str) -> Material:
-    """Return a material by name; unknown names are taken for chipboard."""
-    return _materials().get(name, _materials()["chipboard"])
+    """Return a material by name. Raises BenchError with a did-you-mean."""
+    known = _materials()
+    if not isinstance(name, str):
+        raise BenchError(f"{name!r}: expected a material, such as 'concrete'")
+    if name not in known:
+        raise unknown_name("material", name, known)
+    return known[name]
 
 
 def obstacle(kind: str) -> Obstacle:

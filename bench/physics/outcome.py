@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.physics.base import Base, there
 from bench.physics.batch import Batch
-from bench.physics.units import Complexes, Floats, Reals, absolute
+from bench.physics.units import Complexes, Floats, Reals
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Outcome:
         """Measured minus true range [n] in metres."""
         return self.range_m - self.true_range_m
 
-    def table(self, geometry: pd.DataFrame, *, complex_cir: bool = False) -> pd.DataFrame:
+    def table(self, geometry: pd.DataFrame) -> pd.DataFrame:
         """Return the geometry's columns with the simulated ones in their place."""
         made: dict[str, object] = {
             name: getattr(self, name) for name in _COLUMNS if getattr(self, name) is not None
@@ -50,7 +50,7 @@ class Outcome:
         made |= {"error_m": self.error_m, "sample_period_ns": self.sample_period_ns}
         if self.cir is not None:
             made["cir"] = list(self.cir)
-        if complex_cir and self.cir_complex is not None:
+        if self.cir_complex is not None:
             made["cir_i"] = list(np.ascontiguousarray(self.cir_complex.real))
             made["cir_q"] = list(np.ascontiguousarray(self.cir_complex.imag))
         kept = geometry.drop(columns=[*_SIMULATED, *made], errors="ignore")
@@ -70,10 +70,10 @@ _COLUMNS = (
 _SIMULATED = ("cir", "cir_i", "cir_q", "error_m", "range_m", "first_path_index")
 
 
-def outcome(batch: Batch, base: Base) -> Outcome:
-    """Return what the chip reports of a detected batch."""
+def outcome(batch: Batch, base: Base, *, complex_cir: bool = False) -> Outcome:
+    """Return what the chip reports of a detected batch, the complex CIR too if asked for."""
     crop = base.cropped(batch)
-    whole, index = crop if crop is not None else (None, None)
+    cir, index = crop if crop is not None else (None, None)
     return Outcome(
         true_range_m=batch.rows.true_range_m,
         range_m=there(batch.range_m),
@@ -81,8 +81,8 @@ def outcome(batch: Batch, base: Base) -> Outcome:
         first_path_power_dbm=there(batch.first_path_power_dbm),
         noise_std=there(batch.noise_std),
         preamble_count=there(batch.symbols),
-        cir=None if whole is None else absolute(whole),
-        cir_complex=whole,
+        cir=cir,
+        cir_complex=base.cropped_complex(batch) if complex_cir else None,
         first_path_index=index,
         clock_offset_ppm=batch.clock_offset_ppm,
         sample_period_ns=batch.sample_period_ns,

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.physics.room_plan import HEIGHT_M, ROWS_PER_LINK, Place, places, things
+from bench.physics.room_plan import HEIGHT_M, ROW_TOTAL, ROWS_PER_LINK, Place, places, things
 from bench.physics.units import Floats
 
 _RATE_HZ = 10.0  # ranges per second, as the laser tracker of the paper
@@ -29,29 +29,40 @@ class _Links:
     tag: Floats
 
 
-def room_geometry(rng: np.random.Generator, rows: int | None = None) -> pd.DataFrame:
-    """Return the geometry columns of the rooms, 55 000 rows or about the share `rows` of them.
+def room_geometry(rng: np.random.Generator, rows: int = ROW_TOTAL) -> pd.DataFrame:
+    """Return the geometry columns of the rooms: 55 000 rows, or fewer of the same mixture.
 
     Nothing is simulated yet: positions, true range, sight, obstacles, devices, link, time.
     """
-    whole = sum(place.nlos_rows + place.los_rows for place in places())
-    share = 1.0 if rows is None else rows / whole
-    parts = [_place(place, rng, share) for place in places()]
-    frame = pd.concat(parts, ignore_index=True)
-    return frame if rows is None else frame.head(rows)
+    counts = _shared_out(rows)
+    parts = [
+        _place(place, rng, *count)
+        for place, count in zip(places(), counts, strict=True)
+        if sum(count)
+    ]
+    return pd.concat(parts, ignore_index=True)
 
 
-def _place(place: Place, rng: np.random.Generator, share: float) -> pd.DataFrame:
+def _shared_out(rows: int) -> list[tuple[int, int]]:
+    """Return rows without and with sight of each place, `rows` in all, in the full mixture."""
+    whole = np.array([[place.nlos_rows, place.los_rows] for place in places()])
+    exact = whole * rows / whole.sum()
+    counts = np.floor(exact).astype(int)
+    most = np.argsort((counts - exact).ravel(), kind="stable")[: rows - counts.sum()]
+    counts.ravel()[most] += 1
+    return [(int(blocked), int(clear)) for blocked, clear in counts]
+
+
+def _place(place: Place, rng: np.random.Generator, nlos: int, los: int) -> pd.DataFrame:
     """Return the rows of one environment."""
-    links = _links(place, rng, share)
+    links = _links(place, rng, nlos, los)
     frame = _walk(links, rng)
     return _with_obstacles(frame, links, rng)
 
 
-def _links(place: Place, rng: np.random.Generator, share: float) -> _Links:
+def _links(place: Place, rng: np.random.Generator, nlos: int, los: int) -> _Links:
     """Draw the links: how many rows each, and where anchor and tag stand."""
-    blocked = _sizes(rng, max(1, round(place.nlos_rows * share)))
-    clear = _sizes(rng, round(place.los_rows * share))
+    blocked, clear = _sizes(rng, nlos), _sizes(rng, los)
     rows = np.concatenate([blocked, clear])
     sight = np.arange(len(rows)) >= len(blocked)
     anchor, tag = _ends(place, rng, len(rows))

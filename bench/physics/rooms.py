@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.physics.room_geometry import room_geometry
+from bench.physics.room_plan import ROW_TOTAL
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import read_toml, to_toml
 from bench.recordings.table import Recordings
@@ -28,8 +29,8 @@ class Rooms:
         read = read_toml(_HERE / "rooms.toml")
         self.simulator: Simulator = read if seed is None else replace(read, seed=seed)
 
-    def generate(self, rows: int | None = None) -> Recordings:
-        """Return 55 000 simulated recordings, or `rows` of the same mixture in a smaller study."""
+    def generate(self, rows: int = ROW_TOTAL) -> Recordings:
+        """Return 55 000 simulated recordings, or `rows` of the same mixture."""
         geometry = room_geometry(np.random.default_rng(self.simulator.seed), rows)
         return replace(self.simulator.simulate(geometry), licence=LICENCE)
 

@@ -75,18 +75,28 @@ class Simulator:
         return Recordings(made.table(frame), self.name, "simulated", simulator=text, seed=seed)
 
     def observe(
-        self, rows: Scene, seed: int | None = None, replicate: int = 0, *, cir: bool = True
+        self,
+        rows: Scene,
+        seed: int | None = None,
+        replicate: int = 0,
+        *,
+        cir: bool = True,
+        complex_cir: bool = False,
+        first_row: int = 0,
     ) -> Outcome:
         """Return what the chip would report for `rows`, as arrays; cheap to call repeatedly.
 
         `replicate` numbers independent draws of the same seed. Without `cir` no waveform is
         made: ranges and powers come from the paths alone, some ten times faster.
+        `first_row`, a multiple of BLOCK, is where `rows` begin in a table simulated in chunks.
         """
         starts = range(0, len(rows), BLOCK)
 
         def block(start: int) -> Outcome:
-            draws = Draws(self.seed if seed is None else seed, replicate, "base", start // BLOCK)
-            return self._block(rows.slice(start, start + BLOCK), draws, cir)
+            number = (first_row + start) // BLOCK
+            draws = Draws(self.seed if seed is None else seed, replicate, "base", number)
+            batch = self._block(rows.slice(start, start + BLOCK), draws, cir)
+            return outcome(batch, self.base, complex_cir=complex_cir)
 
         with ThreadPoolExecutor(workers()) as pool:
             return joined(list(pool.map(block, starts)))
@@ -98,12 +108,12 @@ class Simulator:
         for replicate in range(replicates):
             yield self.observe(rows, seed, replicate, cir=cir)
 
-    def _block(self, rows: Scene, draws: Draws, cir: bool) -> Outcome:
-        """Simulate one block of at most BLOCK rows."""
+    def _block(self, rows: Scene, draws: Draws, cir: bool) -> Batch:
+        """Return one block of at most BLOCK rows after all stages."""
         batch = applied(self.effects, "propagation", self.base.paths(rows), draws)
         batch = self.base.received(batch, draws) if cir else self.base.counted(batch)
         batch = self.base.detected(applied(self.effects, "receiver", batch, draws))
-        return outcome(applied(self.effects, "ranging", batch, draws), self.base)
+        return applied(self.effects, "ranging", batch, draws)
 
 
 def applied(effects: Sequence[Effect], stage: Stage, batch: Batch, draws: Draws) -> Batch:

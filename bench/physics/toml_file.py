@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -95,10 +96,13 @@ def _assignments(values: dict[str, Any]) -> list[str]:
 
 
 def _value(value: Any) -> str:
-    """Return a TOML scalar or list: repr of a float or integer gives back the same number."""
+    """Return a value as TOML; a float is written so that reading gives back the same number."""
     if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return '"' + escaped.replace("\n", "\\n") + '"'
-    if isinstance(value, tuple | list):
+        return json.dumps(value, ensure_ascii=False)  # a JSON string is a TOML basic string
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_value, value)) + "]"
-    return repr(value)
+    return repr(float(value))

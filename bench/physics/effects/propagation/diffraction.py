@@ -33,7 +33,7 @@ class Diffraction(Effect):
 
     strength_db: float = parameter(0, "dB", -20, 10, "of the bent paths over the knife edge's")
     clearance_scale: float = parameter(1, "ratio", 0.1, 4, "of the listed distances to the edges")
-    body_half_width_m: float = parameter(0.25, "m", 0.02, 2, "of a blocker that is not listed")
+    body_half_width_m: float = parameter(0.2, "m", 0.02, 2, "of a blocker that is not listed")
     body_at: float = parameter(0.5, "ratio", 0.01, 0.99, "where it stands on the straight line")
     blocking_db: float = parameter(40, "dB", 0, 60, "loss of the straight path where blocked")
 

@@ -34,6 +34,11 @@ class GroundBounce(Effect):
     height_m: float = parameter(1.0, "m", 0.02, 30, "of both antennas where z is not known")
     ground: str = "concrete"
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in (self.ground,):
+            material(name)
+
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the bounced path of every row outside of rooms."""
         heights = [batch.rows.number(f"{end}_z_m", self.height_m) for end in ("tx", "rx")]

@@ -38,6 +38,11 @@ class SpecularReflections(Effect):
     floor: str = "concrete"
     ceiling: str = "plasterboard"
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in (self.walls, self.floor, self.ceiling):
+            material(name)
+
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the reflected paths of every row."""
         inside = in_room(batch.rows)

@@ -9,7 +9,7 @@ import numpy as np
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, Reals
+from bench.physics.units import Complexes
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Quantisation(Effect):
     """Adds a constant offset to real and imaginary part, rounds both and clips to 16 bits.
 
     The offset has a random direction per receiving device and a length of `offset_counts`
-    (30 to 150 recorded).
+    (30 to 150 recorded). A step of zero neither rounds nor clips.
     """
 
     name = "quantisation"
@@ -32,20 +32,23 @@ class Quantisation(Effect):
     limit_counts: float = parameter(32767, "counts", 127, 32767, "largest value")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        """Round the sum of signal and noise; what is lost is taken from the signal."""
+        """Round the noise, and its sum with the signal: both stay whole numbers."""
         if batch.waveform is None or batch.noise is None:
             return batch
-        noise = batch.noise + self._offset(batch, draws)[:, None]
-        parts = (batch.waveform + noise).view(np.float32)
-        rounded = np.clip(self._rounded(parts), -self.limit_counts, self.limit_counts)
-        values = np.ascontiguousarray(rounded, np.float32).view(np.complex64)
-        return replace(batch, waveform=values - noise, noise=noise)
+        if self.step_counts == 0 and self.offset_counts == 0:
+            return batch
+        noise = self._rounded(batch.noise + self._offset(batch, draws)[:, None])
+        return replace(batch, waveform=self._rounded(batch.waveform + noise) - noise, noise=noise)
 
-    def _rounded(self, parts: Reals) -> Reals:
+    def _rounded(self, values: Complexes) -> Complexes:
+        """Return values rounded to steps and clipped, real and imaginary parts each."""
         if self.step_counts == 0:
-            return parts
+            return values
         step = np.float32(self.step_counts)
-        return np.asarray(np.rint(parts / step) * step, np.float32)
+        parts = np.rint(values.view(np.float32) / step) * step
+        np.clip(parts, -self.limit_counts, self.limit_counts, out=parts)
+        made: Complexes = parts.view(np.complex64)
+        return made
 
     def _offset(self, batch: Batch, draws: Draws) -> Complexes:
         angle = 2 * np.pi * draws.group_uniform(batch.rows.group("rx"))

@@ -1,0 +1,155 @@
+"""Simulating more rows than memory holds: geometry in, recordings out, chunk by chunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from bench.errors import BenchError
+from bench.files import atomic_path
+from bench.physics.randomness import BLOCK
+from bench.physics.room_geometry import room_geometry
+from bench.physics.room_plan import ROW_TOTAL
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+from bench.physics.toml_file import to_toml
+from bench.physics.units import Floats
+from bench.recordings.parquet import to_arrow
+from bench.recordings.table import CIR_COLUMNS, Recordings
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+CHUNK = 16 * BLOCK
+
+
+@dataclass
+class Tally:
+    """Running sums over the rows written: errors in metres, by line of sight where known."""
+
+    rows: int = 0
+    error_m: float = 0.0
+    magnitude_m: float = 0.0
+
+    def add(self, error_m: Floats) -> None:
+        """Count more rows."""
+        self.rows += len(error_m)
+        self.error_m += float(np.sum(error_m))
+        self.magnitude_m += float(np.sum(np.abs(error_m)))
+
+    @property
+    def mean_m(self) -> float:
+        """Mean error in metres."""
+        return self.error_m / max(self.rows, 1)
+
+    @property
+    def mae_m(self) -> float:
+        """Mean absolute error in metres."""
+        return self.magnitude_m / max(self.rows, 1)
+
+
+def simulate_to(
+    simulator: Simulator,
+    geometry: Iterable[pd.DataFrame],
+    target: Path,
+    progress: Callable[[int], None] | None = None,
+) -> Tally:
+    """Simulate `geometry` and write recordings Parquet to `target` in one step.
+
+    Row i gets the same numbers however the geometry is cut into frames. Memory holds one chunk.
+    Raises BenchError where the geometry has no rows or no true range, or writing fails.
+    """
+    import pyarrow.parquet as pq
+
+    tally = Tally()
+    with atomic_path(target) as scratch:
+        writer: pq.ParquetWriter | None = None
+        try:
+            for frame in rechunked(geometry, CHUNK):
+                table = _simulated(simulator, frame, tally)
+                if writer is None:
+                    plain = [name for name in table.schema.names if name not in CIR_COLUMNS]
+                    writer = pq.ParquetWriter(
+                        scratch, table.schema, compression="zstd", use_dictionary=plain
+                    )
+                writer.write_table(table.cast(writer.schema))
+                if progress is not None:
+                    progress(tally.rows)
+        finally:
+            if writer is not None:
+                writer.close()
+        if writer is None:
+            raise BenchError("the geometry has no rows")
+    return tally
+
+
+def _simulated(simulator: Simulator, frame: pd.DataFrame, tally: Tally) -> pa.Table:
+    """Return a chunk's simulated recordings as an Arrow table, and count its rows."""
+    made = simulator.observe(scene(frame), first_row=tally.rows)
+    tally.add(made.error_m)
+    table = made.table(frame)
+    whole = Recordings(
+        table, simulator.name, "simulated", simulator=to_toml(simulator), seed=simulator.seed
+    )
+    return to_arrow(whole)
+
+
+def rechunked(frames: Iterable[pd.DataFrame], rows: int) -> Iterator[pd.DataFrame]:
+    """Yield the rows of `frames` in frames of exactly `rows` rows, the last one shorter."""
+    kept = pd.DataFrame()
+    for frame in frames:
+        kept = frame if kept.empty else pd.concat([kept, frame], ignore_index=True)
+        while len(kept) >= rows:
+            yield kept.iloc[:rows].reset_index(drop=True)
+            kept = kept.iloc[rows:].reset_index(drop=True)
+    if len(kept):
+        yield kept
+
+
+def geometry_of(path: Path) -> Iterator[pd.DataFrame]:
+    """Yield the rows of a recordings Parquet without their CIRs, some thousand at a time.
+
+    Raises BenchError where the file is missing or no Parquet.
+    """
+    with _opened(path) as file:
+        names = [name for name in file.schema_arrow.names if name not in CIR_COLUMNS]
+        for batch in file.iter_batches(CHUNK, columns=names):
+            yield batch.to_pandas()
+
+
+def row_count(path: Path) -> int:
+    """Return the number of rows of a Parquet file. Raises BenchError like `geometry_of`."""
+    with _opened(path) as file:
+        return int(file.metadata.num_rows)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[pq.ParquetFile]:
+    """Yield the open file; its errors become one line."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(path) as file:
+            yield file
+    except (OSError, pa.ArrowException) as problem:
+        reason = (str(problem).splitlines() or [""])[0]
+        raise BenchError(f"{path}: cannot be read as recordings Parquet: {reason}") from problem
+
+
+def rooms(rows: int, seed: int) -> Iterator[pd.DataFrame]:
+    """Yield `rows` rows of room geometry; beyond 55 000, from further campaigns."""
+    for campaign, start in enumerate(range(0, rows, ROW_TOTAL)):
+        wanted = min(ROW_TOTAL, rows - start)
+        rng = np.random.default_rng([seed, campaign] if campaign else seed)
+        frame = room_geometry(rng, wanted)
+        if campaign:
+            frame = frame.assign(link=f"campaign-{campaign}-" + frame["link"])
+        yield frame

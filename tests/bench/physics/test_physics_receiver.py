@@ -1,0 +1,158 @@
+"""Signature and magnitude of the effects on the waveform."""
+
+import numpy as np
+from physics_scenes import change, line, room, seen
+
+from bench.physics import Base
+from bench.physics.effects.propagation.diffraction import Diffraction
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.propagation.specular import SpecularReflections
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.late_detection import LateDetection
+from bench.physics.effects.receiver.level_control import (
+    LevelControl,
+    accumulated_share,
+    reported_dbm,
+)
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.effects.receiver.quantisation import Quantisation
+
+
+def shadowed(n: int = 512):
+    """Return rows whose straight path is weak and a reflection 2 m longer strong."""
+    return line(n, far_m=4.0, los=False).assign(true_range_m=3.0)
+
+
+def test_a_raised_threshold_misses_the_weak_path_and_a_lowered_one_finds_it() -> None:
+    frame = shadowed()
+    before = Diffraction(strength_db=-20), SpecularReflections(wall_m=2.0, walls="metal")
+    late, base = change(frame, *before, LateDetection(rise_db=34.0))
+    shift = late.range_m - base.range_m
+    assert np.median(shift) > 1.0  # the path over the wall: 5 m instead of 3
+    assert shift.min() >= 0
+    lead = late.cir[:, :3].max(axis=1)
+    assert np.median(lead) > 5 * np.median(late.noise_std)  # energy before the detected path
+    again, _ = change(frame, *before, LateDetection(rise_db=0.0))
+    np.testing.assert_array_equal(again.range_m, base.range_m)
+
+
+def test_threshold_as_a_share_of_the_peak_does_the_same() -> None:
+    before = Diffraction(strength_db=-20), SpecularReflections(wall_m=2.0, walls="metal")
+    late, base = change(shadowed(), *before, LateDetection(peak_fraction=0.5))
+    assert np.median(late.range_m - base.range_m) > 1.0
+
+
+def test_late_detection_acts_on_paths_without_a_waveform() -> None:
+    before = Diffraction(strength_db=-20), SpecularReflections(wall_m=2.0, walls="metal")
+    late, base = change(shadowed(), *before, LateDetection(rise_db=34.0), cir=False)
+    assert np.median(late.range_m - base.range_m) > 1.0
+
+
+def test_ringing_is_an_echo_at_a_delay_that_no_distance_moves() -> None:
+    frame = line(512)
+    made, base = change(frame, PulseRinging(ring_db=-6, ring_delay_ns=12.0, ring_phase_deg=90))
+    peak = made.cir.argmax(axis=1)
+    at = peak[:, None] + np.arange(8, 17)
+    echo = np.take_along_axis(made.cir, at, axis=1)
+    assert abs(np.median(echo.argmax(axis=1)) + 8 - 12) <= 1
+    ratio = echo.max(axis=1) / made.cir.max(axis=1)
+    assert abs(20 * np.log10(np.median(ratio)) + 6) < 0.7
+    np.testing.assert_allclose(made.rx_power_dbm, base.rx_power_dbm, atol=0.05)  # energy is kept
+    np.testing.assert_allclose(made.range_m, base.range_m, atol=0.005)  # 1/64 sample
+
+
+def test_widening_widens_the_pulse() -> None:
+    def width(*effects) -> float:
+        cir = seen(line(256), *effects).cir
+        return float(np.median((cir > 0.5 * cir.max(axis=1, keepdims=True)).sum(axis=1)))
+
+    assert abs(width() - 2.5) <= 0.5
+    assert abs(width(PulseRinging(widening=2.0)) - 5.0) <= 0.5
+
+
+def test_noise_has_the_recorded_colour_and_level() -> None:
+    frame = line(512, far_m=40.0)
+    base = Base(cir_lead=100, cir_samples=120)  # long noise before the first path
+    made = seen(frame, NoiseFloor(level_db=6.0), base=base, complex_cir=True)
+    plain = seen(frame, base=base)
+    assert abs(20 * np.log10(made.noise_std.mean() / plain.noise_std.mean()) - 6) < 0.1
+    assert made.cir_complex is not None
+    noise = made.cir_complex[:, :90].astype(np.complex128)
+    power = np.mean(np.abs(noise) ** 2)
+    for lag, expected in ((1, 0.32), (2, -0.17), (3, -0.20), (5, 0.0)):
+        found = np.mean(noise[:, lag:] * noise[:, :-lag].conj()).real / power
+        assert abs(found - expected) < 0.02
+
+
+def test_noise_differs_between_receiving_devices() -> None:
+    frame = line(400, rx=np.repeat(["a", "b"], 200))
+    made = seen(frame, NoiseFloor(device_spread_db=3.0))
+    means = made.noise_std[:200].mean(), made.noise_std[200:].mean()
+    assert abs(20 * np.log10(means[0] / means[1])) > 0.3
+
+
+def test_level_control_compresses_as_the_manual_says() -> None:
+    true = np.array([-100.0, -90.0, -86.5, -83.5, -80.0, -72.5, -60.0])
+    read = np.array([-100.0, -90.0, -87.5, -85.0, -82.5, -80.0, -77.5])
+    np.testing.assert_allclose(reported_dbm(true), read)
+    shares = accumulated_share(np.array([-95.0, -88.5, -83.0, -70.0])) * 1024
+    np.testing.assert_allclose(shares, [1024, 754, 539, 280])
+
+
+def test_level_control_flattens_the_level_while_the_distance_falls() -> None:
+    frame = line(512, far_m=60.0)
+    made, base = change(frame, LevelControl(peak_counts=1e9))
+    near, far = made.rx_power_dbm[:50], made.rx_power_dbm[-50:]
+    np.testing.assert_allclose(made.rx_power_dbm, reported_dbm(base.rx_power_dbm), atol=0.3)
+    assert near.max() - near.min() < 4 < np.ptp(base.rx_power_dbm[:50])
+    assert made.preamble_count[0] == 280
+    assert made.preamble_count[-1] > 900 or far.mean() > -92
+    np.testing.assert_allclose(
+        made.noise_std[:10] / base.noise_std[:10], np.sqrt(280 / 1024), rtol=1e-3
+    )
+
+
+def test_level_control_holds_peaks_in_the_recorded_range() -> None:
+    frame = room(512)
+    made = seen(frame, PathLoss(offset_db=8.0), DiffuseTail(), LevelControl())
+    peaks = made.cir.max(axis=1)
+    assert peaks.max() < 20_500
+    assert np.median(peaks) > 10_000
+
+
+def test_interference_ripples_through_all_bins_and_raises_the_noise() -> None:
+    frame = line(512)
+    base = Base(cir_lead=100, cir_samples=120)
+    effect = NarrowbandInterference(level_db=20.0, offset_mhz=100.0)
+    made = seen(frame, effect, base=base, complex_cir=True)
+    plain = seen(frame, base=base)
+    assert made.noise_std.mean() > 1.4 * plain.noise_std.mean()
+    before = made.cir[:, :90].mean() / plain.cir[:, :90].mean()
+    assert before > 4
+    assert made.cir_complex is not None
+    spectrum = np.abs(np.fft.fft(made.cir_complex[:, :90], axis=1)).mean(axis=0)
+    tone = np.fft.fftfreq(90, 1.0016e-3)[spectrum.argmax()]  # MHz
+    assert abs(tone - 100) < 12
+    half = seen(frame, NarrowbandInterference(level_db=20.0, share=0.5), base=base)
+    quiet = np.isclose(half.noise_std, plain.noise_std)
+    assert 0.4 < quiet.mean() < 0.6
+
+
+def test_quantisation_gives_whole_numbers_with_an_offset() -> None:
+    frame = line(512, far_m=100.0, rx="b")
+    base = Base(cir_lead=100, cir_samples=120)
+    effect = Quantisation(step_counts=1.0, offset_counts=100.0)
+    made = seen(frame, effect, base=base, complex_cir=True)
+    assert made.cir_complex is not None
+    np.testing.assert_array_equal(made.cir_complex, np.rint(made.cir_complex))
+    offset = np.abs(made.cir_complex[:, :90].mean())
+    assert abs(offset - 100) < 3
+
+
+def test_quantisation_saturates() -> None:
+    made = seen(line(64, far_m=2.0), Quantisation(), complex_cir=True)
+    assert made.cir_complex is not None
+    assert np.abs(made.cir_complex.real).max() <= 32767
+    assert made.cir.max() > 30_000
