@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -47,7 +47,7 @@ class Objective:
         Raises BenchError where the effect itself fails.
         """
         self.evaluations += 1
-        effect = self.kind.from_values(values)
+        effect = valued(self.kind, values)
         try:
             made = self.world.ensemble(self.view, (*self.added, effect), FIT_MEMBERS)
         except BenchError:
@@ -98,15 +98,21 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
         null = float(amplitude.null or 0.0)
         for bound in {amplitude.low, amplitude.high} - {null}:
             at = [null + step * (bound - null) for step in STEPS]
-            out += [defaults | {amplitude.name: _whole(amplitude, value)} for value in at]
+            out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
     if not amplitudes:
         rng = np.random.default_rng(0)
-        out += [{p.name: _whole(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
+        out += [{p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
     return out
 
 
-def _whole(item: Parameter, value: float) -> float:
-    """Return the value within the bounds, a whole number where the default is one by nature."""
+def valued(kind: type[Effect], values: dict[str, float]) -> Effect:
+    """Return the effect with these values, whole-number parameters rounded."""
+    whole = {item.name for item in fields(kind) if item.type in ("int", int)}
+    return kind.from_values({k: round(v) if k in whole else v for k, v in values.items()})
+
+
+def _inside(item: Parameter, value: float) -> float:
+    """Return the value within the bounds."""
     return float(np.clip(value, item.low, item.high))
 
 

@@ -61,10 +61,18 @@ def power_curve(world: World, view: View, added: Added) -> PowerCurve | None:
     at_1m = at_1m + 20 * np.log10(view.scene.true_range_m[weak])
     spread = float(np.clip(1.4826 * np.median(np.abs(at_1m - np.median(at_1m))), 0.5, 15))
     budget = float(np.clip(np.median(at_1m), -80, -30))
-    start = PowerCurve(level_at_1m_dbm=budget, spread_db=spread)
     residual = ensemble.residual[:, ensemble.names.index("error_m")]
-    bias = _smooth_curve(start.level_dbm(view.scene), residual)
-    return replace(start, levels_dbm=tuple(KNOTS_DBM.tolist()), bias_m=tuple(bias.tolist()))
+    fits = [_curve(view, residual, budget, s) for s in sorted({0.5, min(1.0, spread), spread})]
+    return min(fits, key=lambda fit: fit[1])[0]
+
+
+def _curve(view: View, residual: Floats, budget: float, spread: float) -> tuple[PowerCurve, float]:
+    """Return the curve for one trust in the budget, and the mean |residual| it leaves."""
+    start = PowerCurve(level_at_1m_dbm=budget, spread_db=spread)
+    level = start.level_dbm(view.scene)
+    bias = _smooth_curve(level, residual)
+    left = float(np.nanmean(np.abs(residual - np.interp(level, KNOTS_DBM, bias))))
+    return replace(start, levels_dbm=tuple(KNOTS_DBM.tolist()), bias_m=tuple(bias.tolist())), left
 
 
 def _smooth_curve(level: Floats, residual: Floats, smooth: float = 0.1) -> Floats:
@@ -93,19 +101,55 @@ def _incidence(tx: NDArray[np.intp], rx: NDArray[np.intp], sign: float, count: i
 
 
 def device_clock(view: View, residual_m: Floats) -> DeviceClock:
-    """Return offsets and drifts per device that fit residual ranges [n] in metres."""
+    """Return offsets per device that fit residual ranges [n] in metres.
+
+    Linear drifts are added only where they predict whole links that were left out better than
+    constant offsets do: a drift extrapolated from a few sessions can be worse than none.
+    """
+    if _drift_helps(view, residual_m):
+        return _clock(view, residual_m, np.arange(len(view.links)), drift=True)
+    return _clock(view, residual_m, np.arange(len(view.links)), drift=False)
+
+
+def _drift_helps(view: View, residual_m: Floats) -> bool:
+    """Return whether drifts lower the error on links left out in turn."""
+    names = np.unique(view.links)
+    if np.unique(measured(view.frame, "time_s")).size < 3 or len(names) < 3:
+        return False
+    folds = np.array_split(names, min(5, len(names)))
+    left = {False: 0.0, True: 0.0}
+    for fold in folds:
+        kept = np.flatnonzero(~np.isin(view.links, fold))
+        held = np.flatnonzero(np.isin(view.links, fold))
+        for drift in left:
+            clock = _clock(view, residual_m, kept, drift=drift)
+            guess = clock.offset_ppm(view.scene)[held] * _metres_per_ppm(view)[held]
+            left[drift] += float(np.nansum(np.abs(residual_m[held] - guess)))
+    return left[True] < 0.9 * left[False]
+
+
+def _metres_per_ppm(view: View) -> Floats:
+    """Return c/2 x reply time x 1 ppm of each row [n]."""
+    return C_M_PER_NS * np.nan_to_num(measured(view.frame, "reply_time_s")) / 2 * 1e3
+
+
+def _clock(view: View, residual_m: Floats, rows: NDArray[np.intp], drift: bool) -> DeviceClock:
+    """Return the device offsets (and drifts) fitted on some rows."""
     names, tx, rx = _ends(view)
-    reply = np.nan_to_num(measured(view.frame, "reply_time_s"))
     time = measured(view.frame, "time_s")
     reference = float(np.nanmedian(time)) if np.isfinite(time).any() else 0.0
     hours = np.nan_to_num(time - reference) / 3600
-    per_ppm = C_M_PER_NS * reply / 2 * 1e3  # metres per ppm
-    pair = _incidence(tx, rx, -1.0, len(names))
-    design = hstack([pair.multiply(per_ppm[:, None]), pair.multiply((per_ppm * hours)[:, None])])
-    prior = np.repeat([OFFSET_PRIOR_PPM, DRIFT_PRIOR_PPM_PER_HOUR], len(names))
-    found = _robust(csr_array(design), residual_m, prior)
-    offsets, drifts = np.split(found, 2)
-    return DeviceClock(names, tuple(offsets.tolist()), tuple(drifts.tolist()), reference)
+    per_ppm = _metres_per_ppm(view)[rows]
+    pair = _incidence(tx[rows], rx[rows], -1.0, len(names))
+    parts = [pair.multiply(per_ppm[:, None])]
+    prior = np.full(len(names), OFFSET_PRIOR_PPM)
+    if drift:
+        parts.append(pair.multiply((per_ppm * hours[rows])[:, None]))
+        prior = np.concatenate([prior, np.full(len(names), DRIFT_PRIOR_PPM_PER_HOUR)])
+    found = _robust(csr_array(hstack(parts)), residual_m[rows], prior)
+    drifts = found[len(names) :] if drift else np.zeros(len(names))
+    offsets = tuple(found[: len(names)].tolist())
+    return DeviceClock(names, offsets, tuple(drifts.tolist()), reference)
 
 
 def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:

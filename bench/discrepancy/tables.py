@@ -3,7 +3,8 @@
 Where both tables have a link, its rows are compared with each other. Otherwise every recorded
 link is compared with the simulated links nearest to it in the known covariates, so a difference in
 the MIX of covariates is not mistaken for one in the physics: it is reported on its own.
-Only effects on the range act on a table; those on paths and waveforms need the simulator itself.
+Effects act on the range and receive level of a table's rows; what they do to a waveform needs the
+simulator itself.
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from scipy.spatial import cKDTree
 from bench.discrepancy.ensemble import Ensemble, stack
 from bench.discrepancy.observables import Floats, Observables, Window, observe
 from bench.discrepancy.split import link_codes
+from bench.discrepancy.staged import Stages
 from bench.discrepancy.world import Added, View, measured
 from bench.errors import BenchError
 from bench.physics.base import Base
-from bench.physics.batch import Batch
-from bench.physics.randomness import Draws
-from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
 
 MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
+CHANGED = ("error_m", "rx_power_dbm")
 FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
 
 
@@ -48,45 +49,38 @@ class TableWorld:
         """Observables of the simulated rows as they are."""
         return observe(self.frame, self.window)
 
+    @cached_property
+    def stages(self) -> Stages:
+        """Simulates what an effect changes."""
+        return Stages(self.window)
+
     def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
         """Return recorded rows beside `members` matched simulated rows, with effects `added`.
 
-        Raises BenchError where an effect is not one on the range.
+        What the effects do to range and level is computed for each recorded row's own geometry
+        and settings (with against without them, on the same random numbers) and added.
         """
-        seen = self._with(added, first)
+        seen = self.observed
         picks = self._matches(view, members, first)
-        replicas = [
-            Observables(seen.names, seen.units, self._adjusted(seen, pick, view)) for pick in picks
-        ]
+        replicas = []
+        for number, pick in enumerate(picks):
+            values = seen.values[pick] + self._change(seen, view, added, first + number)
+            replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
 
-    def _with(self, added: Added, replicate: int) -> Observables:
-        """Return the simulated observables with effects on the range added."""
-        late = [effect for effect in added if effect.stage != "ranging" or not effect.on_tables]
-        if late:
-            raise BenchError(f"effect {late[0].name!r} needs the simulator itself, not its table")
-        if not added or "error_m" not in self.observed.names:
-            return self.observed
-        batch = self._batch
-        assert batch.range_m is not None
-        before = batch.range_m
-        for effect in added:
-            batch = effect.apply(batch, Draws(self.seed, replicate, effect.name, 0))
-        assert batch.range_m is not None
-        values = self.observed.values.copy()
-        values[:, self.observed.names.index("error_m")] += batch.range_m - before
-        return Observables(self.observed.names, self.observed.units, values)
-
-    @cached_property
-    def _batch(self) -> Batch:
-        """The table's rows as a detected batch without a waveform."""
-        from dataclasses import replace
-
-        base = Base()
-        batch = base.detected(base.counted(base.paths(scene(self.frame, "simulated"))))
-        power = measured(self.frame, "rx_power_dbm")
-        level = np.where(np.isfinite(power), power, batch.level())
-        return replace(batch, level_dbm=level)
+    def _change(self, seen: Observables, view: View, added: Added, replicate: int) -> Floats:
+        """Return what the effects change, [n, p]; zero for observables of the waveform."""
+        change = np.zeros((len(view.rows), len(seen.names)))
+        if not added:
+            return change
+        bare = Simulator(Base(), (), self.seed)
+        see = self.stages.observables
+        without = see(bare, view.scene, replicate, False)
+        within = see(Simulator(Base(), added, self.seed), view.scene, replicate, False)
+        for name in CHANGED:
+            if name in seen.names and name in within.names and name in without.names:
+                change[:, seen.names.index(name)] = within.column(name) - without.column(name)
+        return change
 
     def _matches(self, view: View, members: int, first: int) -> list[NDArray[np.intp]]:
         """Return for each member the simulated row that stands for each recorded row [n]."""
@@ -153,10 +147,6 @@ class TableWorld:
                 closest = np.atleast_1d(cKDTree(right[pool]).query(left[here])[1])
                 out[member, here] = pool[closest]
         return list(out)
-
-    def _adjusted(self, seen: Observables, pick: NDArray[np.intp], view: View) -> Floats:
-        """Return the matched observables [n, p]."""
-        return np.asarray(seen.values[pick])
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).

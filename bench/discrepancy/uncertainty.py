@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from bench.discrepancy.fit import free_parameters
+from bench.discrepancy.fit import free_parameters, valued
 from bench.discrepancy.gain import Tally, tally, weight_of
 from bench.discrepancy.verdict import ParameterEstimate
 from bench.discrepancy.world import Added, View, World
@@ -42,7 +42,7 @@ def parameter_intervals(
 
     def per_link(theta: Floats) -> Tally:
         given = {p.name: float(v) for p, v in zip(moving, theta, strict=True)}
-        changed = type(effect).from_values(given)
+        changed = valued(type(effect), given)
         return tally(world.ensemble(view, (*added, changed), MEMBERS))
 
     errors = _standard_errors(per_link, centre, steps)

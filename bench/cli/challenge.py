@@ -1,0 +1,100 @@
+"""`bench challenge`: put the diagnosis to the proof."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from bench.challenge.blind import Tell
+    from bench.challenge.real import RealCase
+
+EPILOG = """\b
+Examples:
+  bench challenge --cases 40 -o challenge
+  bench challenge --real -o challenge
+"""
+
+
+@click.command(epilog=EPILOG)
+@click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
+@click.option("--real", is_flag=True, help="The real cases instead: ghent and outdoor.")
+@click.option(
+    "-o", "--out", default="challenge", show_default=True, type=click.Path(path_type=Path),
+    help="Folder; finished blind cases found there are kept.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
+def command(cases: int, seed: int, real: bool, out: Path, as_json: bool) -> None:
+    """Hide physics from the diagnosis and score what it says.
+
+    Blind cases come from a generator that shares no code with the effect library; answers are
+    sealed by a hash before the run. Strengths in millimetres rms of the range.
+    """
+    import json
+
+    from rich.console import Console
+
+    from bench.files import write_atomically
+
+    with Console(stderr=True).status("challenging ...") as status:
+        lines, scores = (
+            _real(seed, status.update) if real else _blind(cases, seed, out, status.update)
+        )
+    path = out / ("real.md" if real else "blind.md")
+    write_atomically(path, "\n".join(lines) + "\n")
+    if as_json:
+        click.echo(json.dumps(scores, indent=1))
+    else:
+        click.echo("\n".join(lines))
+        click.echo(f"report: {path}", err=True)
+
+
+def _blind(cases: int, seed: int, out: Path, tell: Tell) -> tuple[list[str], object]:
+    """Run the blind cases; return report lines and scores."""
+    from bench.challenge.blind import blind_markdown, rates, run_blind, seal
+
+    click.echo(f"sealed answers: sha256 {seal(cases, seed)}", err=True)
+    outcomes = run_blind(cases, seed, out, tell)
+    scores = [
+        {"score": r.words, "hits": r.hits, "cases": r.cases, "bar": r.bar, "met": r.met}
+        for r in rates(outcomes)
+    ]
+    return ["# Challenge: blind cases", "", *blind_markdown(outcomes, seed)], scores
+
+
+def _real(seed: int, tell: Tell) -> tuple[list[str], object]:
+    """Run the real cases; return report lines and scores."""
+    from bench.challenge.real import ghent, outdoor
+    from bench.recordings.open import open_recordings
+
+    lines, scores = ["# Challenge: real recordings", ""], []
+    for name, case in (("ghent", ghent), ("outdoor", outdoor)):
+        try:
+            table = open_recordings(name)[0]
+        except BenchError as problem:
+            lines += [f"## {name}", "", f"Not run: {problem}", ""]
+            continue
+        made = case(table, seed, tell)
+        lines += _case_lines(made)
+        scores += [
+            {"case": made.title, "asked": c.asked, "measured": c.measured, "met": c.met}
+            for c in made.checks
+        ]
+    return lines, scores
+
+
+def _case_lines(made: RealCase) -> list[str]:
+    """Return a real case as Markdown."""
+    from bench.discrepancy.report import describe
+
+    out = [f"## {made.title}", "", "| asked | measured | met |", "| --- | --- | --- |"]
+    out += [f"| {c.asked} | {c.measured} | {'yes' if c.met else '**no**'} |" for c in made.checks]
+    out += ["", "What the diagnosis said:", ""]
+    for verdict in made.study.diagnosis.verdicts:
+        out += [*describe(verdict), ""]
+    return [*out, *made.lines, ""]

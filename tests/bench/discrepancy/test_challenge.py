@@ -1,0 +1,95 @@
+"""The challenge: sealed, concealed as stated, resumable, and scored without favour."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.challenge import blind
+from bench.challenge.blind import Outcome, make_case, rates, run_blind, seal
+from bench.challenge.generator import LIBRARY, SHAPES, Hidden, conceal, draw_case, geometry
+from bench.errors import BenchError
+
+
+def _table(seed: int = 0) -> pd.DataFrame:
+    frame = geometry(seed)
+    error = np.random.default_rng(seed).normal(0, 0.03, len(frame))
+    return frame.assign(error_m=error, range_m=frame["true_range_m"] + error)
+
+
+def test_a_quarter_is_empty_and_a_tenth_is_outside_the_library():
+    drawn = [draw_case(number, 1) for number in range(200)]
+    assert sum(not case.names for case in drawn) == 50
+    assert sum(bool(case.names) and case.names[0] not in LIBRARY for case in drawn) == 20
+    assert {case.conceal for case in drawn if case.names} >= {"aggregate", "decoy", "sparse"}
+
+
+def test_the_seal_holds_the_answers():
+    assert seal(20, 1) == seal(20, 1)
+    assert seal(20, 1) != seal(20, 2)
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_every_shape_has_the_strength_it_states(name):
+    table = _table()
+    out = conceal(table, Hidden((name,), (0.05,), "plain"), 3)
+    shift = out["error_m"] - table["error_m"]
+    rms = float(np.sqrt(np.mean(shift**2)))
+    assert rms == pytest.approx(0.05, rel=1e-6) or name in ("material-delay", "blocked-path")
+    assert 0 < rms <= 0.0501
+    assert np.allclose(out["range_m"] - out["true_range_m"], out["error_m"])
+
+
+def test_aggregates_equal_the_simulators_and_decoys_correlate():
+    table = _table()
+    hidden = Hidden(("temperature-drift",), (0.1,), "aggregate", ("temperature_c",))
+    out = conceal(table, hidden, 3)
+    assert np.allclose(np.sort(out["error_m"]), np.sort(table["error_m"]))
+    assert np.corrcoef(out["error_m"], out["temperature_c"])[0, 1] > 0.5
+    decoyed = conceal(table, replace(hidden, conceal="decoy"), 3)
+    assert np.corrcoef(decoyed["sensor_0"], table["temperature_c"])[0, 1] == pytest.approx(
+        0.8, abs=0.06
+    )
+    few = conceal(table, replace(hidden, conceal="sparse"), 3)
+    assert 0.02 < np.mean(few["error_m"] != table["error_m"]) < 0.11
+
+
+def test_cases_do_not_show_their_answer():
+    for number in (1, 2, 5, 6):
+        _, table, _, _ = make_case(number, 4)
+        assert "clock_offset_ppm" not in table.frame
+        assert not table.simulated
+
+
+def _outcome(number: int, names: tuple[str, ...], score: str) -> Outcome:
+    hidden = Hidden(names, (0.1,) * len(names), "plain")
+    return Outcome(number, "resimulated", hidden, "", [], score, bool(names), 0.5, 0.5)
+
+
+def test_rates_count_every_case_once_against_its_bar():
+    outcomes = [_outcome(i, (), "alarm" if i == 0 else "clean") for i in range(10)]
+    outcomes += [_outcome(10, ("clock-offset",), "right"), _outcome(11, ("supply",), "wrong")]
+    found = {rate.words: rate for rate in rates(outcomes)}
+    assert found["false alarms on empty cases"].met is False
+    assert found["wrong names on all others"].hits == 1
+    assert found["outside the library: reported unknown"].hits == 0
+    assert found["right name, or a class that holds it, above the detection limit"].met is True
+
+
+def test_finished_cases_are_kept_and_another_seed_is_refused(tmp_path, monkeypatch):
+    ran: list[int] = []
+
+    def quick(number: int, seed: int) -> Outcome:
+        ran.append(number)
+        return replace(_outcome(number, (), "clean"), hidden=draw_case(number, seed))
+
+    monkeypatch.setattr(blind, "run_case", quick)
+    first = run_blind(3, 5, tmp_path, lambda _: None)
+    again = run_blind(4, 5, tmp_path, lambda _: None)
+    assert ran == [0, 1, 2, 3]
+    assert again[:3] == first
+    with pytest.raises(BenchError, match="seed 5"):
+        run_blind(2, 6, tmp_path, lambda _: None)
