@@ -14,11 +14,13 @@ from io import BytesIO
 
 import torch
 from onnx import ModelProto
+from onnxscript.optimizer import fold_constants
 from torch import Tensor, nn
 from torch.export import Dim, ExportedProgram
 
 INPUT = "cir"
 OUTPUT = "error_m"
+_NO_LIMIT = 1 << 30
 OPSET = 20  # the newest whose 8-bit operators the runtime fuses
 
 
@@ -98,8 +100,11 @@ def program_to_graph(program: ExportedProgram) -> ModelProto:
             output_names=[OUTPUT],
             verbose=False,
         )
-    assert exported is not None
-    return exported.model_proto
+        assert exported is not None
+        # the exporter stops folding at 8 KiB, which leaves slices of weights to every call
+        fold_constants(exported.model, input_size_limit=_NO_LIMIT, output_size_limit=_NO_LIMIT)
+    graph: ModelProto = exported.model_proto
+    return graph
 
 
 @contextmanager

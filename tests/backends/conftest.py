@@ -12,6 +12,7 @@ from backends.base import Artifact, TrainingData
 from backends.fp16 import Fp16Backend
 from backends.fp32 import Fp32Backend
 from backends.graph import GraphBackend
+from backends.int8 import Int8Backend
 from zoo.base import Floats, MitigationModel
 from zoo.cnn1d import CNN1D
 from zoo.mlp import FeatureMLP
@@ -27,7 +28,8 @@ MODELS: dict[str, Callable[[], MitigationModel]] = {
     "mlp": lambda: FeatureMLP(epochs=20),
     "none": lambda: NoMitigation(),
 }
-BACKENDS = {backend.name: backend for backend in (Fp32Backend, GraphBackend, Fp16Backend)}
+KINDS = (Fp32Backend, GraphBackend, Fp16Backend, Int8Backend)
+BACKENDS = {kind.name: kind for kind in KINDS}
 
 
 def made_up_cirs(rows: int, seed: int) -> tuple[Floats, Floats]:
