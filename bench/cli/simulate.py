@@ -52,7 +52,7 @@ def command(
     frames, total = _frames(chosen, geometry, rooms, rows)
     started = time.monotonic()
     with _progress(total, quiet=as_json) as progress:
-        tally = simulate_to(chosen, frames, out, progress)
+        tally = simulate_to(chosen, frames, out, progress, str(geometry or "rooms"))
     _report(chosen, tally, out, time.monotonic() - started, as_json)
 
 
@@ -119,7 +119,8 @@ def _progress(total: int, quiet: bool) -> Iterator[Callable[[int], None]]:
     try:
         yield show
     finally:
-        shown.stop()
+        if shown.live.is_started:
+            shown.stop()
 
 
 def _report(simulator: Simulator, tally: Tally, out: Path, seconds: float, as_json: bool) -> None:

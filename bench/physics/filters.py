@@ -17,7 +17,7 @@ def convolved(waveform: Complexes, taps: Floats) -> Complexes:
 def delayed(waveform: Complexes, by_samples: float) -> Complexes:
     """Return `waveform` [n, S] later by a positive number of samples (cubic Lagrange between)."""
     whole = int(np.floor(by_samples))
-    taps = _lagrange(by_samples - whole)
+    taps = lagrange(np.asarray(by_samples - whole))
     padded = np.pad(waveform, ((0, 0), (whole + 2, 1))).view(np.float32)
     return _weighted(padded, taps[::-1], waveform.shape)
 
@@ -31,18 +31,16 @@ def _weighted(padded: Reals, weights: Reals, shape: tuple[int, ...]) -> Complexe
     return made.view(np.complex64)
 
 
-def _lagrange(fraction: float) -> Reals:
-    """Return cubic Lagrange weights for lags -1, 0, 1, 2 at a delay of `fraction` samples."""
-    f = fraction
-    return np.array(
-        [
-            -f * (f - 1) * (f - 2) / 6,
-            (f + 1) * (f - 1) * (f - 2) / 2,
-            -(f + 1) * f * (f - 2) / 2,
-            (f + 1) * f * (f - 1) / 6,
-        ],
-        np.float32,
-    )
+def lagrange(fraction: Floats) -> Reals:
+    """Return cubic Lagrange weights [4, ..] of lags -1, 0, 1, 2 for delays of 0 to 1 sample."""
+    f = np.asarray(fraction, np.float64)
+    weights = [
+        -f * (f - 1) * (f - 2) / 6,
+        (f + 1) * (f - 1) * (f - 2) / 2,
+        -(f + 1) * f * (f - 2) / 2,
+        (f + 1) * f * (f - 1) / 6,
+    ]
+    return np.array(weights, np.float32)
 
 
 def filtered(noise: Complexes, taps: Floats) -> Complexes:

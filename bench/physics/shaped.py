@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.physics.filters import convolved
+from bench.physics.filters import convolved, lagrange
 from bench.physics.pulse import HALF_WIDTH, table
 from bench.physics.units import Complexes, Floats, Reals
 
@@ -20,11 +20,17 @@ def first_edge(taps: Complexes, peak_at: Floats, fwhm_samples: float) -> Complex
 
 
 def shifted(taps: Complexes, by_samples: Floats) -> Complexes:
-    """Return `taps` [n, G] later by a number of samples per row [n], linear between taps."""
-    place = np.arange(taps.shape[1]) - np.asarray(by_samples)[:, None]
-    whole = np.floor(place).astype(np.intp)
-    part = (place - whole).astype(np.float32)
-    return _at(taps, whole) * (1 - part) + _at(taps, whole + 1) * part
+    """Return `taps` [n, G] later by a number of samples per row [n], cubic between taps.
+
+    Linear interpolation would widen the pulse and so move its edge by up to 4 cm.
+    """
+    whole = np.floor(by_samples).astype(np.intp)
+    weights = lagrange(np.asarray(by_samples - whole))
+    column = np.arange(taps.shape[1]) - whole[:, None]
+    made = np.zeros_like(taps)
+    for lag, weight in zip((-1, 0, 1, 2), weights, strict=True):
+        made += _at(taps, column - lag) * weight[:, None]
+    return made
 
 
 def with_pulse(taps: Complexes, fwhm_samples: float) -> Complexes:

@@ -60,11 +60,12 @@ def simulate_to(
     geometry: Iterable[pd.DataFrame],
     target: Path,
     progress: Callable[[int], None] | None = None,
+    source: str = "geometry",
 ) -> Tally:
     """Simulate `geometry` and write recordings Parquet to `target` in one step.
 
     Row i gets the same numbers however the geometry is cut into frames. Memory holds one chunk.
-    Raises BenchError where the geometry has no rows or no true range, or writing fails.
+    Raises BenchError naming `source` where it has no rows or no true range, or writing fails.
     """
     import pyarrow.parquet as pq
 
@@ -73,7 +74,7 @@ def simulate_to(
         writer: pq.ParquetWriter | None = None
         try:
             for frame in rechunked(geometry, CHUNK):
-                table = _simulated(simulator, frame, tally)
+                table = _simulated(simulator, frame, tally, source)
                 if writer is None:
                     plain = [name for name in table.schema.names if name not in CIR_COLUMNS]
                     writer = pq.ParquetWriter(
@@ -86,13 +87,13 @@ def simulate_to(
             if writer is not None:
                 writer.close()
         if writer is None:
-            raise BenchError("the geometry has no rows")
+            raise BenchError(f"{source}: no rows to simulate at")
     return tally
 
 
-def _simulated(simulator: Simulator, frame: pd.DataFrame, tally: Tally) -> pa.Table:
+def _simulated(simulator: Simulator, frame: pd.DataFrame, tally: Tally, source: str) -> pa.Table:
     """Return a chunk's simulated recordings as an Arrow table, and count its rows."""
-    made = simulator.observe(scene(frame), first_row=tally.rows)
+    made = simulator.observe(scene(frame, source), first_row=tally.rows)
     tally.add(made.error_m)
     table = made.table(frame)
     whole = Recordings(

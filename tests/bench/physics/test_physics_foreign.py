@@ -1,0 +1,127 @@
+"""Effects on the rows of another simulator's table."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from physics_scenes import line
+
+from bench.errors import BenchError
+from bench.physics import ForeignTable, Simulator
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
+from bench.physics.effects.propagation.fading import SmallScaleFading
+from bench.physics.effects.propagation.material_delay import MaterialDelay
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.propagation.specular import SpecularReflections
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.power_bias import PowerBias, published_bias_m
+from bench.physics.effects.receiver.level_control import LevelControl
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+
+
+def simulated(**columns) -> pd.DataFrame:
+    """Return a table as another simulator might give it."""
+    frame = line(300, far_m=8.0, los=True, **columns)
+    return Simulator(effects=(DiffuseTail(),)).simulate(frame).frame
+
+
+@pytest.fixture(scope="module")
+def table() -> ForeignTable:
+    return ForeignTable(simulated(obstacles=[["wall"] if row % 2 else [] for row in range(300)]))
+
+
+def test_without_effects_the_table_comes_back(table: ForeignTable) -> None:
+    made = table.observe(())
+    for name in ("range_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count"):
+        np.testing.assert_allclose(getattr(made, name), table.frame[name], rtol=1e-9)
+    np.testing.assert_allclose(made.cir, np.stack(table.frame["cir"]), rtol=1e-5, atol=0.1)
+    np.testing.assert_allclose(made.first_path_index, table.frame["first_path_index"])
+
+
+def test_ranging_effects_act_in_full(table: ForeignTable) -> None:
+    made = table.observe((AntennaDelay(delay_ns=2.0),))
+    np.testing.assert_allclose(made.range_m - table.range_m, 0.299792458)
+    biased = table.observe((PowerBias(),)).range_m - table.range_m
+    level = table.frame["rx_power_dbm"].to_numpy()
+    np.testing.assert_allclose(biased, published_bias_m(level), atol=1e-6)
+
+
+def test_a_wall_delays_and_weakens_the_first_path_of_its_rows_alone(table: ForeignTable) -> None:
+    made, base = table.observe((MaterialDelay(),)), table.observe(())
+    shift = made.range_m - base.range_m
+    np.testing.assert_array_equal(shift[0::2], 0)
+    assert abs(np.median(shift[1::2]) - 0.137) < 0.03
+    drop = (base.first_path_power_dbm - made.first_path_power_dbm)[1::2]
+    assert 3 < np.median(drop) < 12
+    tail = made.cir[1::2, 30:] / base.cir[1::2, 30:]
+    assert abs(np.median(tail) - 1) < 0.01  # what comes later stays
+
+
+def test_all_paths_can_be_moved_and_weakened(table: ForeignTable) -> None:
+    frame = table.frame.assign(azimuth_deg=0.0)
+    made = ForeignTable(frame).observe((AntennaPattern(delay_m=0.1),))
+    np.testing.assert_allclose(made.range_m - table.range_m, 0.1, atol=1e-4)
+    np.testing.assert_allclose(made.cir, np.stack(frame["cir"]), rtol=1e-3, atol=1)
+    weaker = table.observe((PathLoss(offset_db=6.0),))
+    np.testing.assert_allclose(weaker.rx_power_dbm, table.frame["rx_power_dbm"] - 6, atol=0.02)
+
+
+def test_reflections_and_tails_are_added_to_the_cir(table: ForeignTable) -> None:
+    base = table.observe(())
+    for effect in (SpecularReflections(wall_m=5.0, walls="metal"), DiffuseTail(level_db=5.0)):
+        made = table.observe((effect,))
+        assert made.cir.shape == base.cir.shape
+        assert np.median(made.cir[:, 10:60].sum(axis=1) / base.cir[:, 10:60].sum(axis=1)) > 1.2
+
+
+def test_a_blocked_path_moves_the_detection_in_the_cir(table: ForeignTable) -> None:
+    frame = table.frame.assign(los=False)
+    made = ForeignTable(frame).observe((BlockedPath(share=1.0, detour_m=3.0, reflection_db=-3),))
+    shift = made.range_m - table.range_m
+    moved = (made.first_path_index - table.frame["first_path_index"]) * 0.3003
+    np.testing.assert_allclose(shift, moved, atol=2e-3)
+    assert np.median(shift) > 0.5
+
+
+def test_receiver_effects_act_on_the_cir(table: ForeignTable) -> None:
+    base = table.observe(())
+    louder = table.observe((NoiseFloor(level_db=20.0),))
+    np.testing.assert_allclose(louder.noise_std / base.noise_std, 10, rtol=1e-6)
+    before = louder.cir[:, :2].mean() / base.cir[:, :2].mean()
+    assert 7 < before < 13
+    held = table.observe((LevelControl(),))
+    assert held.preamble_count.max() < 400
+    assert held.cir.max() < 20_500
+    rung = table.observe((PulseRinging(ring_db=-3.0),))
+    assert not np.allclose(rung.cir, base.cir, rtol=0.01)
+
+
+def test_rows_without_a_cir_have_ranges_and_powers(table: ForeignTable) -> None:
+    bare = ForeignTable(table.frame.drop(columns=["cir", "rx_power_dbm", "first_path_power_dbm"]))
+    made = bare.observe((MaterialDelay(),))
+    assert made.cir is None
+    np.testing.assert_allclose((made.range_m - table.range_m)[1::2], 0.1368, atol=1e-3)
+    np.testing.assert_allclose((made.range_m - table.range_m)[0::2], 0, atol=1e-12)
+    assert np.isfinite(made.rx_power_dbm).all()
+
+
+def test_errors_alone_and_complex_cirs_are_enough(table: ForeignTable) -> None:
+    frame = table.frame.drop(columns="range_m")
+    cir = np.stack(frame["cir"])
+    turned = frame.drop(columns="cir").assign(cir_i=list(0.6 * cir), cir_q=list(0.8 * cir))
+    made = ForeignTable(turned).observe(())
+    np.testing.assert_allclose(made.cir, cir, rtol=1e-4, atol=0.1)
+    np.testing.assert_allclose(made.range_m, table.range_m)
+
+
+def test_what_cannot_be_done_is_said() -> None:
+    frame = simulated()
+    with pytest.raises(BenchError, match="'small-scale-fading' needs the simulator"):
+        ForeignTable(frame).observe((SmallScaleFading(),))
+    with pytest.raises(BenchError, match="'range_m' or 'error_m'"):
+        ForeignTable(frame.drop(columns=["range_m", "error_m"])).observe(())
+    uneven = frame.assign(cir=[np.ones(3 + row % 2) for row in range(len(frame))])
+    with pytest.raises(BenchError, match="different lengths"):
+        ForeignTable(uneven).observe(())

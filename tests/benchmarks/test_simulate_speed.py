@@ -1,0 +1,59 @@
+"""Speed and memory of the simulator, with the whole chain of the default rooms."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bench.physics.room_geometry import room_geometry
+from bench.physics.rooms import Rooms
+from bench.physics.scene import scene
+
+ROWS = 32_768
+GOAL_PER_CORE = 10_000  # CIRs per second of processor time: 20 000 on two free cores
+
+
+def test_cirs_per_second() -> None:
+    """Print CIRs per second by the clock and per second of processor time, best of five."""
+    rows = scene(room_geometry(np.random.default_rng(0), ROWS))
+    simulator = Rooms().simulator
+    simulator.observe(rows.slice(0, 4096))
+    by_clock, by_core = [], []
+    for _ in range(5):
+        clock, core = time.perf_counter(), time.process_time()
+        simulator.observe(rows)
+        by_clock.append(ROWS / (time.perf_counter() - clock))
+        by_core.append(ROWS / (time.process_time() - core))
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    print(
+        f"\nrooms chain: {max(by_clock):.0f} CIRs/s by the clock on {cores} cores, "
+        f"{max(by_core):.0f} per core-second"
+    )
+    assert max(by_core) > GOAL_PER_CORE
+
+
+def test_memory_does_not_grow_with_rows(tmp_path: Path) -> None:
+    """Print the peak memory of `bench simulate` for 40 000 and 160 000 rows."""
+    peaks = [_peak_mib(rows, tmp_path / f"{rows}.parquet") for rows in (40_000, 160_000)]
+    print(f"\npeak memory: {peaks[0]:.0f} MiB for 40 000 rows, {peaks[1]:.0f} for 160 000")
+    assert peaks[1] < 1.35 * peaks[0]
+
+
+def _peak_mib(rows: int, out: Path) -> float:
+    """Return the peak resident memory in MiB of simulating `rows` rows in a process of its own."""
+    code = (
+        "import resource, sys\n"
+        "from bench.cli.main import group\n"
+        "group(sys.argv[1:], standalone_mode=False)\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)\n"
+    )
+    words = ["simulate", "rooms", "--rooms", "-n", str(rows), "-o", str(out)]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words], capture_output=True, text=True, check=True
+    )
+    return float(done.stdout.splitlines()[-1])
