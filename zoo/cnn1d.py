@@ -62,7 +62,9 @@ class CNN1D(NeuralModel):
     code: Adam at 1e-4, MSE, batches of 200, dropout 0.5. Two things differ on purpose. The code
     regresses |error|; this learns the signed error, which is what a range is corrected by. The
     code divides the CIR by its preamble count, which a model that sees only the CIR does not
-    have; bins are standardised over the training rows, as in the code, without it.
+    have; bins are standardised over the training rows, as in the code, without it. The number of
+    epochs is ours: on the simulated `rooms`, one training room predicting the other, the MAE
+    levels off after some 7000 steps, and 40 epochs of both rooms are as many.
 
     `cir_samples` bins are used from `first_sample` on, by default the detected first path; None
     takes all that follow, padded with zeros on the right to the 30 that the layers need.
@@ -81,7 +83,7 @@ class CNN1D(NeuralModel):
         first_sample: int = 5,
         dropout: float = 0.5,
         learning_rate: float = 1e-4,
-        epochs: int = 50,
+        epochs: int = 40,
         batch_size: int = 200,
         random_state: int = 0,
     ) -> None:

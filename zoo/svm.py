@@ -49,8 +49,11 @@ class FeatureSVM(ModuleModel):
     """Support vector regression, RBF kernel, on the six features of Marano et al.
 
     Source: Angarano et al. 2021, which gives the kernel alone. Features are standardised over
-    the training rows; `gamma` None is 1 / (number of features). `epsilon` (metres) is the error
-    that costs nothing, `c` the largest weight of one support vector.
+    the training rows. `gamma` is the kernel's exp(-gamma |x - s|^2), `epsilon` (metres) the error
+    that costs nothing, `c` (metres) the largest weight of one support vector. On the training
+    rooms of the simulated `rooms`, one room predicting the other, the MAE stays within 5 % for
+    `c` from 0.1 to 1 and `gamma` from 0.05 to 0.5. `c` is small because the expansion sums some
+    2000 opposing weights, and float32 keeps that sum to 1e-5 m only while they are small.
 
     A fit takes time with the square of the rows and keeps a share of them as support vectors,
     so more than `max_train_rows` are thinned to that many, drawn with `random_state`.
@@ -70,10 +73,10 @@ class FeatureSVM(ModuleModel):
     def __init__(
         self,
         cir_samples: int | None = 157,
-        c: float = 1.0,
-        gamma: float | None = None,
-        epsilon: float = 0.05,
-        max_train_rows: int = 3000,
+        c: float = 0.2,
+        gamma: float = 0.3,
+        epsilon: float = 0.07,
+        max_train_rows: int = 4000,
         noise_samples: int = NOISE_SAMPLES,
         peak_fraction: float = PEAK_FRACTION,
         noise_multiple: float = NOISE_MULTIPLE,
@@ -96,9 +99,9 @@ class FeatureSVM(ModuleModel):
         """
         rows, errors = self._thinned(*self._training_rows(X, y))
         preparation = self._preparation(rows.shape[1])
-        machine = SVR(C=self.c, gamma=self._gamma(), epsilon=self.epsilon, tol=TOLERANCE_M)
+        machine = SVR(C=self.c, gamma=self.gamma, epsilon=self.epsilon, tol=TOLERANCE_M)
         machine.fit(preparation.fit(rows), errors)
-        self.module_ = RangeErrorModule(preparation, _expansion(machine, self._gamma())).eval()
+        self.module_ = RangeErrorModule(preparation, _expansion(machine, self.gamma)).eval()
         return self
 
     def _thinned(self, rows: Floats, errors: Floats) -> tuple[Floats, Floats]:
@@ -107,9 +110,6 @@ class FeatureSVM(ModuleModel):
         generator = np.random.default_rng(self.random_state)
         kept = np.sort(generator.choice(len(rows), self.max_train_rows, replace=False))
         return rows[kept], errors[kept]
-
-    def _gamma(self) -> float:
-        return 1 / len(FEATURES) if self.gamma is None else self.gamma
 
     def _preparation(self, width: int) -> Preparation:
         crop = Crop(width, 0, self.cir_samples)
@@ -123,7 +123,7 @@ class FeatureSVM(ModuleModel):
 
     def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:
         vectors = weights["network.vectors"].shape[1]
-        network = RbfExpansion(vectors, len(FEATURES), self._gamma())
+        network = RbfExpansion(vectors, len(FEATURES), self.gamma)
         return RangeErrorModule(self._preparation(width), network)
 
     def __sklearn_tags__(self) -> Any:

@@ -177,6 +177,18 @@ def test_rows_that_are_not_finite_are_refused(fitted: MitigationModel, bad: floa
         fitted.predict(rows)
 
 
+def test_remnet_scaled_by_each_rows_own_maximum_does_not_see_the_level(rows: Rows) -> None:
+    peak, level = (REMnet(epochs=1, scaling=kind).fit(*rows) for kind in ("peak", "global"))
+    louder = 2 * rows[0]  # a power of two: nothing is rounded
+    np.testing.assert_array_equal(peak.predict(louder), peak.predict(rows[0]))
+    assert not np.allclose(level.predict(louder), level.predict(rows[0]))
+
+
+def test_an_unknown_scaling_is_refused(rows: Rows) -> None:
+    with pytest.raises(ValueError, match="'global' or 'peak', got 'loud'"):
+        REMnet(scaling="loud").fit(*rows)
+
+
 def test_progress_reaches_the_end(rows: Rows) -> None:
     seen: list[float] = []
     FeatureMLP(epochs=3).fit(*rows, progress=seen.append)

@@ -73,11 +73,3 @@ def test_rows_are_thinned_by_the_seed_alone(rows: Rows) -> None:
 def test_support_vectors_are_at_most_the_rows_kept(rows: Rows) -> None:
     model = FeatureSVM(max_train_rows=200).fit(*rows)
     assert model.to_module().network.vectors.shape[1] <= 200
-
-
-def test_gamma_is_one_over_the_features_unless_given(rows: Rows) -> None:
-    default, same, other = (
-        FeatureSVM(gamma=gamma).fit(*rows).predict(rows[0]) for gamma in (None, 1 / 6, 1.0)
-    )
-    np.testing.assert_array_equal(default, same)
-    assert not np.allclose(default, other)
