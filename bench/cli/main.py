@@ -20,6 +20,7 @@ COMMANDS = {
     "simulate": "Simulate recordings from a simulator's TOML and a geometry.",
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
+    "challenge": "Hide physics from the diagnosis and score what it says.",
     "plugin": "Start a plug-in package of your own.",
     "doctor": "Say what this machine has, what is missing and how to get it.",
 }

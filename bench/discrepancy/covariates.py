@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bench.discrepancy.observables import SCALARS, Floats
 from bench.recordings.table import CIR_COLUMNS
 
-_MEASURED = {*SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link"}
+# Columns that are measured, not known before; "link" is the unit, not a covariate.
+MEASURED = {*SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link"}
 MAX_CATEGORIES = 24
 MIN_SHARE = 0.02  # a category held by fewer rows is not searched on its own
 
@@ -40,7 +41,7 @@ def covariates(frame: pd.DataFrame) -> Covariates:
     numbers: dict[str, Floats] = {}
     groups: dict[str, NDArray[np.bool_]] = {}
     for column in map(str, frame.columns):
-        if column in _MEASURED:
+        if column in MEASURED or _holds_lists(frame[column], column):
             continue
         if column == "obstacles":
             groups |= _obstacles(frame[column])
@@ -53,6 +54,12 @@ def covariates(frame: pd.DataFrame) -> Covariates:
         else:
             groups |= _categories(column, frame[column])
     return Covariates(numbers, groups | _pairs(frame))
+
+
+def _holds_lists(values: pd.Series, column: str) -> bool:
+    """Return whether cells are lists (obstacles apart, which have masks of their own)."""
+    first = values.iloc[0] if len(values) else None
+    return column != "obstacles" and isinstance(first, list | tuple | np.ndarray | dict)
 
 
 def _categories(column: str, values: pd.Series) -> dict[str, NDArray[np.bool_]]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from scipy.stats import qmc
 
 from bench.discrepancy.gain import Tally, gain, tally
 from bench.discrepancy.world import Added, View, World
@@ -18,6 +19,7 @@ Floats = NDArray[np.float64]
 FIT_MEMBERS = 4
 STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null to the bound
 EVALUATIONS = 60
+ELSEWHERE = 8  # points tried with the other parameters elsewhere
 FLAG = "0 or 1"
 
 
@@ -85,6 +87,8 @@ def screen(objective: Objective) -> Fitted:
     for values in _starts(objective.kind):
         objective(values)
     assert objective.best is not None
+    for values in _elsewhere(objective.kind, objective.best[1]):
+        objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 
@@ -103,6 +107,35 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
         rng = np.random.default_rng(0)
         out += [{p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
     return out
+
+
+def _elsewhere(kind: type[Effect], best: Effect) -> list[dict[str, float]]:
+    """Return points with the other parameters (delays, phases) spread over their bounds.
+
+    A line search along an amplitude sees nothing where an echo's delay is wrong.
+    """
+    free = free_parameters(kind)
+    others = [p for p in free if p.null is None]
+    amplitudes = [p for p in free if p.null is not None]
+    if not others or not amplitudes:
+        return []
+    now = {p.name: float(getattr(best, p.name)) for p in free}
+    points = qmc.Sobol(len(others), seed=0).random(ELSEWHERE)
+    out = []
+    for number, point in enumerate(points):
+        strong = {p.name: _strength(p, now[p.name], number) for p in amplitudes[:1]}
+        spread = {p.name: p.low + u * (p.high - p.low) for p, u in zip(others, point, strict=True)}
+        out.append(now | strong | spread)
+    return out
+
+
+def _strength(item: Parameter, now: float, number: int) -> float:
+    """Return the amplitude found so far, or a fifth, half or three quarters of its bound."""
+    null = float(item.null or 0.0)
+    bound = item.high if item.high - null >= null - item.low else item.low
+    shares = (None, 0.2, 0.5, 0.75)
+    share = shares[number % len(shares)]
+    return now if share is None else null + share * (bound - null)
 
 
 def valued(kind: type[Effect], values: dict[str, float]) -> Effect:

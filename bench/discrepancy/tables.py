@@ -3,8 +3,7 @@
 Where both tables have a link, its rows are compared with each other. Otherwise every recorded
 link is compared with the simulated links nearest to it in the known covariates, so a difference in
 the MIX of covariates is not mistaken for one in the physics: it is reported on its own.
-Effects act on the range and receive level of a table's rows; what they do to a waveform needs the
-simulator itself.
+Effects act on the table's rows: on range and receive level, and on the CIR where both have one.
 """
 
 from __future__ import annotations
@@ -17,17 +16,29 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from bench.discrepancy.covariates import MEASURED
 from bench.discrepancy.ensemble import Ensemble, stack
-from bench.discrepancy.observables import Floats, Observables, Window, observe
-from bench.discrepancy.split import link_codes
+from bench.discrepancy.observables import (
+    SCALARS,
+    Floats,
+    Observables,
+    Window,
+    around,
+    collect,
+    observe,
+    shape_observables,
+)
+from bench.discrepancy.split import Rows, link_codes
 from bench.discrepancy.staged import Stages
 from bench.discrepancy.world import Added, View, measured
 from bench.errors import BenchError
 from bench.physics.base import Base
+from bench.physics.foreign import ForeignTable
 from bench.physics.simulator import Simulator
 
 MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
 CHANGED = ("error_m", "rx_power_dbm")
+KEPT_TABLES = 24
 FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
 
 
@@ -57,16 +68,52 @@ class TableWorld:
     def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
         """Return recorded rows beside `members` matched simulated rows, with effects `added`.
 
-        What the effects do to range and level is computed for each recorded row's own geometry
-        and settings (with against without them, on the same random numbers) and added.
+        Without CIRs, what the effects do to range and level is computed at each recorded row's own
+        geometry and settings (with against without them, on the same random numbers) and added.
         """
         seen = self.observed
         picks = self._matches(view, members, first)
+        if added and any(name.startswith("profile_db") for name in seen.names):
+            numbers = range(first, first + members)
+            made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
+            return stack(view.recorded, made, view.links)
         replicas = []
         for number, pick in enumerate(picks):
             values = seen.values[pick] + self._change(seen, view, added, first + number)
             replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
+
+    def _with_cir(
+        self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
+    ) -> Observables:
+        """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
+        key = (id(view.rows), pick.tobytes())
+        if key not in self._tables:
+            while len(self._tables) >= KEPT_TABLES:
+                self._tables.pop(next(iter(self._tables)))
+            self._tables[key] = view.rows, ForeignTable(self._rows_at(view, pick))
+        made = self._tables[key][1].observe(added, self.seed, replicate)
+        scalars = {name: np.asarray(getattr(made, name), np.float64) for name in SCALARS}
+        assert made.cir is not None
+        assert made.first_path_index is not None
+        period = np.full(len(made), made.sample_period_ns)
+        cir = around(made.cir, made.first_path_index, period, self.window)
+        shape = shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
+        return collect(scalars, shape)
+
+    @cached_property
+    def _tables(self) -> dict[tuple[int, bytes], tuple[Rows, ForeignTable]]:
+        """Matched tables that are remembered, with the rows they were matched to."""
+        return {}
+
+    def _rows_at(self, view: View, pick: NDArray[np.intp]) -> pd.DataFrame:
+        """Return matched rows: what was measured from the table, all else as recorded."""
+        theirs = self.frame.iloc[pick].reset_index(drop=True)
+        known = [name for name in view.frame if name not in MEASURED]
+        error = self.observed.column("error_m")[pick]
+        kept = theirs[[name for name in theirs if name in MEASURED]]
+        out = pd.concat([view.frame[known].reset_index(drop=True), kept], axis=1)
+        return out.assign(error_m=error, range_m=view.scene.true_range_m + error)
 
     def _change(self, seen: Observables, view: View, added: Added, replicate: int) -> Floats:
         """Return what the effects change, [n, p]; zero for observables of the waveform."""
