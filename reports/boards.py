@@ -90,9 +90,10 @@ class Board:
 
     @property
     def devices(self) -> list[str]:
-        """Every device some entry has an estimate for, in order of appearance."""
-        names = [one.device for entry in self.entries for one in entry.estimates]
-        return list(dict.fromkeys(names))
+        """Every device some entry has a figure for, in order of appearance."""
+        estimates = [one for entry in self.entries for one in entry.estimates]
+        known = [one.device for one in estimates if one.latency_us or one.energy_mj]
+        return list(dict.fromkeys(known))
 
 
 def make_boards(results: Results, machine: str | None = None) -> list[Board]:

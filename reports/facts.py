@@ -105,6 +105,10 @@ def _versions(board: Board) -> Iterator[str]:
 
 def _replaced(board: Board) -> Iterator[str]:
     if board.older_data:
-        yield f"left out: {board.older_data} records on older data of the same name"
+        yield f"left out, on older data of the same name: {_records(board.older_data)}"
     if board.older_code:
-        yield f"left out: {board.older_code} records replaced by newer code, versions or runs"
+        yield f"left out, replaced by newer code, versions or runs: {_records(board.older_code)}"
+
+
+def _records(number: int) -> str:
+    return "1 record" if number == 1 else f"{number} records"

@@ -72,7 +72,7 @@ def _section(board: Board) -> Document:
 
 def _estimates(board: Board) -> Document:
     if not board.devices:
-        return []
+        return _device_reasons(board.entries)
     latency = [_estimate(board, device, lambda one: one.latency_us) for device in board.devices]
     energy = [_estimate(board, device, lambda one: one.energy_mj) for device in board.devices]
     return [

@@ -50,13 +50,12 @@ def timing_of(runs: Iterable[Run], timings: Sequence[Timing]) -> tuple[Timing | 
     same model, backend and data (another seed or split: same operators) comes back with False.
     """
     runs = list(runs)
-    hashes = {run.artifact_sha256 for run in runs if run.artifact_sha256}
-    exact = [timing for timing in timings if timing.artifact_sha256 in hashes]
-    if exact:
-        return _newest(exact), True
     kinds = {(run.key.model, run.key.backend, run.key.data) for run in runs}
     alike = [timing for timing in timings if _kind(timing) in kinds]
-    return _newest(alike), False
+    # Two backends can write the same bytes and run them differently: the hash alone is not enough.
+    hashes = {run.artifact_sha256 for run in runs if run.artifact_sha256}
+    exact = [timing for timing in alike if timing.artifact_sha256 in hashes]
+    return (_newest(exact), True) if exact else (_newest(alike), False)
 
 
 def _kind(timing: Timing) -> tuple[str, str, str]:

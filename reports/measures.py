@@ -151,7 +151,10 @@ def _throughput(entry: Entry) -> Figure:
     if entry.timing is None:
         return NOTHING
     value = entry.timing.throughput_rows_per_s
-    return _cost(entry, Cell(count(value) + _dagger(entry)), value)
+    cell = Cell(count(value) + _dagger(entry))
+    if any(one.unstable for one in entry.timing.latency):
+        return Figure(replace(cell, details=("unstable",)))
+    return _cost(entry, cell, value)
 
 
 def _peak_memory(entry: Entry) -> Figure:

@@ -153,6 +153,14 @@ def test_without_its_own_timing_one_of_the_same_kind_is_marked(tmp_path: Path) -
     assert entry.latency(64) is None
 
 
+def test_the_same_bytes_under_another_backend_keep_their_own_timing(tmp_path: Path) -> None:
+    plain, graph = (files.run("m", b, artifact_sha256="same") for b in ("fp32", "graph"))
+    found = board(tmp_path, plain, graph, files.timing(plain, 10), files.timing(graph, 20))
+    medians = {entry.backend: entry.latency(1).median_us for entry in found.entries}
+    assert medians == {"fp32": 10, "graph": 20}
+    assert all(entry.own_timing for entry in found.entries)
+
+
 def test_a_timing_of_another_backend_or_data_is_never_used(tmp_path: Path) -> None:
     run = files.run("remnet", "fp32")
     others = [

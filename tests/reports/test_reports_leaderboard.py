@@ -118,6 +118,7 @@ def test_an_unstable_timing_is_marked_and_cannot_win(tmp_path: Path) -> None:
     )
     assert table["a fp32"]["Latency, batch 1 (µs)"] == "5.00<br>[4.90, 5.10] unstable"
     assert table["b fp32"]["Latency, batch 1 (µs)"].startswith("**9.00**")
+    assert table["a fp32"]["Throughput (rows/s)"] == "16,000<br>unstable"
 
 
 def test_a_timing_with_other_weights_carries_a_dagger(tmp_path: Path) -> None:
@@ -162,6 +163,13 @@ def test_a_reason_for_some_models_names_the_pairs(tmp_path: Path) -> None:
     assert "- edge-tpu: runs int8 only (a/fp32)" in text
 
 
+def test_a_device_that_can_run_nothing_has_no_column_but_a_reason(tmp_path: Path) -> None:
+    never = files.Estimate("edge-tpu", None, None, "runs int8 only")
+    text = markdown(tmp_path, files.run(estimates=[never]))
+    assert "(est.):" not in text.split("## How to read it")[0]
+    assert "- edge-tpu: runs int8 only (every model on fp32)" in text
+
+
 def test_measured_energy_stands_beside_the_estimates(tmp_path: Path) -> None:
     run = files.run()
     measured = files.timing(run, energy_mj=files.Interval(2.0, 1.9, 2.1))
@@ -194,9 +202,12 @@ def test_what_the_figures_rest_on(tmp_path: Path) -> None:
         "mlp", versions={"torch": "3"}, code_hash="beef", nlos=files.score(raw_mae=0.13)
     )
     stale = files.run("mlp", versions={"torch": "1"}, created_utc="2020-01-01")
+    staler = files.run("mlp", versions={"torch": "0"}, created_utc="2019-01-01")
     foreign = files.run("mlp", data_fingerprint="old", created_utc="2020-01-01")
     machine = {"cpu": "Chip", "cores": 2, "flags": ["avx2"], "ram": {"gb": 8}, "dump": "x" * 500}
-    text = markdown(tmp_path, run, other, stale, foreign, files.timing(run, machine=machine))
+    text = markdown(
+        tmp_path, run, other, stale, staler, foreign, files.timing(run, machine=machine)
+    )
     for line in (
         "- remnet/fp32: every row scored as NLoS: no labels",
         "- data: rooms, SIMULATED, fingerprint 0123456789abcdef",
@@ -208,8 +219,8 @@ def test_what_the_figures_rest_on(tmp_path: Path) -> None:
         "- versions: torch 3",
         "- WARNING: rows made with 2 different sets of versions",
         "- code that made the rows: beef, c0de",
-        "- left out: 1 records on older data of the same name",
-        "- left out: 1 records replaced by newer code, versions or runs",
+        "- left out, on older data of the same name: 1 record",
+        "- left out, replaced by newer code, versions or runs: 2 records",
         "- newest record: 2026-03-01T10:00:00+00:00",
     ):
         assert line in text.splitlines()

@@ -18,6 +18,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A current folder with `results` in it."""
     run = files.run()
     files.write(tmp_path / "results", run, files.timing(run), files.run("mlp", data="apartment"))
+    files.write(tmp_path / "untimed", run)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -95,7 +96,8 @@ def test_a_plot_of_a_device_shows_its_estimate(folder: Path) -> None:
         (("--plot", "a.pdf"), r"--plot a\.pdf: expected a name ending in \.svg or \.png"),
         (("--device", "cortex-a53"), "expected --plot FILE beside it"),
         (("--plot", "a", "--device", "cortex-a5"), "did you mean 'cortex-a53'"),
-        (("--plot", "a", "--device", "edge-tpu"), "nothing to plot"),
+        (("--plot", "a", "--device", "edge-tpu"), "unknown device 'edge-tpu'"),
+        (("--results", "untimed", "--plot", "a"), "nothing to plot: .* a measured latency"),
         (("--out", "results"), "cannot write results"),
         (("--out", "results/runs"), "cannot write results/runs"),
     ],

@@ -9,11 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner, Result
 
 from bench.cli.plugin import command
 from bench.errors import BenchError
+from bench.recordings import Recordings, write_recordings
 
 NAME = "ridge-cir"
 LOGS = "office-logs"
@@ -281,3 +284,38 @@ def test_a_broken_plugin_changes_nothing_but_its_own_line(
     assert found[NAME][2] is None
     assert {"none", "remnet", "svm"} < set(found)
     assert all(problem is None for _, _, problem in found.values())
+
+
+def tiny_table(path: Path) -> Path:
+    """Write recordings whose error shows in one sample of the CIR."""
+    rng = np.random.default_rng(0)
+    rows, links = 240, 12
+    error_m = rng.uniform(0.0, 0.5, rows)
+    cirs = rng.rayleigh(50.0, (rows, 157))
+    cirs[:, 7] += 4000.0 * error_m
+    frame = pd.DataFrame(
+        {
+            "range_m": 3.0 + error_m,
+            "true_range_m": 3.0,
+            "cir": list(cirs.astype(np.float32)),
+            "first_path_index": 5.0,
+            "los": False,
+            "link": [f"link-{i % links}" for i in range(rows)],
+        }
+    )
+    write_recordings(Recordings(frame, source="tiny"), path)
+    return path
+
+
+@pytest.mark.slow
+def test_the_harness_benchmarks_it_without_a_line_of_ours(site: Site, tmp_path: Path) -> None:
+    table = tiny_table(tmp_path / "tiny.parquet")
+    out = ("--out", str(tmp_path / "results"), "--split", "link-kfold:3", "--json")
+    asked = ("--model", NAME, "--backend", "fp32", "--data", str(table))
+    run = site.python("-m", "bench", "run", *asked, *out)
+    assert run.returncode == 0, run.stderr
+    (record,) = json.loads(run.stdout)["runs"]
+    assert record["status"] == "ok"
+    assert record["nlos"]["mae_m"]["value"] < 0.2 * record["nlos"]["raw_mae_m"]
+    board = site.python("-m", "bench", "leaderboard", "--results", str(tmp_path / "results"))
+    assert f"| {NAME} | fp32 |" in board.stdout
