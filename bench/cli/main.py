@@ -21,6 +21,7 @@ COMMANDS = {
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
     "challenge": "Hide physics from the diagnosis and score what it says.",
+    "reproduce": "Redo the paper's tables and figures on any recordings.",
     "plugin": "Start a plug-in package of your own.",
     "doctor": "Say what this machine has, what is missing and how to get it.",
 }

@@ -45,7 +45,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Series:
-    """Points of a figure: x, y (and z), with an optional interval of y and the paper's values."""
+    """Points of a figure: x, y (and z), with an optional interval of y.
+
+    `style` overrides how the kind of figure would draw it: a line, a dashed one, or big markers.
+    """
 
     name: str
     x: Sequence[float | str]
@@ -53,7 +56,7 @@ class Series:
     z: Sequence[float] | None = None
     low: Sequence[float] | None = None
     high: Sequence[float] | None = None
-    point_labels: Sequence[str] | None = None
+    style: Literal["", "line", "dashed", "marker"] = ""
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Figure:
 
     name: str
     title: str
-    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram", "heatmap"]
+    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram"]
     x_label: str
     y_label: str
     series: Sequence[Series]
@@ -76,7 +79,8 @@ class Figure:
 class Outcome:
     """One experiment, done. `protocol` says in words what was run and what differs from the paper.
 
-    `simulated` marks every rendering. `elapsed_s` is wall time on the machine it ran on.
+    `simulated` marks every rendering. `elapsed_s` is wall time on the machine it ran on; `key`
+    stands for all that determines the outcome.
     """
 
     experiment: str
@@ -91,6 +95,7 @@ class Outcome:
     notes: Sequence[str] = ()
     elapsed_s: float = 0.0
     host: dict[str, Any] = field(default_factory=dict)
+    key: str = ""
     created_utc: str = ""
     schema_version: int = SCHEMA_VERSION
     kind: str = "reproduction"
@@ -99,6 +104,15 @@ class Outcome:
 def write_outcome(outcome: Outcome, path: Path) -> None:
     """Write an outcome as JSON in one step; figures that are not finite become null."""
     write_atomically(path, json.dumps(_finite(asdict(outcome)), indent=1) + "\n")
+
+
+def read_key(path: Path) -> str | None:
+    """Return the key of an outcome file, None where there is none or it is damaged."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return str(content["key"]) if content["schema_version"] == SCHEMA_VERSION else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _finite(value: Any) -> Any:

@@ -40,6 +40,12 @@ def run_code_hash(model: Plugin, backend: Plugin) -> str:
     return _hash_sources(places | {bench_root / place for place in _SCORING})
 
 
+def packages_code_hash(*places: str) -> str:
+    """Hash the source of whole packages, named by folder (`zoo`, `bench/physics`)."""
+    roots = {place: _package_root_of(place.partition("/")[0]) for place in places}
+    return _hash_sources(root.parent / place for place, root in roots.items())
+
+
 def file_sha256(path: Path) -> str:
     """Return the SHA-256 of a file, in hex."""
     with path.open("rb") as stream:

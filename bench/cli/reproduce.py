@@ -1,0 +1,127 @@
+"""`bench reproduce`: the paper's tables and figures on any recordings."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from bench.errors import BenchError
+from bench.files import atomic_path, write_atomically
+
+if TYPE_CHECKING:
+    from bench.reproduce.api import Reproduction
+
+EPILOG = """\b
+Examples:
+  bench reproduce optimisation --quick
+  bench reproduce all --data rooms --out results
+  bench reproduce cir-size,generalisation --jobs 2
+"""
+
+
+def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if not wanted:
+        return
+    from bench.reproduce.catalogue import experiments
+
+    for one in experiments():
+        click.echo(f"{one.name:<22} {one.summary}")
+    context.exit()
+
+
+@click.command(epilog=EPILOG, no_args_is_help=True)
+@click.argument("names", metavar="NAME[,..]|all")
+@click.option(
+    "--list", is_flag=True, is_eager=True, expose_value=False, callback=_listing,
+    help="List the experiments.",
+)  # fmt: skip
+@click.option(
+    "--data",
+    default="rooms",
+    show_default=True,
+    metavar="NAME|PATH",
+    help="A data set (`bench data list`) or a recordings .parquet or .csv.",
+)
+@click.option("--split", metavar="SPLIT", help="As in `bench run`; default: what suits the data.")
+@click.option("--quick", is_flag=True, help="Fewer rows (whole links) and points, marked QUICK.")
+@click.option(
+    "--out",
+    default="results",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Result folder; runs and sweep points found there are reused.",
+)
+@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for sweeps.")
+@click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for sweeps instead.")
+@click.option("--json", "as_json", is_flag=True, help="Print the outcomes as JSON, nothing else.")
+def command(
+    names: str,
+    data: str,
+    split: str | None,
+    quick: bool,
+    out: Path,
+    jobs: int,
+    scheduler: str | None,
+    as_json: bool,
+) -> None:
+    """Redo the paper's tables and figures, each beside the paper's own numbers.
+
+    Writes a Markdown page per experiment with its pictures (SVG, PNG), and `reproduce.md` over
+    all. Errors are in m, latencies in us, energies in mJ. Interrupted? The same command finishes
+    the rest.
+    """
+    from bench.cli.run_view import RunView
+    from bench.reproduce.api import reproduce
+    from bench.reproduce.catalogue import chosen
+    from bench.reproduce.context import Context
+    from bench.reproduce.spread import Spread
+
+    experiments, spread = chosen(names), Spread(jobs, scheduler)
+    with RunView(quiet=as_json) as view:
+        done = reproduce(experiments, Context(data, out, split, quick, view, spread))
+        view.stage("drawing")
+        pages = _render(done)
+    _tell(done, pages, as_json)
+
+
+def _render(done: Reproduction) -> list[Path]:
+    """Write a page per outcome, its pictures, and the page over all; return the pages."""
+    from reports import ReportError
+    from reports.markdown import to_markdown
+    from reports.reproduction import index_page, outcome_page, pictures, read_outcomes
+
+    try:
+        outcomes = read_outcomes(done.folder)
+    except ReportError as problem:
+        raise BenchError(str(problem)) from problem
+    texts = {f"{one.experiment}.md": outcome_page(one) for one in outcomes}
+    for one in outcomes:
+        for name, save in pictures(one):
+            with atomic_path(done.folder / name) as scratch:
+                save(scratch)
+    texts["reproduce.md"] = index_page(outcomes, done.impossible)
+    for name, document in texts.items():
+        write_atomically(done.folder / name, to_markdown(document))
+    return [done.folder / name for name in texts]
+
+
+def _tell(done: Reproduction, pages: list[Path], as_json: bool) -> None:
+    """Print the outcomes asked for, and where everything is."""
+    if as_json:
+        contents = [json.loads(path.read_text(encoding="utf-8")) for path in done.files]
+        refused = [{"experiment": name, "reason": why} for name, why in done.impossible]
+        click.echo(json.dumps({"outcomes": contents, "impossible": refused}, indent=1))
+        return
+    from rich.console import Console
+
+    from reports.reproduction import outcome_page, read_outcome
+    from reports.terminal import print_document
+
+    for path in done.files:
+        print_document(outcome_page(read_outcome(path), pictured=False), Console())
+    for name, why in done.impossible:
+        click.echo(f"not possible: {name}: {why}")
+    click.echo(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")

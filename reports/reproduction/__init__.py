@@ -1,0 +1,14 @@
+"""Outcome files of a reproduction -> Markdown pages and pictures. Knows files, never models."""
+
+from reports.reproduction.draw import pictures
+from reports.reproduction.load import OutcomeFile, read_outcome, read_outcomes
+from reports.reproduction.pages import index_page, outcome_page
+
+__all__ = [
+    "OutcomeFile",
+    "index_page",
+    "outcome_page",
+    "pictures",
+    "read_outcome",
+    "read_outcomes",
+]

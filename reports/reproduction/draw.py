@@ -1,0 +1,126 @@
+"""Pictures of outcomes, as SVG and PNG. matplotlib without pyplot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reports.figures import MARKERS, save_png, save_svg
+from reports.reproduction.load import FigureFile, OutcomeFile, SeriesFile
+from reports.reproduction.pages import picture_path, standing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INCHES = (7.6, 4.6)
+Save = Callable[[Path], None]
+
+
+def pictures(outcome: OutcomeFile) -> Iterator[tuple[str, Save]]:
+    """Yield (path relative to the page, what writes it) of every picture, SVG and PNG."""
+    for one in outcome.figures:
+        drawn = draw(one, standing(outcome))
+        yield picture_path(outcome, one.name, ".svg"), partial(save_svg, drawn)
+        yield picture_path(outcome, one.name, ".png"), partial(save_png, drawn)
+
+
+def draw(one: FigureFile, data: str) -> Figure:
+    """Return a picture; `data` says what it shows."""
+    from matplotlib.figure import Figure
+
+    kinds = {
+        "lines": _points, "scatter": _points, "histogram": _histogram, "bars": _bars,
+        "scatter3d": _cloud,
+    }  # fmt: skip
+    figure = Figure(figsize=INCHES, layout="constrained")
+    axes: Any = figure.add_subplot(projection="3d" if one.kind == "scatter3d" else None)
+    kinds[one.kind](axes, one)
+    _dress(axes, one, data)
+    return figure
+
+
+def _dress(axes: Any, one: FigureFile, data: str) -> None:
+    axes.set_title(f"{one.title}\n{data}", fontsize=10)
+    axes.set_xlabel(one.x_label)
+    axes.set_ylabel(one.y_label)
+    if one.kind == "scatter3d":
+        axes.set_zlabel(one.z_label)
+    else:
+        axes.grid(alpha=0.3)
+    if one.log_x:
+        axes.set_xscale("log")
+    if one.log_y:
+        axes.set_yscale("log")
+    if one.equal_axes:
+        axes.set_aspect("equal", adjustable="datalim")
+    place = (1.12, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=place)
+
+
+def _numbers(values: Any) -> Any:
+    return np.array([np.nan if value is None else value for value in values], np.float64)
+
+
+def _points(axes: Any, one: FigureFile) -> None:
+    """Draw lines or points, with error bars where the series has an interval."""
+    joined = "-" if one.kind == "lines" else ""
+    for series, marker in zip(one.series, cycle(MARKERS), strict=False):
+        y = _numbers(series.y)
+        if series.style in ("line", "dashed"):
+            dash = "--" if series.style == "dashed" else "-"
+            axes.plot(_numbers(series.x), y, dash, color="black", lw=1, label=series.name)
+            continue
+        big = series.style == "marker"
+        look: dict[str, Any] = {
+            "ms": 10 if big else 4,
+            "ls": "" if big else joined,
+            "zorder": 3 if big else 2,
+        }
+        look["alpha"] = 1.0 if big or joined else 0.6
+        arms = _arms(series, y)
+        axes.errorbar(
+            _numbers(series.x), y, yerr=arms, marker=marker, capsize=3, label=series.name, **look
+        )
+
+
+def _arms(series: SeriesFile, y: Any) -> Any:
+    if series.low is None or series.high is None:
+        return None
+    below, above = y - _numbers(series.low), _numbers(series.high) - y
+    return np.maximum(np.nan_to_num(np.stack([below, above])), 0.0)
+
+
+def _histogram(axes: Any, one: FigureFile) -> None:
+    for series in one.series:
+        x, y = _numbers(series.x), _numbers(series.y)
+        if series.style:
+            axes.plot(x, y, "--", color="black", lw=1, label=series.name)
+        else:
+            axes.fill_between(x, y, step="mid", alpha=0.5, label=series.name)
+
+
+def _bars(axes: Any, one: FigureFile) -> None:
+    """Draw groups of bars: one group per x, one bar per series; dashed ones as a line over each."""
+    names = list(dict.fromkeys(str(x) for series in one.series for x in series.x))
+    solid = [series for series in one.series if not series.style]
+    width = 0.8 / max(1, len(solid))
+    for number, series in enumerate(solid):
+        y = _numbers(series.y)
+        x = np.array([names.index(str(value)) for value in series.x], np.float64)
+        x += (number - (len(solid) - 1) / 2) * width
+        axes.bar(x, y, width, yerr=_arms(series, y), capsize=2, label=series.name)
+    for series in (line for line in one.series if line.style):
+        at = np.array([names.index(str(value)) for value in series.x], np.float64)
+        axes.hlines(_numbers(series.y), at - 0.45, at + 0.45, "black", ls="--", label=series.name)
+    axes.set_xticks(range(len(names)), names, rotation=20, ha="right")
+
+
+def _cloud(axes: Any, one: FigureFile) -> None:
+    for series in one.series:
+        z = _numbers(series.z or ())
+        axes.scatter(_numbers(series.x), _numbers(series.y), z, s=4, alpha=0.5, label=series.name)

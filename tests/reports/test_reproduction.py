@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.errors import ReportError
+from reports.markdown import to_markdown
+from reports.reproduction import index_page, outcome_page, pictures, read_outcome, read_outcomes
+
+
+def row(**changes: Any) -> dict[str, Any]:
+    made = {"label": ["remnet"], "quantity": "MAE", "unit": "m", "paper": 0.0687, "note": ""}
+    return {**made, "ours": {"value": 0.0701, "low": 0.065, "high": 0.075}, **changes}
+
+
+def series(**changes: Any) -> dict[str, Any]:
+    made = {"name": "ours", "x": [1, 2], "y": [0.1, None], "z": None, "low": None, "high": None}
+    return {**made, "style": "", **changes}
+
+
+def figure(kind: str = "lines", **changes: Any) -> dict[str, Any]:
+    made: dict[str, Any] = {name: f"{name} (m)" for name in ("x_label", "y_label", "z_label")}
+    made |= dict.fromkeys(("log_x", "log_y", "equal_axes"), False)
+    return {**made, "name": kind, "title": "A", "kind": kind, "series": [series()], **changes}
+
+
+def outcome(**changes: Any) -> dict[str, Any]:
+    table = {"title": "T", "labels": ["model"], "rows": [row()], "digits": 4, "notes": ["a note"]}
+    made: dict[str, Any] = {"experiment": "optimisation", "title": "Optimisation", "data": "rooms"}
+    made |= {"data_fingerprint": "ab", "simulated": True, "quick": False, "protocol": "As said."}
+    made |= {"tables": [table], "figures": [figure()], "notes": [], "elapsed_s": 3.0}
+    made |= {"host": {"cpu": "Example", "cores": 2}, "created_utc": "2026-01-01T00:00:00+00:00"}
+    return {**made, "schema_version": 1, "kind": "reproduction", **changes}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "optimisation.json").write_text(json.dumps(outcome()))
+    return tmp_path
+
+
+def page(folder: Path, **changes: Any) -> str:
+    path = folder / "optimisation.json"
+    path.write_text(json.dumps(outcome(**changes)))
+    return to_markdown(outcome_page(read_outcome(path)))
+
+
+def test_ours_the_papers_and_the_difference_stand_below_each_other(folder: Path) -> None:
+    lines = page(folder).splitlines()
+    start = lines.index("| model |  | MAE (m) |")
+    assert lines[start + 2 : start + 5] == [
+        "| remnet | ours | 0.0701<br>[0.0650, 0.0750] |",
+        "|  | paper | 0.0687 |",
+        "|  | diff. | +0.0014 |",
+    ]
+
+
+def test_without_a_figure_of_the_papers_there_is_no_line_for_it(folder: Path) -> None:
+    table = outcome()["tables"][0] | {"rows": [row(paper=None, ours=3)]}
+    text = page(folder, tables=[table])
+    assert "| remnet | 3 |" in text
+    assert "paper |" not in text
+
+
+def test_what_is_not_finite_or_unknown_is_no_number(folder: Path) -> None:
+    nothing = {"value": None, "low": None, "high": None}
+    rows = [row(ours=nothing), row(label=["mlp"], ours=None), row(label=["svm"], ours="none")]
+    text = page(folder, tables=[outcome()["tables"][0] | {"rows": rows}])
+    assert "| remnet | ours | n/a |" in text
+    assert "| mlp | ours | – |" in text
+    assert "| svm | ours | none |" in text
+
+
+def test_simulated_and_quick_are_said_on_the_page_and_the_picture(folder: Path) -> None:
+    assert "Recordings: rooms (SIMULATED, QUICK)." in page(folder, quick=True)
+    for name, save in pictures(read_outcome(folder / "optimisation.json")):
+        path = folder / Path(name).name
+        save(path)
+        if path.suffix == ".svg":
+            assert "rooms (SIMULATED, QUICK)" in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("lines", {"low": [0.05, None], "high": [0.2, None]}),
+        ("scatter", {"style": "marker"}),
+        ("scatter", {"style": "dashed"}),
+        ("histogram", {}),
+        ("bars", {"x": ["big", "small"], "low": [0.05, 0.1], "high": [0.2, 0.3]}),
+        ("bars", {"x": ["big", "small"], "style": "dashed"}),
+        ("scatter3d", {"z": [1.0, 2.0]}),
+    ],
+)
+def test_every_kind_of_picture_is_drawn_twice(
+    kind: str, changes: dict[str, Any], folder: Path
+) -> None:
+    path = folder / "optimisation.json"
+    made = figure(kind, series=[series(z=[0.0, 1.0]), series(**changes)], log_y=True)
+    path.write_text(json.dumps(outcome(figures=[made])))
+    drawn = dict(pictures(read_outcome(path)))
+    assert list(drawn) == [f"figures/optimisation-{kind}{end}" for end in (".svg", ".png")]
+    for name, save in drawn.items():
+        save(folder / Path(name).name)
+    assert (folder / f"optimisation-{kind}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_index_holds_every_outcome_and_what_was_not_possible(folder: Path) -> None:
+    (folder / "rooms.json").write_text(json.dumps(outcome(experiment="rooms", title="Rooms")))
+    text = to_markdown(index_page(read_outcomes(folder), [("pca", "no CIR")]))
+    assert "## Optimisation" in text
+    assert "## Rooms" in text
+    assert "](figures/rooms-lines.svg)" in text
+    assert "- pca: no CIR" in text
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "{",
+        "[]",
+        json.dumps(outcome(kind="run")),
+        json.dumps(outcome(schema_version=2)),
+        json.dumps(outcome(tables=[{"title": "x"}])),
+        json.dumps(outcome(figures=[figure(name="../../evil")])),
+        json.dumps(outcome(experiment="../up")),
+        json.dumps(outcome(figures=[figure(kind="pie")])),
+        json.dumps(outcome(figures=[figure(series=[series(x=[1])])])),
+        json.dumps(outcome(figures=[figure(series=[series(x=["a", "b"])])])),
+        json.dumps(outcome(figures=[figure("scatter3d")])),
+    ],
+)
+def test_what_is_no_outcome_is_refused_in_one_line(content: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.json"
+    path.write_text(content)
+    with pytest.raises(ReportError, match=r"bad\.json") as caught:
+        read_outcome(path)
+    assert "\n" not in str(caught.value)
