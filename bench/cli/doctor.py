@@ -10,18 +10,21 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import click
 
 from bench.errors import BenchError
 from bench.files import cache_dir, write_atomically
-from bench.measure.energy import host_meter
+from bench.measure.cpu import INTEGER_DOT
+from bench.measure.energy import NoMeter, host_meter
 from bench.measure.machine import describe_machine
 from bench.plugins import Group, plugins
 
-PACKAGES = ("torch", "onnx", "onnxruntime", "onnxscript", "numpy", "numba", "scipy", "scikit-learn",
-            "pandas", "pyarrow", "matplotlib", "pooch", "rich", "click")  # fmt: skip
+PACKAGES = (
+    *("torch", "onnx", "onnxruntime", "onnxscript", "numpy", "numba", "scipy", "scikit-learn"),
+    *("pandas", "pyarrow", "matplotlib", "pooch", "psutil", "rich", "click"),
+)
 Verdict = Literal["ok", "missing", "info"]
 
 
@@ -73,29 +76,20 @@ def _python() -> Iterator[Finding]:
 def _machine() -> Iterator[Finding]:
     machine = describe_machine()
     sets = ", ".join(machine["instruction_sets"]) or "not listed by this system"
-    yield Finding("processor", "ok", f"{machine['cpu']}, {machine['cores']} cores, {_memory()}")
+    yield Finding("processor", "ok", f"{machine['cpu']}, {machine['cores']} cores")
+    yield Finding("memory", "ok", f"{machine['memory_gib']} GiB")
     yield Finding("instruction sets", "info", sets, _integer_advice(machine["instruction_sets"]))
     pinning = "yes" if hasattr(os, "sched_setaffinity") else "no: timings are not pinned to a core"
     yield Finding("core pinning", "info", pinning)
     meter = host_meter()
-    yield Finding("energy counters (RAPL)", "info", meter.how, _energy_advice(meter.how))
-
-
-def _memory() -> str:
-    import psutil
-
-    return f"{psutil.virtual_memory().total / 2**30:.0f} GiB memory"
+    advice = "energy stays an estimate from device profiles" if isinstance(meter, NoMeter) else ""
+    yield Finding("energy counters (RAPL)", "info", meter.how, advice)
 
 
 def _integer_advice(sets: list[str]) -> str:
-    fast = {"avx512_vnni", "avx_vnni", "amx_int8", "asimddp", "i8mm"}
-    if fast & set(sets) or not sets:
+    if set(INTEGER_DOT) & set(sets) or not sets:
         return ""
     return "no 8-bit dot products (VNNI, SDOT): int8 runs, but gains little speed here"
-
-
-def _energy_advice(how: str) -> str:
-    return "" if how.startswith("RAPL") else "energy stays an estimate from device profiles"
 
 
 def _places() -> Iterator[Finding]:
@@ -130,8 +124,7 @@ def _data_sets() -> Iterator[Finding]:
 
 
 def _broken_plugins() -> Iterator[Finding]:
-    groups: tuple[Group, ...] = ("models", "backends", "datasets", "effects", "devices")
-    for group in groups:
+    for group in get_args(Group):
         for plugin in plugins(group):
             problem = plugin.problem()
             if problem is not None:

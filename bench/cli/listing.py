@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import Any
 
-import click
-
+from bench.cli.console import print_json, print_table
 from bench.plugins import Group, Plugin, plugins
 
 
 def show(group: Group, title: str, as_json: bool) -> None:
-    """Print every plug-in of a group as a table, or as JSON."""
+    """Print every plug-in of a group as a table, or as JSON. Imports none that is built in."""
     facts = [_facts(plugin) for plugin in plugins(group)]
     if as_json:
-        click.echo(json.dumps(facts, indent=1))
+        print_json(facts)
         return
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for column in ("name", "what it is", "from"):
-        table.add_column(column, overflow="fold")
-    for one in facts:
-        what = one["problem"] or one["summary"]
-        table.add_row(one["name"], what, one["distribution"])
-    Console().print(table)
+    rows = [(one["name"], one["problem"] or one["summary"], one["distribution"]) for one in facts]
+    print_table(title, ("name", "what it is", "from"), rows)
 
 
 def _facts(plugin: Plugin) -> dict[str, Any]:

@@ -6,56 +6,47 @@ import hashlib
 import os
 import platform
 from functools import cache
-from pathlib import Path
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-INSTRUCTION_SETS = (
-    *("sse4_2", "avx", "avx2", "fma", "avx512f", "avx512_vnni", "avx_vnni", "amx_int8"),
-    *("asimd", "asimddp", "i8mm"),
-)
+from bench.measure.cpu import processor
 
-
-@cache
-def _described() -> tuple[tuple[str, Any], ...]:
-    flags = _cpu_flags()
-    facts: dict[str, Any] = {
-        "cpu": _cpu_model(),
-        "cores": os.cpu_count() or 1,
-        "instruction_sets": [name for name in INSTRUCTION_SETS if name in flags],
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-    }
-    facts["id"] = hashlib.sha256(repr(sorted(facts.items())).encode()).hexdigest()[:12]
-    return tuple(facts.items())
+RUNTIME_PACKAGES = ("numpy", "onnxruntime")
+"""What a timing runs on besides Python; another version is another machine."""
 
 
 def describe_machine() -> dict[str, Any]:
-    """Return cpu, cores, instruction_sets, system, python and an `id` that hashes these.
+    """Return cpu, cores, memory_gib, instruction_sets, system, python, versions and an `id`.
 
-    Host names, users and serial numbers are left out on purpose.
+    The id hashes all the others but the memory, which systems round as they like. Host names,
+    users and serial numbers are left out on purpose.
     """
     return dict(_described())
 
 
-def _cpu_model() -> str:
-    for line in _cpuinfo():
-        name, _, value = line.partition(":")
-        if name.strip() in ("model name", "Model"):
-            return value.strip()
-    return platform.processor() or "unknown"
+@cache
+def _described() -> tuple[tuple[str, Any], ...]:
+    name, sets = processor()
+    facts: dict[str, Any] = {
+        "cpu": name,
+        "cores": os.cpu_count() or 1,
+        "instruction_sets": sets,
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {package: _version(package) for package in RUNTIME_PACKAGES},
+    }
+    digest = hashlib.sha256(repr(sorted(facts.items())).encode()).hexdigest()[:12]
+    return tuple({**facts, "memory_gib": _memory_gib(), "id": digest}.items())
 
 
-def _cpu_flags() -> set[str]:
-    """Return the instruction sets Linux lists; empty on other systems, which do not list them."""
-    for line in _cpuinfo():
-        name, _, value = line.partition(":")
-        if name.strip() in ("flags", "Features"):
-            return set(value.split())
-    return set()
-
-
-def _cpuinfo() -> list[str]:
+def _version(package: str) -> str:
     try:
-        return Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return []
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _memory_gib() -> float:
+    import psutil
+
+    return round(int(psutil.virtual_memory().total) / 2**30, 1)
