@@ -30,6 +30,7 @@ class RunView(Observer):
             TimeElapsedColumn(),
             console=console,
             transient=True,
+            disable=quiet or not console.is_terminal,
         )
         self._overall: TaskID | None = None
         self._current: TaskID | None = None

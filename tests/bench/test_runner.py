@@ -54,7 +54,7 @@ def table(tmp_path: Path) -> Path:
 
 def test_run_scores_every_pair_and_reuses_it(table: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    ask = {"model": "none,mlp", "backend": "fp32,int8", "split": "link-kfold:3", "out": out}
+    ask = {"model": "none,mlp", "backend": "fp32,int8", "split": "link-kfold:2", "out": out}
     first = bench.run(data=str(table), **ask)
     assert not first.failures
     states = {(r.key.model, r.key.backend): r.status for r in first.runs}
@@ -80,18 +80,18 @@ def test_same_seed_same_numbers_elsewhere(table: Path, tmp_path: Path) -> None:
     figures = []
     for place in ("one", "two"):
         os.environ["BENCH_CACHE"] = str(tmp_path / f"cache-{place}")
-        done = bench.run("mlp", "fp32", str(table), split="link-kfold:3", out=tmp_path / place)
+        done = bench.run("mlp", "fp32", str(table), split="link-kfold:2", out=tmp_path / place)
         figures.append((done.runs[0].nlos, done.runs[0].weights_sha256))
     assert figures[0] == figures[1]
 
 
 def test_a_damaged_artifact_is_made_again(table: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = bench.run("none", "fp32", str(table), split="link-kfold:3", out=out)
+    done = bench.run("none", "fp32", str(table), split="link-kfold:2", out=out)
     artifact = out / str(done.runs[0].artifact)
     artifact.write_bytes(b"truncated")
     assert ResultFolder(out).find_run(done.runs[0].key.digest()) is None
-    bench.run("none", "fp32", str(table), split="link-kfold:3", out=out)
+    bench.run("none", "fp32", str(table), split="link-kfold:2", out=out)
     assert ResultFolder(out).find_run(done.runs[0].key.digest()) is not None
 
 
@@ -100,7 +100,7 @@ def test_another_data_set_is_another_run(tmp_path: Path) -> None:
     for seed in (0, 1):
         path = tmp_path / "same-name.parquet"
         write_recordings(tiny(seed=seed), path)
-        done = bench.run("none", "fp32", str(path), split="link-kfold:3", out=tmp_path / "out")
+        done = bench.run("none", "fp32", str(path), split="link-kfold:2", out=tmp_path / "out")
         keys.add(done.runs[0].key.digest())
     assert len(keys) == 2
 
@@ -154,7 +154,7 @@ def test_full_disk_is_one_line_and_leaves_no_half_file(
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(BenchError, match="No space left"):
-        bench.run("none", "fp32", str(table), split="link-kfold:3", out=tmp_path / "out")
+        bench.run("none", "fp32", str(table), split="link-kfold:2", out=tmp_path / "out")
     assert [p for p in (tmp_path / "out").rglob("*") if p.is_file()] == []
 
 
@@ -162,7 +162,7 @@ def test_full_disk_is_one_line_and_leaves_no_half_file(
 def test_killed_run_keeps_what_was_finished(table: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     ask = ["run", "--model", "none,mlp", "--backend", "all", "--seeds", "5", "--data", str(table),
-           "--split", "link-kfold:3", "--out", str(out)]  # fmt: skip
+           "--split", "link-kfold:2", "--out", str(out)]  # fmt: skip
     victim = subprocess.Popen(
         [sys.executable, "-m", "bench", *ask], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
