@@ -73,3 +73,17 @@ def test_rows_are_thinned_by_the_seed_alone(rows: Rows) -> None:
 def test_support_vectors_are_at_most_the_rows_kept(rows: Rows) -> None:
     model = FeatureSVM(max_train_rows=200).fit(*rows)
     assert model.to_module().network.vectors.shape[1] <= 200
+
+
+def test_float32_keeps_the_sum_of_opposing_weights_to_a_hundredth_of_a_millimetre() -> None:
+    generator = np.random.default_rng(7)
+    links = np.repeat(np.arange(30), 60)  # rows of one link follow one another, as in recordings
+    decay = np.exp(-np.clip(np.arange(157) - 5, 0, None) / (5 + links[:, None]))
+    cirs = generator.rayleigh(60 + 9000 * decay).astype(np.float32)
+    errors = (0.05 * links + generator.choice([-0.3, 0.4], 30)[links]).astype(np.float32)
+    module = FeatureSVM().fit(cirs, errors).to_module()
+    with torch.no_grad():
+        features = module.preparation(torch.from_numpy(cirs))
+        single = module.network(features).numpy()
+        double = module.network.double()(features.double()).numpy()
+    np.testing.assert_allclose(single, double, atol=1e-5)
