@@ -178,6 +178,6 @@ def equivalents(explanation: Explanation, seed: int, share: float = 0.5) -> tupl
     for other in others:
         ahead = gain_interval(other.tally, best.tally, seed)
         close = other.gain.value >= share * best.gain.value
-        if close and other.gain.above_zero and not ahead.above_zero:
+        if close and other.gain.likely_above_zero and not ahead.above_zero:
             same.append(other)
     return tuple(same)

@@ -80,7 +80,8 @@ class Search:
     def explain(self, added: Added, located: Located) -> Explanation:
         """Fit the library on the fit links, score it on the discover links."""
         focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
-        world, kinds = self.world, self.kinds
+        have = {physics_name(effect) for effect in added}
+        world, kinds = self.world, {n: k for n, k in self.kinds.items() if n not in have}
         return explain(world, self.fit, self.discover, added, kinds, focus, self.seed, self.tell)
 
 
@@ -106,11 +107,11 @@ def diagnose(search: Search) -> Diagnosis:
 
 
 def _best(explanation: Explanation | None) -> Contender | None:
-    """Return the contender to add: a gain beyond the margin with its whole interval above zero."""
+    """Return the contender to add: a gain beyond the margin, its one-sided bound above zero."""
     if explanation is None or not explanation.contenders:
         return None
     best = explanation.contenders[0]
-    return best if best.gain.above_zero and best.gain.value > MARGIN else None
+    return best if best.gain.likely_above_zero and best.gain.value > MARGIN else None
 
 
 def _with(added: Added, effect: Effect) -> Added:

@@ -29,6 +29,11 @@ class Estimate:
         """True where the whole interval is above zero."""
         return self.low > 0
 
+    @property
+    def likely_above_zero(self) -> bool:
+        """True where the one-sided 95 % bound is above zero (the interval taken as normal)."""
+        return self.value - (self.value - self.low) * 1.645 / 1.960 > 0
+
     def __str__(self) -> str:
         return f"{self.value:.3g} {self.unit} [{self.low:.3g}, {self.high:.3g}]".replace("  ", " ")
 

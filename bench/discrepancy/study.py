@@ -115,6 +115,7 @@ def study(
     found = Diagnosis(found.verdicts, found.added, found.rounds, {**skipped, **found.skipped})
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
     extra = unnamed_effect(world, fit, found.added, rest[0].findings) if rest else None
+    extra = extra if extra and _helps(world, discover, found.added, extra, asked.seed) else None
     added = (*found.added, extra) if extra else found.added
     tell("confirming on links that nothing was tuned on")
     confirmed = confirm(world, look(split.confirm.open(), asked.confirm_rows), added, asked.seed)
@@ -129,6 +130,15 @@ def _world(simulated: Simulator | Recordings, window: Window, seed: int) -> Worl
     if isinstance(simulated, Recordings):
         return TableWorld(simulated.frame, window, seed)
     return Resimulation(simulated, window)
+
+
+def _helps(world: World, held: View, added: Added, extra: Effect, seed: int) -> bool:
+    """Return whether an unnamed discrepancy improves the score of links it was not fitted on."""
+    ensembles = [
+        world.ensemble(held, effects, CONFIRM_MEMBERS, CONFIRM_FIRST - CONFIRM_MEMBERS)
+        for effects in (added, (*added, extra))
+    ]
+    return gain_interval(tally(ensembles[0]), tally(ensembles[1]), seed).above_zero
 
 
 def thinned(rows: Rows, links: NDArray[np.intp], most: int) -> Rows:

@@ -77,6 +77,7 @@ def test_covariates_take_numbers_groups_obstacles_and_unknown_extras():
             "humidity": [0.1, 0.2, 0.1, 0.3],
             "tx": ["a", "a", "b", "b"],
             "rx": ["c", "d", "c", "d"],
+            "obstacle_thickness_m": [[0.1], [], [0.1, 0.2], []],
             "obstacles": [["wall"], [], ["wall", "door"], []],
         }
     )

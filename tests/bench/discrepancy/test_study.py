@@ -22,6 +22,7 @@ from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import from_toml, to_toml
@@ -165,6 +166,17 @@ def test_table_against_table(paired):
     assert found.diagnosis.verdicts[0].names == ("temperature-drift",)
     assert found.simulator is None
     assert found.mix["true_range_m"][1] > 0.01
+
+
+def test_table_with_cirs_takes_effects_on_the_waveform():
+    rows = _rows(0, links=12)
+    hidden = BASE.with_effect(PulseRinging(ring_db=-9.0, ring_delay_ns=8.0))
+    recorded = Recordings(hidden.simulate(rows, 1).frame, "test")
+    other = Recordings(BASE.simulate(rows, 2).frame, "other", simulator="theirs")
+    options = Options(search_rows=30, fit_rows=24)
+    found = study(recorded, other, options, kinds={"pulse-ringing": PulseRinging})
+    assert "pulse-ringing" in {name for group in found.diagnosis.names for name in group}
+    assert found.confirmed.gain.above_zero
 
 
 def test_tables_without_overlap_are_refused():
