@@ -19,7 +19,7 @@ from bench.results import Interval
 
 POWERCAP = Path("/sys/class/powercap")
 BURSTS = 6  # the fewest whose extremes enclose their median with 95 % confidence
-BURST_S = 0.5
+BURST_S = 0.2  # two hundred updates of the counters
 Burst = Callable[[float], int]
 """Runs calls for about that many seconds; returns how many."""
 

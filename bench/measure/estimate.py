@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 from bench.errors import BenchError
@@ -103,8 +104,8 @@ def call_of(cost: NetworkCost, precision: str, rows: int = 1) -> Call:
         if layer.macs:
             key = (layer.kind, layer.dtype)
             work[key] = work.get(key, 0) + layer.macs
-    kernels = sum(layer.kind != "move" for layer in cost.layers)
-    return Call(precision, rows, kernels, sum(layer.outputs for layer in cost.layers), work)
+    outputs = sum(layer.outputs for layer in cost.layers)
+    return Call(precision, rows, _kernels(cost.layers, precision), outputs, work)
 
 
 def latency_us(values: Values, call: Call) -> float:
@@ -137,6 +138,20 @@ def unsuitable(profile: Profile, cost: NetworkCost, precision: str) -> str | Non
     return _too_big(profile, "flash", _flash_kib(profile, cost)) or _too_big(
         profile, "RAM", _ram_kib(profile, cost, precision)
     )
+
+
+def _kernels(layers: Sequence[Layer], precision: str) -> int:
+    """Return how many kernels a runtime launches.
+
+    A half-precision file still holds its activations apart, but every runtime joins them to the
+    weighted layer before them on loading.
+    """
+    launched = [layer for layer in layers if layer.kind != "move"]
+    joined = 0
+    if precision == "fp16":
+        pairs = pairwise(launched)
+        joined = sum(bool(a.macs) and b.kind == "elementwise" for a, b in pairs)
+    return len(launched) - joined
 
 
 def _energy(values: Values, call: Call, taken_us: float) -> float:
