@@ -32,8 +32,8 @@ from bench.physics.units import (
     wavelength_m,
 )
 
-LEAD_SAMPLES = 24  # simulated before the straight path, so that an early edge can be found
-LATE_SAMPLES = 48  # after it, so that an edge 14 m late still has its whole CIR
+LEAD_SAMPLES = 16  # simulated before the straight path, so that an early edge can be found
+LATE_SAMPLES = 36  # after it, so that an edge 10 m late still has its whole CIR
 RAYLEIGH_STD = float(np.sqrt(2 - np.pi / 2))  # std of |n| per std of its real part
 
 

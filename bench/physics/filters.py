@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from bench.physics.loops import compiled, filter_rows, parts
 from bench.physics.units import Complexes, Floats, Reals
 
 
 def convolved(waveform: Complexes, taps: Floats) -> Complexes:
     """Return `waveform` [n, S] filtered with 2R + 1 real taps, the middle one at lag zero."""
-    reach = len(taps) // 2
-    padded = np.pad(waveform, ((0, 0), (reach, reach))).view(np.float32)
-    return _weighted(padded, taps[::-1].astype(np.float32), waveform.shape)
+    lags = np.arange(len(taps)) - len(taps) // 2
+    return filtered(waveform, lags, np.asarray(taps))
 
 
-def delayed(waveform: Complexes, by_samples: float) -> Complexes:
-    """Return `waveform` [n, S] later by a positive number of samples (cubic Lagrange between)."""
-    whole = int(np.floor(by_samples))
-    taps = lagrange(np.asarray(by_samples - whole))
-    padded = np.pad(waveform, ((0, 0), (whole + 2, 1))).view(np.float32)
-    return _weighted(padded, taps[::-1], waveform.shape)
-
-
-def _weighted(padded: Reals, weights: Reals, shape: tuple[int, ...]) -> Complexes:
-    """Return sum_k weights[k] x the columns from k on; `padded` holds parts side by side."""
-    made = np.zeros((shape[0], 2 * shape[1]), np.float32)
-    part = np.empty_like(made)
-    for lag, weight in enumerate(weights):
-        made += np.multiply(padded[:, 2 * lag : 2 * lag + made.shape[1]], weight, out=part)
+def filtered(waveform: Complexes, lags: NDArray[np.intp], taps: Floats | Complexes) -> Complexes:
+    """Return the sum over taps of tap x `waveform` [n, S] later by its lag in samples."""
+    made = np.empty((len(waveform), 2 * waveform.shape[1]), np.float32)
+    real, imag = (np.asarray(part, np.float32) for part in (np.real(taps), np.imag(taps)))
+    compiled(filter_rows)(made, parts(waveform), np.asarray(lags, np.intp), real, imag)
     return made.view(np.complex64)
+
+
+def echo_taps(delay_samples: float, factor: complex) -> tuple[NDArray[np.intp], Complexes]:
+    """Return lags and taps of a waveform plus `factor` times itself later by some samples."""
+    whole = int(np.floor(delay_samples))
+    late = lagrange(np.asarray(delay_samples - whole)) * factor
+    lags = np.concatenate([[0], whole + np.arange(-1, 3)])
+    return lags, np.concatenate([[1.0], late]).astype(np.complex64)
 
 
 def lagrange(fraction: Floats) -> Reals:
@@ -43,10 +43,16 @@ def lagrange(fraction: Floats) -> Reals:
     return np.array(weights, np.float32)
 
 
-def filtered(noise: Complexes, taps: Floats) -> Complexes:
-    """Return `noise` [n, S] through a causal filter, circular along the samples."""
-    wrapped = np.concatenate([noise[:, len(noise[0]) - len(taps) + 1 :], noise], axis=1)
-    return _weighted(wrapped.view(np.float32), taps[::-1].astype(np.float32), noise.shape)
+def coloured(noise: Complexes, lags: Floats) -> Complexes:
+    """Return white `noise` [n, S] with the autocorrelation `lags` at lags 1, 2, ..; same power.
+
+    The first samples take their past from the row's last ones.
+    """
+    taps = moving_average(lags)
+    made = filtered(noise, np.arange(len(taps)), taps)
+    for lag in range(1, len(taps)):
+        made[:, :lag] += np.float32(taps[lag]) * noise[:, -lag:]
+    return made
 
 
 def moving_average(lags: Floats, passes: int = 4096) -> Floats:

@@ -10,12 +10,11 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bench.physics.loops import Ints, compiled, image_rows, parts
 from bench.physics.materials import material, reflection
 from bench.physics.units import Complexes, Floats
 
-Ints = NDArray[np.intp]
 _STEPS = 2000
 
 
@@ -39,29 +38,18 @@ def image_paths(
     the materials of side walls, floor and ceiling.
     """
     image = orders(highest)
-    mirrored = np.where(image % 2 == 0, tx[:, None], -tx[:, None])
-    source = mirrored + (image + image % 2) * room[:, None]
-    way = source - rx[:, None]
-    length = np.sqrt(np.einsum("nqa,nqa->nq", way, way))
-    cosine = np.abs(way) / np.maximum(length, 1e-6)[:, :, None]
-    return length, _coefficients(image, cosine, walls, ghz)
+    length = np.empty((len(tx), len(image)))
+    factor = np.empty((len(tx), len(image)), np.complex64)
+    tables = np.stack([parts(_table(name, ghz)[None, :])[0] for name in walls])
+    ends = np.ascontiguousarray(np.column_stack([tx, rx, room]), np.float64)
+    compiled(image_rows)(length, parts(factor), ends, image, floor_hits(image[:, 2]), tables)
+    return length, factor
 
 
-def _coefficients(
-    image: Ints, cosine: Floats, walls: tuple[str, str, str], ghz: float
-) -> Complexes:
-    """Return the product of the Fresnel coefficients of all reflections of each image [n, Q]."""
-    side, floor, ceiling = (_table(name, ghz) for name in walls)
-    step = np.rint(cosine * _STEPS).astype(np.int16)
-    total = np.ones(cosine.shape[:2], np.complex64)
-    for at, counts in enumerate(np.abs(image)):
-        for axis in (0, 1):
-            if counts[axis]:
-                total[:, at] *= side[step[:, at, axis]] ** int(counts[axis])
-        if counts[2]:
-            low, high = floor_ceiling(image[at, 2:])
-            total[:, at] *= (floor ** int(low[0]) * ceiling ** int(high[0]))[step[:, at, 2]]
-    return total
+def floor_hits(image: Ints) -> Ints:
+    """Return how often images along z meet the floor (z = 0); the ceiling has the rest."""
+    count = np.abs(image)
+    return np.where(image < 0, (count + 1) // 2, count // 2)
 
 
 @lru_cache(maxsize=64)
@@ -69,11 +57,3 @@ def _table(name: str, ghz: float) -> Complexes:
     """Return a material's reflection coefficient at _STEPS + 1 cosines of incidence, 0 to 1."""
     angle = np.arccos(np.linspace(0, 1, _STEPS + 1))
     return reflection(material(name).permittivity(ghz), angle).astype(np.complex64)
-
-
-def floor_ceiling(image: Ints) -> tuple[Ints, Ints]:
-    """Return how often image `image` along z meets the floor (z = 0) and the ceiling."""
-    count = np.abs(image)
-    negative_first = (count + 1) // 2
-    low = np.where(image < 0, negative_first, count // 2)
-    return low, count - low

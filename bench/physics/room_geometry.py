@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -143,19 +144,34 @@ def _with_obstacles(frame: pd.DataFrame, links: _Links, rng: np.random.Generator
     link = np.repeat(np.arange(len(links.rows)), links.rows)
     step = np.concatenate([np.arange(size) for size in links.rows])
     first = frame.index.to_numpy() - step
-    sideways = _sideways(frame, first)
-    columns: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
     drawn = [_drawn(links, at, rng) for at in range(len(links.rows))]
-    for row, at in enumerate(link):
-        kinds, thick, place, near, far, angle = drawn[at]
-        moved = sideways[row] * place
-        columns["obstacles"].append(kinds)
-        columns["obstacle_thickness_m"].append(thick)
-        columns["obstacle_at"].append(place)
-        columns["obstacle_clearance_m"].append(np.maximum(near + moved, 0.02))
-        columns["obstacle_far_clearance_m"].append(np.maximum(far - moved, 0.02))
-        columns["obstacle_incidence_deg"].append(angle)
-    return frame.assign(**columns)
+    kinds = [each[0] for each in drawn]
+    count = np.array([len(each) for each in kinds], np.intp)
+    padded = np.full((len(drawn), 5, max(1, count.max(initial=0))), np.nan)
+    for at, each in enumerate(drawn):
+        padded[at, :, : count[at]] = each[1:]
+    thick, place, near, far, angle = np.moveaxis(padded[link], 1, 0)
+    moved = _sideways(frame, first)[:, None] * place
+    edges = np.maximum(near + moved, 0.02), np.maximum(far - moved, 0.02)
+    columns = [_cells(each, count[link]) for each in (thick, place, *edges, angle)]
+    columns = [_objects(kinds)[link], *columns]
+    return frame.assign(**dict(zip(_COLUMNS, columns, strict=True)))
+
+
+def _objects(cells: Sequence[Any]) -> NDArray[Any]:
+    """Return an array with one cell per entry, whatever it holds."""
+    made = np.empty(len(cells), object)
+    made[:] = list(cells)
+    return made
+
+
+def _cells(padded: Floats, count: NDArray[np.intp]) -> NDArray[Any]:
+    """Return the first `count` [n] values of each row of `padded` [n, M] as one array each."""
+    made = np.empty(len(padded), object)
+    for size in np.unique(count):
+        rows = np.flatnonzero(count == size)
+        made[rows] = _objects(list(padded[rows, :size]))
+    return made
 
 
 _COLUMNS = (

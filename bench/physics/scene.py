@@ -144,7 +144,7 @@ def _padded(column: pd.Series, kinds: NDArray[np.int16]) -> Floats:
     if not np.array_equal(sizes, (kinds >= 0).sum(axis=1)):
         raise BenchError(f"{column.name}: expected one value per entry of 'obstacles'")
     made = np.full(kinds.shape, np.nan)
-    made[kinds >= 0] = np.fromiter((v for cell in cells for v in cell), np.float64, sizes.sum())
+    made[kinds >= 0] = np.concatenate([np.empty(0), *cells])
     return made
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
+Item = TypeVar("Item")
 CHUNK = 16 * BLOCK
 
 
@@ -67,39 +69,52 @@ def simulate_to(
     Row i gets the same numbers however the geometry is cut into frames. Memory holds one chunk.
     Raises BenchError naming `source` where it has no rows or no true range, or writing fails.
     """
-    import pyarrow.parquet as pq
-
     tally = Tally()
-    with atomic_path(target) as scratch:
+    with atomic_path(target) as scratch, ExitStack() as opened:
         writer: pq.ParquetWriter | None = None
-        try:
-            for frame in rechunked(geometry, CHUNK):
-                table = _simulated(simulator, frame, tally, source)
-                if writer is None:
-                    plain = [name for name in table.schema.names if name not in CIR_COLUMNS]
-                    writer = pq.ParquetWriter(
-                        scratch, table.schema, compression="zstd", use_dictionary=plain
-                    )
-                writer.write_table(table.cast(writer.schema))
-                if progress is not None:
-                    progress(tally.rows)
-        finally:
-            if writer is not None:
-                writer.close()
+        written = 0
+        frames = opened.enter_context(closing(ahead(rechunked(geometry, CHUNK))))
+        made = (_simulated(simulator, frame, tally, source) for frame in frames)
+        for table in opened.enter_context(closing(ahead(made))):
+            if writer is None:
+                writer = opened.enter_context(_writer(scratch, table.schema))
+            writer.write_table(table.cast(writer.schema))
+            written += table.num_rows
+            if progress is not None:
+                progress(written)
         if writer is None:
             raise BenchError(f"{source}: no rows to simulate at")
     return tally
+
+
+def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
+    """Return a writer of recordings in chunks."""
+    import pyarrow.parquet as pq
+
+    plain = [name for name in schema.names if name not in CIR_COLUMNS]
+    return pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=plain)
 
 
 def _simulated(simulator: Simulator, frame: pd.DataFrame, tally: Tally, source: str) -> pa.Table:
     """Return a chunk's simulated recordings as an Arrow table, and count its rows."""
     made = simulator.observe(scene(frame, source), first_row=tally.rows)
     tally.add(made.error_m)
-    table = made.table(frame)
-    whole = Recordings(
-        table, simulator.name, "simulated", simulator=to_toml(simulator), seed=simulator.seed
+    text = to_toml(simulator)
+    return to_arrow(
+        Recordings(
+            made.table(frame), simulator.name, "simulated", simulator=text, seed=simulator.seed
+        )
     )
-    return to_arrow(whole)
+
+
+def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:
+    """Yield `items`, each made in a thread while the one before is in use. Close it when done."""
+    steps, end = iter(items), object()
+    with ThreadPoolExecutor(1) as thread:
+        coming: Future[Any] = thread.submit(next, steps, end)
+        while (item := coming.result()) is not end:
+            coming = thread.submit(next, steps, end)
+            yield item
 
 
 def rechunked(frames: Iterable[pd.DataFrame], rows: int) -> Iterator[pd.DataFrame]:

@@ -46,3 +46,9 @@ def absolute(values: Complexes) -> Reals:
     """Return |values|, several times faster than numpy's hypot-based abs."""
     made = squared(values)
     return np.asarray(np.sqrt(made, out=made), np.float32)
+
+
+def energy(values: Complexes) -> Reals:
+    """Return sum |values|^2 [n] over the samples of each row [n, S]."""
+    flat = np.ascontiguousarray(values).view(np.float32)
+    return np.asarray(np.einsum("ns,ns->n", flat, flat))

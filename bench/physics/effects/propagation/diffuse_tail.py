@@ -47,7 +47,7 @@ class DiffuseTail(Effect):
     static: float = parameter(0.3, "ratio", 0, 1, "of a tap's power that a link keeps")
     room_scaling: int = parameter(1, "0 or 1", 0, 1, "decays follow the size of the room")
     open_space_db: float = parameter(-15, "dB", -60, 0, "level where there is no room")
-    length_ns: float = parameter(180, "ns", 10, 1000, "where the tail is cut")
+    length_ns: float = parameter(165, "ns", 10, 1000, "where the tail is cut")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the tail's taps, the first at the straight line's delay."""
@@ -55,13 +55,16 @@ class DiffuseTail(Effect):
         scale = self._room_scale(batch.rows)
         profile = self._profile(batch, draws, taps, scale)
         profile /= np.sum(profile, axis=1, keepdims=True)
-        fresh = draws.complex_normal(len(batch), taps)
+        made = draws.complex_normal(len(batch), taps)
         if self.static > 0:
             kept = draws.group_complex(batch.rows.group("link"), taps)
-            fresh = np.float32(np.sqrt(1 - self.static)) * fresh
-            fresh += np.float32(np.sqrt(self.static)) * kept
-        size = np.sqrt(profile) * self._total(batch)[:, None]
-        return batch.with_tail((fresh * size).astype(np.complex64), np.zeros(len(batch)))
+            kept *= np.float32(np.sqrt(self.static))
+            made *= np.float32(np.sqrt(1 - self.static))
+            made += kept
+        np.sqrt(profile, out=profile)
+        profile *= self._total(batch)[:, None]
+        made *= profile
+        return batch.with_tail(made, np.zeros(len(batch)))
 
     def _total(self, batch: Batch) -> Reals:
         """Return the root of the tail's total power [n] in sqrt(mW)."""

@@ -33,7 +33,7 @@ class SmallScaleFading(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Draw every path's and tap's power anew."""
-        straight = _faded(draws, self.direct_m, batch.gain.shape)
+        straight = _faded(draws, self.direct_m, (len(batch), 1))
         other = _faded(draws, self.path_m, batch.gain.shape)
         gain = batch.gain * np.where(batch.direct, straight, other)
         tail = batch.tail * _faded(draws, self.tail_m, batch.tail.shape)

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.filters import filtered, moving_average
+from bench.physics.filters import coloured
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, Floats, amplitude
 
@@ -43,8 +43,9 @@ class NoiseFloor(Effect):
             return made
         if batch.as_given:
             return replace(made, noise=batch.noise + self._missing(batch, ratio, draws))
-        coloured = self._coloured(batch.noise) * ratio.astype(np.float32)[:, None]
-        return replace(made, noise=coloured)
+        noise = self._coloured(batch.noise)
+        noise *= ratio.astype(np.float32)[:, None]
+        return replace(made, noise=noise)
 
     def _missing(self, batch: Batch, ratio: Floats, draws: Draws) -> Complexes:
         """Return the noise that a table's own, of known power, lacks; it cannot be taken away."""
@@ -54,6 +55,4 @@ class NoiseFloor(Effect):
         return self._coloured(draws.complex_normal(*batch.noise.shape)) * size[:, None]
 
     def _coloured(self, noise: Complexes) -> Complexes:
-        """Filter along the samples, circularly, keeping the power."""
-        taps = moving_average(np.array([self.lag_1, self.lag_2, self.lag_3]))
-        return filtered(noise, taps)
+        return coloured(noise, np.array([self.lag_1, self.lag_2, self.lag_3]))

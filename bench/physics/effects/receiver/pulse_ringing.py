@@ -8,9 +8,9 @@ import numpy as np
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.filters import convolved, delayed
+from bench.physics.filters import convolved, echo_taps, filtered
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, amplitude
+from bench.physics.units import Complexes, amplitude, energy
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,12 @@ class PulseRinging(Effect):
         """Filter signal and noise-free waveform; noise is left as it is."""
         if batch.waveform is None:
             return batch
-        before = np.sum(np.abs(batch.waveform) ** 2, axis=1, keepdims=True)
+        before = energy(batch.waveform)
         waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
-        after = np.maximum(np.sum(np.abs(waveform) ** 2, axis=1, keepdims=True), 1e-20)
-        return replace(batch, waveform=waveform * np.sqrt(before / after))
+        kept = np.sqrt(before / np.maximum(energy(waveform), 1e-20)).astype(np.float32)
+        waveform = waveform.copy() if waveform is batch.waveform else waveform
+        waveform *= kept[:, None]
+        return replace(batch, waveform=waveform)
 
     def _widened(self, waveform: Complexes) -> Complexes:
         """Convolve with the Gaussian that makes the pulse `widening` times as wide."""
@@ -57,5 +59,4 @@ class PulseRinging(Effect):
         if self.ring_db <= -60:
             return waveform
         turn = np.exp(1j * np.radians(self.ring_phase_deg)) * amplitude(self.ring_db)
-        echo = delayed(waveform, self.ring_delay_ns / period_ns)
-        return waveform + np.complex64(turn) * echo
+        return filtered(waveform, *echo_taps(self.ring_delay_ns / period_ns, complex(turn)))

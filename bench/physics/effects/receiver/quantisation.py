@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.loops import compiled, parts, quantise_rows
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes
 
@@ -37,18 +38,14 @@ class Quantisation(Effect):
             return batch
         if self.step_counts == 0 and self.offset_counts == 0:
             return batch
-        noise = self._rounded(batch.noise + self._offset(batch, draws)[:, None])
-        return replace(batch, waveform=self._rounded(batch.waveform + noise) - noise, noise=noise)
-
-    def _rounded(self, values: Complexes) -> Complexes:
-        """Return values rounded to steps and clipped, real and imaginary parts each."""
+        added = batch.noise + self._offset(batch, draws)[:, None]
         if self.step_counts == 0:
-            return values
-        step = np.float32(self.step_counts)
-        parts = np.rint(values.view(np.float32) / step) * step
-        np.clip(parts, -self.limit_counts, self.limit_counts, out=parts)
-        made: Complexes = parts.view(np.complex64)
-        return made
+            return replace(batch, noise=added)
+        signal, noise = np.empty_like(batch.waveform), np.empty_like(added)
+        limits = np.float32(self.step_counts), np.float32(self.limit_counts)
+        arrays = (parts(each) for each in (signal, noise, batch.waveform, added))
+        compiled(quantise_rows)(*arrays, *limits)
+        return replace(batch, waveform=signal, noise=noise)
 
     def _offset(self, batch: Batch, draws: Draws) -> Complexes:
         angle = 2 * np.pi * draws.group_uniform(batch.rows.group("rx"))

@@ -1,0 +1,123 @@
+"""The inner loops of the simulator, compiled by numba when first run.
+
+Each makes one pass over arrays that numpy would walk a dozen times, making temporary arrays whose
+fresh memory costs more than the arithmetic. Complex values stand as real and imaginary parts side
+by side. They are plain Python functions too, which is how the tests check them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.units import Complexes, Floats, Reals
+
+Parts = NDArray[np.float32]
+Ints = NDArray[np.intp]
+
+
+@lru_cache(maxsize=16)
+def compiled(loop: Callable[..., None]) -> Callable[..., None]:
+    """Return a loop as machine code that lets other threads run."""
+    import numba
+
+    made: Callable[..., None] = numba.njit(nogil=True, cache=True, fastmath=True)(loop)
+    return made
+
+
+def parts(values: Complexes) -> Parts:
+    """Return complex values [n, S] as float32 [n, 2 S]: real and imaginary parts side by side."""
+    made: Any = np.ascontiguousarray(values, np.complex64).view(np.float32)
+    return np.asarray(made)
+
+
+def add_paths(made: Parts, place: Reals, gain: Parts, pulses: Reals) -> None:
+    """Add to `made` [n, 2 S] each path's pulse at `place` [n, P] samples from sample 0."""
+    steps, width, samples = pulses.shape[0] - 1, pulses.shape[1], made.shape[1] // 2
+    for row in range(place.shape[0]):
+        for path in range(place.shape[1]):
+            real, imag = gain[row, 2 * path], gain[row, 2 * path + 1]
+            at = int(np.floor(place[row, path]))
+            first = at - width // 2 + 1
+            if (real == 0 and imag == 0) or first < 0 or first + width > samples:
+                continue
+            step = int((place[row, path] - at) * steps + 0.5)
+            for lag in range(width):
+                made[row, 2 * (first + lag)] += real * pulses[step, lag]
+                made[row, 2 * (first + lag) + 1] += imag * pulses[step, lag]
+
+
+def add_tail(made: Parts, first: Reals, taps: Parts, pulses: Reals) -> None:
+    """Add to `made` [n, 2 S] the pulses of taps [n, 2 G]; tap 0's begins at `first` [n]."""
+    steps, width, samples = pulses.shape[0] - 1, pulses.shape[1], made.shape[1] // 2
+    for row in range(taps.shape[0]):
+        at = int(np.floor(first[row]))
+        step = int((first[row] - at) * steps + 0.5)
+        for lag in range(width):
+            weight = pulses[step, lag]
+            low = max(0, -(at + lag))
+            high = min(taps.shape[1] // 2, samples - at - lag)
+            for part in range(2 * low, 2 * high):
+                made[row, part + 2 * (at + lag)] += weight * taps[row, part]
+
+
+def filter_rows(made: Parts, values: Parts, lags: Ints, real: Reals, imag: Reals) -> None:
+    """Write to `made` [n, 2 S] the sum over taps of (real + i imag) x `values` later by lag."""
+    samples = values.shape[1] // 2
+    for row in range(values.shape[0]):
+        made[row] = 0
+        for tap in range(lags.shape[0]):
+            lag, a, b = lags[tap], real[tap], imag[tap]
+            for at in range(max(0, lag), min(samples, samples + lag)):
+                x, y = values[row, 2 * (at - lag)], values[row, 2 * (at - lag) + 1]
+                made[row, 2 * at] += a * x - b * y
+                made[row, 2 * at + 1] += a * y + b * x
+
+
+def quantise_rows(
+    signal: Parts, noise: Parts, waveform: Parts, added: Parts, step: float, limit: float
+) -> None:
+    """Write to `noise` the rounded `added`, to `signal` what is left of the rounded sum.
+
+    All [n, 2 S]; the sum is `waveform` and rounded noise, rounded and clipped to +-`limit`.
+    """
+    for row in range(waveform.shape[0]):
+        for part in range(waveform.shape[1]):
+            low = np.rint(added[row, part] / step) * step
+            whole = np.rint((waveform[row, part] + low) / step) * step
+            noise[row, part] = low
+            signal[row, part] = min(max(whole, -limit), limit) - low
+
+
+def image_rows(
+    length: Floats, factor: Parts, ends: Floats, image: Ints, low: Ints, tables: Parts
+) -> None:
+    """Write lengths [n, Q] and reflection coefficients [n, 2 Q] of image paths.
+
+    `ends` [n, 9] holds positions of tx, rx and the room's size, `image` [Q, 3] the images, `low`
+    [Q] how often each meets the floor, `tables` [3, 2 (T + 1)] the coefficients of side walls,
+    floor and ceiling over the cosine of incidence.
+    """
+    steps = tables.shape[1] // 2 - 1
+    for row in range(ends.shape[0]):
+        for q in range(image.shape[0]):
+            way, total = np.zeros(3), 0.0
+            for axis in range(3):
+                m, room = image[q, axis], ends[row, 6 + axis]
+                at = ends[row, axis] if m % 2 == 0 else -ends[row, axis]
+                way[axis] = at + (m + m % 2) * room - ends[row, 3 + axis]
+                total += way[axis] * way[axis]
+            far = np.sqrt(total)
+            length[row, q] = far
+            a, b = 1.0, 0.0
+            for axis in range(3):
+                step = int(abs(way[axis]) / max(far, 1e-6) * steps + 0.5)
+                for hit in range(abs(image[q, axis])):
+                    which = 0 if axis < 2 else (1 if hit < low[q] else 2)
+                    c, d = tables[which, 2 * step], tables[which, 2 * step + 1]
+                    a, b = a * c - b * d, a * d + b * c
+            factor[row, 2 * q], factor[row, 2 * q + 1] = a, b
