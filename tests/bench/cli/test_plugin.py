@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -204,17 +205,27 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
     return made
 
 
+BROKEN = {
+    "absent": ("import a_library_nobody_has", "ModuleNotFoundError: No module named"),
+    "raises": ("1 / 0", "ZeroDivisionError: division by zero"),
+    "exits": ("raise SystemExit('stop')", "SystemExit: stop"),
+    "garbled": ("def (", "SyntaxError: invalid syntax"),
+    "empty": ("", "AttributeError: module 'bad_empty' has no attribute 'Bad'"),
+}
+
+
 @pytest.fixture
-def broken(site: Site) -> Any:
-    """Install a second plug-in that cannot be imported; remove it afterwards."""
+def broken(site: Site) -> Iterator[None]:
+    """Install plug-ins that cannot be loaded; remove them afterwards."""
     metadata = site.folder / "bad_plugin-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: bad-plugin\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[bench.models]\nbad = bad_plugin:Bad\n")
-    module = site.folder / "bad_plugin.py"
-    module.write_text("import a_library_nobody_has\n")
-    yield module
-    for path in (module, *metadata.iterdir()):
+    lines = [f"{name} = bad_{name}:Bad" for name in BROKEN]
+    (metadata / "entry_points.txt").write_text("\n".join(["[bench.models]", *lines]))
+    for name, (source, _) in BROKEN.items():
+        (site.folder / f"bad_{name}.py").write_text(source)
+    yield
+    for path in (*site.folder.glob("bad_*.py"), *metadata.iterdir()):
         path.unlink()
     metadata.rmdir()
 
@@ -236,54 +247,28 @@ def test_a_data_set_is_found_and_read_by_its_name(site: Site, tmp_path: Path) ->
     assert run.stdout == "[0.1]\n", run.stderr
 
 
-LISTING = """
-import json
-from bench.plugins import plugins
-found = plugins("models")
-print(json.dumps({p.name: [p.distribution, p.summary(), p.problem()] for p in found}))
-"""
-
-
-def models(site: Site) -> dict[str, list[str | None]]:
-    """Return distribution, summary and problem of every model, as the harness finds them."""
-    run = site.python("-c", LISTING)
+def models(site: Site) -> dict[str, dict[str, Any]]:
+    """Return what `bench models` says of every model."""
+    run = site.python("-m", "bench", "models", "--json")
     assert run.returncode == 0, run.stderr
-    found: dict[str, list[str | None]] = json.loads(run.stdout)
-    return found
+    return {model["name"]: model for model in json.loads(run.stdout)}
 
 
 def test_the_harness_finds_it_without_a_line_of_ours(site: Site) -> None:
-    distribution, summary, problem = models(site)[NAME]
-    assert distribution == NAME
-    assert summary == "Ridge regression on the CIR: one weight per sample, found in closed form."
-    assert problem is None
+    found = models(site)[NAME]
+    assert found["distribution"] == NAME
+    assert found["summary"].startswith("Ridge regression on the CIR: one weight per sample")
+    assert found["problem"] is None
 
 
-@pytest.mark.parametrize(
-    ("source", "reason"),
-    [
-        (
-            "import a_library_nobody_has",
-            "ModuleNotFoundError: No module named 'a_library_nobody_has'",
-        ),
-        ("1 / 0", "ZeroDivisionError: division by zero"),
-        ("raise SystemExit('stop')", "SystemExit: stop"),
-        ("def (", "SyntaxError: invalid syntax"),
-        ("Good = 1", "AttributeError: module 'bad_plugin' has no attribute 'Bad'"),
-    ],
-)
-def test_a_broken_plugin_changes_nothing_but_its_own_line(
-    site: Site, broken: Path, source: str, reason: str
-) -> None:
-    broken.write_text(source)
+def test_a_broken_plugin_changes_nothing_but_its_own_line(site: Site, broken: None) -> None:
     found = models(site)
-    distribution, _, problem = found.pop("bad")
-    assert distribution == "bad-plugin"
-    assert problem is not None
-    assert problem.startswith(f"unavailable: {reason}")
-    assert found[NAME][2] is None
-    assert {"none", "remnet", "svm"} < set(found)
-    assert all(problem is None for _, _, problem in found.values())
+    for name, (_, reason) in BROKEN.items():
+        bad = found.pop(name)
+        assert bad["distribution"] == "bad-plugin"
+        assert bad["problem"].startswith(f"unavailable: {reason}")
+    assert {"none", "remnet", "svm", NAME} < set(found)
+    assert all(model["problem"] is None for model in found.values())
 
 
 def tiny_table(path: Path) -> Path:
