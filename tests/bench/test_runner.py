@@ -161,8 +161,8 @@ def test_full_disk_is_one_line_and_leaves_no_half_file(
 @pytest.mark.slow
 def test_killed_run_keeps_what_was_finished(table: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    ask = ["run", "--model", "none", "--backend", "fp32,graph", "--seeds", "4", "--data", str(table),
-           "--split", "link-kfold:2", "--out", str(out)]  # fmt: skip
+    ask = ["run", "--model", "none", "--backend", "fp32,graph", "--seeds", "4"]
+    ask += ["--data", str(table), "--split", "link-kfold:2", "--out", str(out)]
     victim = subprocess.Popen(
         [sys.executable, "-m", "bench", *ask], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
