@@ -8,6 +8,7 @@ from reports.load import Interval
 from reports.seeds import SeedMean
 
 UNKNOWN = "–"
+SMALLEST_PLAIN = 0.001
 
 
 def metres(value: float) -> str:
@@ -28,11 +29,13 @@ def count(value: float) -> str:
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """Return a number with that many significant digits, never in exponent form."""
+    """Return a number with that many significant digits; with an exponent below 0.001."""
     if not math.isfinite(value):
         return "n/a"
     if value == 0:
         return "0"
+    if abs(value) < SMALLEST_PLAIN:
+        return f"{value:.{digits - 1}e}"
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
     return f"{value:,.{decimals}f}"
 

@@ -286,7 +286,14 @@ def test_the_same_files_give_the_same_bytes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.0, "0"), (0.00012345, "0.000123"), (1.0, "1.00"), (99.96, "100.0"), (-12345.6, "-12,346")],
+    [
+        (0.0, "0"),
+        (0.0012345, "0.00123"),
+        (0.00012345, "1.23e-04"),
+        (1.0, "1.00"),
+        (99.96, "100.0"),
+        (-12345.6, "-12,346"),
+    ],
 )
 def test_three_significant_digits(value: float, text: str) -> None:
     from reports.numbers import significant
