@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 import click
+from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from bench.results import Estimate, Interval, Latency, RunRecord, Score, TimingRecord
+from bench.results import Estimate, Interval, Latency, RunRecord, TimingRecord
 from bench.runner.observer import Observer
 
 if TYPE_CHECKING:
@@ -89,8 +90,12 @@ def print_summary(outcome: RunSet) -> None:
     if done:
         console.print(_title(done[0]), highlight=False)
         console.print(_accuracy_table(done, outcome.timings))
-    for run in done[:1] if len(done) == 1 else []:
-        console.print(_device_table(run))
+    for note in dict.fromkeys(
+        f"{r.key.model} on {r.key.backend}: {r.note}" for r in done if r.note
+    ):
+        console.print(note, highlight=False, markup=False, soft_wrap=True)
+    if len(done) == 1:
+        console.print(_device_table(done[0]))
     for run in (one for one in outcome.runs if one.status == "skipped"):
         click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
     click.echo(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
@@ -108,57 +113,63 @@ def _title(run: RunRecord) -> str:
     return "\n".join(lines)
 
 
-def _accuracy_table(runs: Iterable[RunRecord], timings: Iterable[TimingRecord]) -> Table:
+def _accuracy_table(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) -> Table:
     timed = {(one.model, one.backend, one.data): one for one in timings}
-    table = Table(caption="brackets: 95 % interval over links; latency: this host, one thread")
-    for title in ("model", "backend", "seed", "NLoS MAE [m]", "R2", "sigma [m]", "LoS MAE [m]",
-                  "latency [us]", "batch 4 [us]", "file [kB]", "int. kernels"):  # fmt: skip
-        table.add_column(title, justify="left" if title in ("model", "backend") else "right")
+    several = len({run.key.seed for run in runs}) > 1
+    table = Table(
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        caption="below a figure: 95 % interval over links; latency: measured here, one thread",
+    )
+    for title in ("model", "backend", *(["seed"] if several else [])):
+        table.add_column(title, no_wrap=True)
+    for title in (
+        "NLoS MAE\n[m]",
+        "R2",
+        "sigma\n[m]",
+        "LoS MAE\n[m]",
+        "latency\n[us]",
+        "file\n[kB]",
+    ):
+        table.add_column(title, justify="right", no_wrap=True)
     for run in runs:
         timing = timed.get((run.key.model, run.key.backend, run.key.data))
-        table.add_row(*_accuracy_cells(run, timing))
+        seed = [str(run.key.seed)] if several else []
+        table.add_row(run.key.model, run.key.backend, *seed, *_figures(run, timing))
     return table
 
 
-def _accuracy_cells(run: RunRecord, timing: TimingRecord | None) -> list[str]:
-    by_batch: dict[int, Latency] = {one.batch: one for one in timing.latency} if timing else {}
-    size = f"{run.size.file_bytes / 1000:.1f}" if run.size else ""
+def _figures(run: RunRecord, timing: TimingRecord | None) -> list[str]:
+    nlos, los = run.nlos, run.los
     return [
-        run.key.model,
-        run.key.backend,
-        str(run.key.seed),
-        *_score_cells(run.nlos, full=True),
-        *_score_cells(run.los, full=False),
-        *(_latency(by_batch.get(batch)) for batch in (1, 4)),
-        size,
-        run.integer_kernels or "-",
+        _interval(nlos.mae_m, 4, "\n") if nlos else "-",
+        f"{nlos.r2.value:.3f}" if nlos else "-",
+        f"{nlos.sigma_m.value:.4f}" if nlos else "-",
+        _interval(los.mae_m, 4, "\n") if los else "-",
+        _latency(timing.latency[0] if timing else None),
+        f"{run.size.file_bytes / 1000:.1f}" if run.size else "-",
     ]
 
 
-def _score_cells(score: Score | None, full: bool) -> list[str]:
-    if score is None:
-        return ["-"] * (3 if full else 1)
-    cells = [_interval(score.mae_m, 4)]
-    return [*cells, f"{score.r2.value:.3f}", f"{score.sigma_m.value:.4f}"] if full else cells
-
-
-def _interval(figure: Interval, digits: int) -> str:
+def _interval(figure: Interval, digits: int, gap: str = " ") -> str:
     text = f"{figure.value:.{digits}f}"
     if figure.low is None or figure.high is None:
         return text
-    return f"{text} ({figure.low:.{digits}f}..{figure.high:.{digits}f})"
+    return f"{text}{gap}{figure.low:.{digits}f}..{figure.high:.{digits}f}"
 
 
 def _latency(one: Latency | None) -> str:
     if one is None:
         return "-"
-    return f"{one.median_us:.1f}" + (" unstable" if one.unstable else "")
+    return f"{one.median_us:.1f}" + ("\nunstable" if one.unstable else "")
 
 
 def _device_table(run: RunRecord) -> Table:
     table = Table(
-        title="ESTIMATED from device profiles (batch 1)",
-        caption="brackets: low..high of the profile's coefficients",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        title="ESTIMATED from device profiles (batch 1), never measured",
+        caption="low..high: the range of the profile's coefficients",
     )
     for title in ("device", "latency [us]", "energy [mJ]"):
         table.add_column(title, justify="left" if title == "device" else "right")

@@ -11,7 +11,11 @@ from pathlib import Path
 from bench.plugins import Plugin, source_path
 
 DECISIVE_PACKAGES = ("numpy", "numba", "onnx", "onnxruntime", "scikit-learn", "scipy", "torch")
-_SCORING = ("bench/measure", "bench/recordings", "bench/runner/evaluate.py")
+_SCORING = (
+    *("bench/measure/metrics.py", "bench/measure/estimate.py", "bench/measure/profile.py"),
+    *("bench/measure/devices", "bench/recordings/window.py", "bench/recordings/splits.py"),
+    "bench/runner/evaluate.py",
+)
 
 
 def decisive_versions() -> dict[str, str]:
