@@ -63,7 +63,7 @@ def _simulator(name_or_path: str, seed: int | None) -> Simulator:
 
     if seed is not None and seed < 0:
         raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
-    if name_or_path.endswith(".toml") or Path(name_or_path).exists():
+    if name_or_path.endswith(".toml") or Path(name_or_path).is_file():
         found = read_toml(Path(name_or_path))
     else:
         plugin = load("simulators", name_or_path)()

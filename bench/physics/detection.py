@@ -1,6 +1,6 @@
 """Leading-edge detection on the accumulator's magnitude.
 
-As the DW1000 does it (user manual 7.2.46 and application note APS006 part 1): the first rising edge
+As the DW1000 does it (user manual 7.2.47 and application note APS006 part 1): the first rising edge
 above a multiple of the noise; the first-path index sits at half of that edge's peak, in 1/64 of a
 sample.
 """

@@ -25,7 +25,11 @@ def compiled(loop: Callable[..., None]) -> Callable[..., None]:
     """Return a loop as machine code that lets other threads run."""
     import numba
 
-    made: Callable[..., None] = numba.njit(nogil=True, cache=True, fastmath=True)(loop)
+    made: Callable[..., None]
+    try:
+        made = numba.njit(nogil=True, cache=True, fastmath=True)(loop)
+    except RuntimeError:  # nowhere to keep the machine code: compile it in every process
+        made = numba.njit(nogil=True, fastmath=True)(loop)
     return made
 
 

@@ -119,11 +119,26 @@ class Simulator:
 def applied(effects: Sequence[Effect], stage: Stage, batch: Batch, draws: Draws) -> Batch:
     """Return the batch after the effects of one stage, each with random numbers of its own.
 
-    Effects on the waveform are left out where there is none.
+    Effects on the waveform are left out where there is none. Raises BenchError naming an effect
+    that fails.
     """
     for effect in effects:
         needless = stage == "receiver" and batch.waveform is None and not effect.without_cir
         if effect.stage == stage and not needless:
-            with np.errstate(all="ignore"):
-                batch = effect.apply(batch, replace(draws, name=effect.name))
+            batch = _with(effect, batch, replace(draws, name=effect.name))
     return batch
+
+
+def _with(effect: Effect, batch: Batch, draws: Draws) -> Batch:
+    """Return the batch with one effect. Raises BenchError naming an effect that fails."""
+    try:
+        with np.errstate(all="ignore"):
+            made = effect.apply(batch, draws)
+    except Exception as problem:
+        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
+        raise BenchError(f"effect {effect.name!r} failed: {reason}") from problem
+    if not isinstance(made, Batch):
+        raise BenchError(f"effect {effect.name!r} gave {type(made).__name__}, expected a Batch")
+    if made.range_m is not None and not np.isfinite(made.range_m).all():
+        raise BenchError(f"effect {effect.name!r} gave a range that is no number")
+    return made

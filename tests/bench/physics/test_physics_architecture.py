@@ -167,3 +167,51 @@ def test_bad_geometry_is_one_clear_line(frame: pd.DataFrame, message: str) -> No
 def test_truth_comes_from_positions_in_a_plane_too() -> None:
     frame = pd.DataFrame({"tx_x_m": [0.0], "tx_y_m": [0.0], "rx_x_m": [3.0], "rx_y_m": [4.0]})
     assert scene(frame).true_range_m[0] == 5.0
+
+
+@dataclass(frozen=True)
+class Broken(Effect):
+    """Fails in the way asked for."""
+
+    name, stage, source = "broken", "ranging", "test"
+    way: str = "raises"
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        if self.way == "raises":
+            raise ZeroDivisionError("by design")
+        return batch.longer(np.nan) if self.way == "nan" else None
+
+
+@pytest.mark.parametrize(
+    ("way", "message"),
+    [
+        ("raises", "effect 'broken' failed: ZeroDivisionError: by design"),
+        ("nan", "effect 'broken' gave a range that is no number"),
+        ("none", "effect 'broken' gave NoneType, expected a Batch"),
+    ],
+)
+def test_a_failing_effect_is_named(way: str, message: str) -> None:
+    with pytest.raises(BenchError, match=message):
+        seen(line(8), Broken(way=way))
+
+
+def test_loops_compile_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    import numba
+
+    from bench.physics import loops
+
+    real = numba.njit
+
+    def without_cache(**how):
+        if how.get("cache"):
+            raise RuntimeError("no locator available")
+        return real(**how)
+
+    monkeypatch.setattr(numba, "njit", without_cache)
+    made = np.empty((1, 4), np.float32)
+    values = np.ones((1, 4), np.float32)
+    taps = np.ones(1, np.float32)
+    loops.compiled.__wrapped__(loops.filter_rows)(
+        made, values, np.zeros(1, np.intp), taps, 0 * taps
+    )
+    np.testing.assert_array_equal(made, values)

@@ -44,7 +44,7 @@ def test_loss_grows_with_thickness_and_no_slab_loses_nothing() -> None:
     brick = material("brick").permittivity(GHZ)
     loss = loss_db(np.array([0.0, 0.1, 0.2, 0.4]), brick, NORMAL, GHZ)
     assert loss[0] == 0
-    # Attenuation of a good dielectric: 1636 sigma / sqrt(eps) dB per metre (P.2040, eq. 23).
+    # Attenuation of a good dielectric: 1636 sigma / sqrt(eps) dB per metre.
     sigma = 0.0238 * GHZ**0.16
     np.testing.assert_allclose(
         np.diff(loss)[1:] / [0.1, 0.2], 1636 * sigma / np.sqrt(3.91), rtol=0.02

@@ -25,9 +25,8 @@ class AntennaPattern(Effect):
     name = "antenna-pattern"
     number = 5
     stage = "propagation"
-    source = "Decawave application note APS014, section 4 (up to 10-20 cm over direction)"
+    source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); up to 10-20 cm over direction"
     signature = "periodic in heading, the same at all distances"
-    control = "none: every heading is affected, their mean is not"
 
     delay_m: float = parameter(0, "m", 0, 0.5, "first harmonic of the range", null=0)
     delay_2_m: float = parameter(0, "m", 0, 0.5, "second harmonic of the range", null=0)

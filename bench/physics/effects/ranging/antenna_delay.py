@@ -20,7 +20,7 @@ class AntennaDelay(Effect):
     name = "antenna-delay"
     number = 1
     stage = "ranging"
-    source = "Decawave application note APS014, sections 2 and 3"
+    source = "Decawave application note APS014 on antenna delay calibration"
     signature = "a constant over distance, power and line of sight; separable per pair of devices"
 
     delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)

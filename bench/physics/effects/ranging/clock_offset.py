@@ -26,7 +26,7 @@ class ClockOffset(Effect):
     name = "clock-offset"
     number = 3
     stage = "ranging"
-    source = "Neirynck, Luk and McLaughlin, WPNC 2016, equations (4) and (13)"
+    source = "Neirynck, Luk and McLaughlin, WPNC 2016; Decawave APS011, section 2"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
     control = "rows with zero reply time"
 

@@ -24,7 +24,7 @@ class TemperatureDrift(Effect):
     name = "temperature-drift"
     number = 4
     stage = "ranging"
-    source = "Decawave, DW1000 Datasheet 2.09, table 8 (2.15 mm per degree Celsius)"
+    source = "DW1000 User Manual 2.11, section 8.3 on calibration (2.15 mm per degree Celsius)"
     signature = "slow; exponential in time after switching on, the same at all distances"
     control = "rows at the reference temperature at time zero"
 

@@ -24,7 +24,7 @@ class NarrowbandInterference(Effect):
     name = "narrowband-interference"
     number = 19
     stage = "receiver"
-    source = "DW1000 User Manual 2.11, 4.7.3 (noise figures); Saddik et al., IEEE ICU 2007"
+    source = "a tone through the receiver's linear chain; level and offset are free parameters"
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
     without_cir = False
 
