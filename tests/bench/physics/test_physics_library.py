@@ -54,7 +54,9 @@ def null_values(effect: Effect) -> dict[str, float]:
     return {item.name: item.null for item in effect.parameters() if item.null is not None}
 
 
-@pytest.mark.parametrize("effect", filter(null_values, LIBRARY), ids=lambda effect: effect.name)
+@pytest.mark.parametrize(
+    "effect", list(filter(null_values, LIBRARY)), ids=lambda effect: effect.name
+)
 def test_does_nothing_at_its_null_values(effect: Effect) -> None:
     null = null_values(effect)
     made, base = seen(FRAME, replace(effect, **null)), seen(FRAME)
