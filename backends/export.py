@@ -6,8 +6,9 @@ import hashlib
 import logging
 import pickle
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import lru_cache
 from io import BytesIO
@@ -17,6 +18,7 @@ from onnx import ModelProto
 from onnxscript.optimizer import fold_constants
 from torch import Tensor, nn
 from torch.export import Dim, ExportedProgram
+from torch.fx import GraphModule
 
 INPUT = "cir"
 OUTPUT = "error_m"
@@ -24,34 +26,64 @@ _NO_LIMIT = 1 << 30
 OPSET = 20  # the newest whose 8-bit operators the runtime fuses
 
 
-def export_module(module: nn.Module, width: int) -> ModelProto:
-    """Return the module as an ONNX graph: `cir` float32 [n, width] -> `error_m` float32 [n].
+Rewrite = Callable[[GraphModule], None]
+"""Changes a program in place to another form of the same function."""
 
-    Value names are those of the exported program's nodes (torch.fx), so that what is learnt about
-    a value in torch can be said of it in ONNX; `backends.graph_file.save_graph` shortens them.
-    The last few exports are kept, so that every backend of one fitted model shares one.
+
+@dataclass(frozen=True)
+class Exported:
+    """A module as ONNX, and as the program of core operators (torch.fx) that ONNX was made from.
+
+    Values have the same names in both, so that what is learnt about a value in torch can be said
+    of it in ONNX. `graph` maps `cir` float32 [n, width] to `error_m` float32 [n].
     """
+
+    graph: ModelProto
+    program: ExportedProgram
+
+    def module(self) -> GraphModule:
+        """Return the program as a module, with parameters of its own."""
+        with quiet():
+            return deepcopy(as_module(self.program))
+
+
+def export_module(module: nn.Module, width: int) -> ModelProto:
+    """Return the module as an ONNX graph: `cir` float32 [n, width] -> `error_m` float32 [n]."""
+    return exported(module, width).graph
+
+
+def exported(module: nn.Module, width: int, rewrite: Rewrite | None = None) -> Exported:
+    """Return the module, rewritten if asked, as ONNX. The last few are kept for other backends."""
     digest = _digest(module)
-    if digest is None:
-        return program_to_graph(export_program(module, width))
-    graph: ModelProto = ModelProto.FromString(_exported(_Request(digest, width, module)))
-    return graph
+    request = _Request(digest or "", width, rewrite, module)
+    found = _kept(request) if digest else _export(request)
+    graph = ModelProto()
+    graph.CopyFrom(found.graph)
+    return Exported(graph, found.program)
 
 
 @dataclass(frozen=True)
 class _Request:
-    """What is exported; two are the same where the digests and widths are."""
+    """What is exported; two are the same where digests, widths and rewrites are."""
 
     digest: str
     width: int
+    rewrite: Rewrite | None
     module: nn.Module = field(compare=False)
 
 
 @lru_cache(maxsize=16)  # every backend goes through all folds before the next one does
-def _exported(request: _Request) -> bytes:
-    graph = program_to_graph(export_program(request.module, request.width))
-    serialised: bytes = graph.SerializeToString()
-    return serialised
+def _kept(request: _Request) -> Exported:
+    return _export(request)
+
+
+def _export(request: _Request) -> Exported:
+    program = export_program(request.module, request.width)
+    if request.rewrite is not None:
+        rewritten = as_module(program)
+        request.rewrite(rewritten)
+        program = export_program(rewritten, request.width)
+    return _to_onnx(program)
 
 
 class _Fingerprint(pickle.Pickler):
@@ -83,7 +115,13 @@ def export_program(module: nn.Module, width: int) -> ExportedProgram:
     return decomposed
 
 
-def program_to_graph(program: ExportedProgram) -> ModelProto:
+def as_module(program: ExportedProgram) -> GraphModule:
+    """Return an exported program as a module, its nodes named as in the program."""
+    module = program.module(check_guards=False)
+    return GraphModule(module, module.graph)
+
+
+def _to_onnx(program: ExportedProgram) -> Exported:
     """Return an exported program as ONNX.
 
     torch has two exporters. The older, by tracing, takes 0.1 s but is deprecated and silently
@@ -91,7 +129,7 @@ def program_to_graph(program: ExportedProgram) -> ModelProto:
     constants, and is paid once per fit.
     """
     with quiet():
-        exported = torch.onnx.export(
+        made = torch.onnx.export(
             program,
             (),
             dynamo=True,
@@ -100,11 +138,11 @@ def program_to_graph(program: ExportedProgram) -> ModelProto:
             output_names=[OUTPUT],
             verbose=False,
         )
-        assert exported is not None
+        assert made is not None
+        assert made.exported_program is not None
         # the exporter stops folding at 8 KiB, which leaves slices of weights to every call
-        fold_constants(exported.model, input_size_limit=_NO_LIMIT, output_size_limit=_NO_LIMIT)
-    graph: ModelProto = exported.model_proto
-    return graph
+        fold_constants(made.model, input_size_limit=_NO_LIMIT, output_size_limit=_NO_LIMIT)
+    return Exported(made.model_proto, made.exported_program)
 
 
 @contextmanager

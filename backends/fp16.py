@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -45,53 +46,63 @@ class Fp16Backend(Backend):
     ) -> Artifact:
         """Write the graph with its weights in float16 to `path`.
 
-        Weights are taken in order of harm, as long as the largest shifts that they cause on a
-        sample of training rows add up to less than `LIMIT_M`.
+        Where rounding all weights moves a prediction on a sample of training rows by more than
+        `LIMIT_M`, those that harm most stay float32.
         """
         from backends.export import export_module
         from backends.graph_file import save_graph
         from backends.sample import sample_rows
 
         graph = export_module(model.to_module(), data.cirs.shape[1])
-        shifts = rounding_shifts_m(graph, sample_rows(data))
-        chosen = _within(shifts, LIMIT_M)
+        names = narrowable(graph)
+        chosen = harmless(graph, names, sample_rows(data))
         store_as_halves(graph, chosen)
         save_graph(graph, path)
-        return Artifact(path, self.precision, "backends.ort:open_optimised", _note(shifts, chosen))
+        note = _note(len(names), len(chosen))
+        return Artifact(path, self.precision, "backends.ort:open_optimised", note)
 
 
-def _note(shifts: dict[str, float], chosen: set[str]) -> str:
+def _note(weights: int, stored: int) -> str:
     note = "weights stored as float16, computed in float32"
-    kept = len(shifts) - len(chosen)
-    return note if not kept else f"{note}; {kept} of {len(shifts)} kept as float32 for accuracy"
+    kept = weights - stored
+    return note if not kept else f"{note}; {kept} of {weights} kept as float32 for accuracy"
 
 
-def rounding_shifts_m(model: ModelProto, cirs: Floats) -> dict[str, float]:
-    """Return how far rounding each weight alone to float16 moves a prediction at most, in metres.
+def narrowable(model: ModelProto) -> list[str]:
+    """Return the weights of at least `FEWEST_VALUES` that lie within float16's range."""
+    weights = weight_names(model.graph, row_values(model))
+    return [t.name for t in model.graph.initializer if t.name in weights and _fits_half(t)]
 
-    Left out are weights of fewer than `FEWEST_VALUES` and those outside float16's range.
+
+def harmless(model: ModelProto, names: list[str], cirs: Floats) -> set[str]:
+    """Return as many weights as float16 may hold with no prediction moved beyond `LIMIT_M`.
+
+    They are taken in the order of how far each moves a prediction alone.
     """
+    if shift_m(model, names, cirs) <= LIMIT_M:
+        return set(names)
+    alone = {name: shift_m(model, [name], cirs) for name in names}
+    order = sorted(names, key=alone.__getitem__)
+    while order and shift_m(model, order, cirs) > LIMIT_M:
+        order.pop()
+    return set(order)
+
+
+def shift_m(model: ModelProto, names: list[str], cirs: Floats) -> float:
+    """Return how far float16 values of these weights move a prediction at most, in metres."""
     from backends.ort import run_once
 
-    before = run_once(model, cirs)[0]
-    weights, shifts = weight_names(model.graph, row_values(model)), {}
-    for tensor in model.graph.initializer:
-        if tensor.name in weights and _fits_half(tensor):
-            exact = numpy_helper.to_array(tensor).copy()
-            _set(tensor, exact.astype(np.float16).astype(np.float32))
-            shifts[tensor.name] = float(np.abs(run_once(model, cirs)[0] - before).max())
-            _set(tensor, exact)
-    return shifts
+    rounded = ModelProto()
+    rounded.CopyFrom(model)
+    for tensor in rounded.graph.initializer:
+        if tensor.name in names:
+            halves = numpy_helper.to_array(tensor).astype(np.float16)
+            _set(tensor, halves.astype(np.float32))
+    moved = run_once(rounded, cirs)[0] - run_once(model, cirs)[0]
+    return float(np.abs(moved).max())
 
 
-def _within(shifts: dict[str, float], limit_m: float) -> set[str]:
-    """Return as many names as possible whose shifts add up to no more than the limit."""
-    names = sorted(shifts, key=shifts.__getitem__)
-    totals = np.cumsum([shifts[name] for name in names])
-    return {name for name, total in zip(names, totals, strict=True) if total <= limit_m}
-
-
-def store_as_halves(model: ModelProto, chosen: set[str]) -> None:
+def store_as_halves(model: ModelProto, chosen: Collection[str]) -> None:
     """Replace the chosen weights by their float16 values and a cast that widens them on loading."""
     graph, casts = model.graph, []
     for tensor in graph.initializer:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from backends.base import Artifact, Backend, Precision, TrainingData
+from backends.base import Artifact, Backend, Floats, Precision, TrainingData
 from backends.weights import no_weights
 from zoo.base import MitigationModel, Progress
+
+if TYPE_CHECKING:
+    from onnx import ModelProto
+
+    from backends.quantise import Range
 
 
 class Int8Backend(Backend):
@@ -32,23 +38,31 @@ class Int8Backend(Backend):
         progress: Progress | None = None,
     ) -> Artifact:
         """Write the quantised graph to `path`; ranges come from a sample of the training rows."""
-        from backends.export import export_module
-        from backends.graph_file import save_graph
-        from backends.integer_form import integer_form
-        from backends.ort import kernel_coverage
-        from backends.quantise import quantise
-        from backends.quantised_file import trim
+        from backends.export import exported
+        from backends.integer_form import to_integer_form
         from backends.sample import sample_rows
 
-        width = data.cirs.shape[1]
-        graph = export_module(integer_form(model.to_module(), width), width)
+        graph = exported(model.to_module(), data.cirs.shape[1], to_integer_form).graph
         rows = sample_rows(data)
-        quantised = quantise(graph, rows)
-        trim(quantised)
-        save_graph(quantised, path)
-        coverage = kernel_coverage(path)
-        note = (
-            f"{coverage.integer} of {coverage.total} layers in 8-bit integers; "
-            f"ranges from {len(rows)} training rows"
-        )
-        return Artifact(path, self.precision, "backends.ort:open_optimised", note, coverage)
+        return write_artifact(graph, rows, path, f"ranges from {len(rows)} training rows")
+
+
+def write_artifact(
+    graph: ModelProto,
+    rows: Floats,
+    path: Path,
+    how: str,
+    learnt: Mapping[str, Range] | None = None,
+) -> Artifact:
+    """Quantise a float graph as `backends.quantise.quantise` does and write it to `path`."""
+    from backends.graph_file import save_graph
+    from backends.ort import kernel_coverage
+    from backends.quantise import quantise
+    from backends.quantised_file import trim
+
+    quantised = quantise(graph, rows, learnt).model
+    trim(quantised)
+    save_graph(quantised, path)
+    coverage = kernel_coverage(path)
+    note = f"{coverage.integer} of {coverage.total} layers in 8-bit integers; {how}"
+    return Artifact(path, "int8", "backends.ort:open_optimised", note, coverage)

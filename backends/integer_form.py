@@ -16,25 +16,17 @@ import torch
 from torch import nn
 from torch.fx import GraphModule, Node
 
-from backends.export import export_program
-
 _aten = torch.ops.aten
 SPAN_STEPS = 16  # time steps gated by one stretch of memory
 FEWEST_STEPS = 100  # below this, longer stretches cost more in reshaping than they save
 
 
-def integer_form(module: nn.Module, width: int) -> GraphModule:
-    """Return a module of the same function and parameters: float32 [n, width] -> float32 [n].
-
-    Its nodes are torch's core operators, named as their values will be in ONNX.
-    """
-    exported = export_program(module, width).module(check_guards=False)
-    program = GraphModule(exported, exported.graph)
+def to_integer_form(program: GraphModule) -> None:
+    """Rewrite a program of core operators in place; its parameters may change shape and order."""
     for rewrite in (_drop_copies, _gates_in_spans, _gates_as_convolutions, _channels_last):
         rewrite(program)
     program.graph.eliminate_dead_code()
     program.recompile()
-    return program
 
 
 def _drop_copies(program: GraphModule) -> None:

@@ -13,6 +13,7 @@ from backends.fp16 import Fp16Backend
 from backends.fp32 import Fp32Backend
 from backends.graph import GraphBackend
 from backends.int8 import Int8Backend
+from backends.qat import QatBackend
 from zoo.base import Floats, MitigationModel
 from zoo.cnn1d import CNN1D
 from zoo.mlp import FeatureMLP
@@ -28,7 +29,7 @@ MODELS: dict[str, Callable[[], MitigationModel]] = {
     "mlp": lambda: FeatureMLP(epochs=20),
     "none": lambda: NoMitigation(),
 }
-KINDS = (Fp32Backend, GraphBackend, Fp16Backend, Int8Backend)
+KINDS = (Fp32Backend, GraphBackend, Fp16Backend, Int8Backend, QatBackend)
 BACKENDS = {kind.name: kind for kind in KINDS}
 
 

@@ -13,12 +13,12 @@ from torch import nn
 
 from backends.base import Floats, TrainingData
 from backends.cost import graph_cost
-from backends.export import export_module
+from backends.export import exported
 from backends.graph_file import load_graph
 from backends.int8 import Int8Backend
-from backends.integer_form import integer_form
+from backends.integer_form import to_integer_form
 from backends.ort import executed_graph, kernel_coverage
-from backends.quantise import Range, activation_ranges, quantise
+from backends.quantise import Range, quantise
 
 INTEGER = {"QLinearConv", "QGemm", "QLinearMatMul", "MatMulInteger"}
 FLOAT = {"Conv", "FusedConv", "Gemm", "FusedGemm", "MatMul", "FusedMatMul"}
@@ -97,7 +97,7 @@ def test_integer_form_is_the_same_function(
     model: str, fitted, test_rows: tuple[Floats, Floats]
 ) -> None:
     module, rows = fitted(model).to_module(), torch.from_numpy(test_rows[0])
-    form = integer_form(module, 157)
+    form = exported(module, 157, to_integer_form).module()
     with torch.no_grad():
         assert (form(rows) - module(rows)).abs().max() < 2e-6
     assert sum(p.numel() for p in form.parameters()) == sum(p.numel() for p in module.parameters())
@@ -122,7 +122,9 @@ def test_integer_form_leaves_shared_weights_alone() -> None:
     torch.manual_seed(0)
     module, rows = SharedGate().eval(), torch.rand(5, 112)
     with torch.no_grad():
-        assert (integer_form(module, 112)(rows) - module(rows)).abs().max() < 1e-6
+        assert (
+            exported(module, 112, to_integer_form).module()(rows) - module(rows)
+        ).abs().max() < 1e-6
     assert module.dense.weight.shape == (4, 4)
 
 
@@ -161,12 +163,12 @@ def test_a_dead_channel_keeps_its_bias(tmp_path: Path) -> None:
 
 
 def test_learnt_ranges_are_used_as_given(fitted, training: TrainingData) -> None:
-    graph = export_module(integer_form(fitted("mlp").to_module(), 157), 157)
-    ranges = activation_ranges(quantise(graph, training.cirs[:64]))
+    graph = exported(fitted("mlp").to_module(), 157, to_integer_form).graph
+    ranges = quantise(graph, training.cirs[:64]).ranges
     assert "relu" in ranges
     assert ranges["relu"].zero_point == 0  # a ReLU's output has nothing below
     learnt = ranges | {"relu": Range(0.125, 3)}
-    assert activation_ranges(quantise(graph, training.cirs[:64], learnt)) == learnt
+    assert quantise(graph, training.cirs[:64], learnt).ranges == learnt
 
 
 def test_biases_are_stored_once_and_small(built) -> None:

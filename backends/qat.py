@@ -1,0 +1,121 @@
+"""8-bit integers, with weights and ranges trained for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from backends.base import Artifact, Backend, Precision, TrainingData
+from backends.weights import no_weights
+from zoo.base import MitigationModel, Progress, TrainingRecipe
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from onnx import ModelProto
+
+    from backends.export import Exported
+    from backends.quantise import Range
+
+EPOCHS = 8
+BATCH_ROWS = 256
+PACE = 0.3  # of the recipe's learning rate
+
+
+class QatBackend(Backend):
+    """ONNX Runtime with 8-bit quantisation that the weights were trained for.
+
+    Training goes on from the fitted weights with every value rounded exactly where the `int8`
+    graph rounds it, activations after the ReLU that their layer swallows. Weights and ranges
+    learn; then the same quantisation as `int8` is done with the learnt ranges. So `qat` differs
+    from `int8` in weights and ranges alone.
+
+    The model's own recipe is followed but for three things: `EPOCHS` passes are enough from a
+    fitted start, batches are at least `BATCH_ROWS` to keep it short, and the learning rate is
+    `PACE` of the recipe's, as weights only have to settle. Dropout is off.
+    """
+
+    name: ClassVar[str] = "qat"
+    precision: ClassVar[Precision] = "int8"
+
+    def supports(self, model: MitigationModel) -> str | None:
+        """Return the reason why the model cannot be trained further, or None."""
+        if reason := no_weights(model):
+            return reason
+        if model.training_recipe() is None:
+            return f"{type(model).__name__} is not trained by gradient descent"
+        return None
+
+    def build(
+        self,
+        model: MitigationModel,
+        data: TrainingData,
+        path: Path,
+        progress: Progress | None = None,
+    ) -> Artifact:
+        """Train further on the training rows, then write the quantised graph to `path`.
+
+        Raises ValueError for a model without a training recipe.
+        """
+        from backends.export import exported
+        from backends.int8 import write_artifact
+        from backends.integer_form import to_integer_form
+        from backends.sample import sample_rows
+
+        recipe = model.training_recipe()
+        if recipe is None:
+            raise ValueError(str(self.supports(model)))
+        form = exported(model.to_module(), data.cirs.shape[1], to_integer_form)
+        learnt = train_quantised(form, recipe, data, progress)
+        how = f"trained {EPOCHS} epochs further with rounded weights and activations"
+        return write_artifact(learnt.graph, sample_rows(data), path, how, learnt.ranges)
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """A float graph with the trained weights, and the ranges to quantise it with, by value."""
+
+    graph: ModelProto
+    ranges: Mapping[str, Range]
+
+
+def train_quantised(
+    form: Exported,
+    recipe: TrainingRecipe,
+    data: TrainingData,
+    progress: Progress | None = None,
+) -> Learnt:
+    """Return weights and ranges after training with rounding, from those of calibration on."""
+    from backends.fake_quant import fake_quantised, learnt_ranges
+    from backends.quantise import quantise
+    from backends.sample import sample_rows
+    from zoo.training import train
+
+    start = quantise(form.graph, sample_rows(data)).ranges
+    rounded = fake_quantised(form.module(), start)
+    train(
+        rounded,
+        data.cirs,
+        data.errors_m,
+        loss=recipe.loss,
+        learning_rate=PACE * recipe.learning_rate,
+        batch_size=max(recipe.batch_size, BATCH_ROWS),
+        epochs=EPOCHS,
+        seed=data.seed,
+        progress=progress,
+    )
+    weights = {name: value.detach().numpy() for name, value in rounded.named_parameters()}
+    return Learnt(with_weights(form.graph, weights), learnt_ranges(rounded))
+
+
+def with_weights(graph: ModelProto, weights: Mapping[str, NDArray[Any]]) -> ModelProto:
+    """Return a copy of the graph with other values for the constants of these names."""
+    from onnx import ModelProto, numpy_helper
+
+    copy = ModelProto()
+    copy.CopyFrom(graph)
+    for tensor in copy.graph.initializer:
+        if tensor.name in weights:
+            tensor.CopyFrom(numpy_helper.from_array(weights[tensor.name], tensor.name))
+    return copy
