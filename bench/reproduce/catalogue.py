@@ -36,6 +36,9 @@ def experiments() -> tuple[Experiment, ...]:
             ("optimisation", "Table I: models and backends, error left after mitigation."),
             ("rooms", "Table II: REMnet with each room left out in turn."),
             ("residuals", "Error before and after: histograms, Q-Q plot, normality."),
+            ("positioning", "Table IV: positions from raw and mitigated ranges."),
+            ("cir-size", "MAE against the number of CIR samples."),
+            ("generalisation", "Trained on one room or obstacle, tested on each other."),
             ("pca", "CIRs in three principal components, by room and by material."),
         )
     )

@@ -63,8 +63,8 @@ class Context:
 
     @property
     def name(self) -> str:
-        """The data set's name, or the file."""
-        return self.source.name if self.source else self.data
+        """The data set's name, or the file, as asked for."""
+        return self.data
 
     @property
     def folder(self) -> Path:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
+from threading import Lock
 from typing import Any
 
 from bench.errors import BenchError
@@ -61,6 +62,7 @@ def _in_processes(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
+_ONE_AT_A_TIME = Lock()
 _INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
 
 
@@ -81,10 +83,16 @@ def _on_dask(
     from_dask = _dask()
     with _client(from_dask, address) as client:
         everywhere = client.scatter(shared, broadcast=True)
-        futures = [client.submit(work, everywhere, task, pure=False) for task in tasks]
+        futures = [client.submit(_alone, work, everywhere, task, pure=False) for task in tasks]
         waiting = {future.key: at for at, future in enumerate(futures)}
         for done in from_dask.as_completed(futures):
             yield waiting[done.key], done.result()
+
+
+def _alone(work: Work, shared: Any, task: Any) -> Any:
+    """One piece at a time per process: seeds of libraries belong to the process, not the thread."""
+    with _ONE_AT_A_TIME:
+        return work(shared, task)
 
 
 def _dask() -> Any:
