@@ -142,20 +142,27 @@ def _accuracy_table(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) 
 def _figures(run: RunRecord, timing: TimingRecord | None) -> list[str]:
     nlos, los = run.nlos, run.los
     return [
-        _interval(nlos.mae_m, 4, "\n") if nlos else "-",
+        _stacked(nlos.mae_m) if nlos else "-",
         f"{nlos.r2.value:.3f}" if nlos else "-",
         f"{nlos.sigma_m.value:.4f}" if nlos else "-",
-        _interval(los.mae_m, 4, "\n") if los else "-",
+        _stacked(los.mae_m) if los else "-",
         _latency(timing.latency[0] if timing else None),
         f"{run.size.file_bytes / 1000:.1f}" if run.size else "-",
     ]
 
 
-def _interval(figure: Interval, digits: int, gap: str = " ") -> str:
+def _stacked(figure: Interval) -> str:
+    """Return the figure with its interval on a second line, narrow enough for 80 columns."""
+    if figure.low is None or figure.high is None:
+        return f"{figure.value:.4f}"
+    return f"{figure.value:.4f}\n{figure.low:.3f}-{figure.high:.3f}"
+
+
+def _interval(figure: Interval, digits: int) -> str:
     text = f"{figure.value:.{digits}f}"
     if figure.low is None or figure.high is None:
         return text
-    return f"{text}{gap}{figure.low:.{digits}f}..{figure.high:.{digits}f}"
+    return f"{text} ({figure.low:.{digits}f}..{figure.high:.{digits}f})"
 
 
 def _latency(one: Latency | None) -> str:

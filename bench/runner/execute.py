@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -154,7 +155,8 @@ def _evaluate(
     digest = job.key.digest()
     what = f"{job.model.name} on {job.backend.name}, seed {job.key.seed}"
     watch.progress(what, 0.0)
-    with ExitStack() as stack:
+    with ExitStack() as stack, warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)  # exporters warn of their own internals
         targets = [folder.artifact_path(digest, fold) for fold in range(len(fitted.models))]
         paths = [stack.enter_context(atomic_path(target)) for target in targets]
         tell = partial(watch.progress, what)
