@@ -85,7 +85,7 @@ def _on_dask(
         everywhere = client.scatter(shared, broadcast=True)
         futures = [client.submit(_alone, work, everywhere, task, pure=False) for task in tasks]
         waiting = {future.key: at for at, future in enumerate(futures)}
-        for done in from_dask.as_completed(futures):
+        for done in from_dask.as_completed(futures, loop=client.loop):
             yield waiting[done.key], done.result()
 
 
