@@ -36,6 +36,7 @@ def experiments() -> tuple[Experiment, ...]:
             ("optimisation", "Table I: models and backends, error left after mitigation."),
             ("rooms", "Table II: REMnet with each room left out in turn."),
             ("residuals", "Error before and after: histograms, Q-Q plot, normality."),
+            ("devices", "Table III: every device row predicted from the others."),
             ("positioning", "Table IV: positions from raw and mitigated ranges."),
             ("cir-size", "MAE against the number of CIR samples."),
             ("generalisation", "Trained on one room or obstacle, tested on each other."),
