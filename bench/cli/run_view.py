@@ -124,12 +124,12 @@ def _accuracy_table(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) 
     for title in ("model", "backend", *(["seed"] if several else [])):
         table.add_column(title, no_wrap=True)
     for title in (
-        "NLoS MAE\n[m]",
+        "NLoS MAE\n(m)",
         "R2",
-        "sigma\n[m]",
-        "LoS MAE\n[m]",
-        "latency\n[us]",
-        "file\n[kB]",
+        "sigma\n(m)",
+        "LoS MAE\n(m)",
+        "latency\n(us)",
+        "file\n(kB)",
     ):
         table.add_column(title, justify="right", no_wrap=True)
     for run in runs:
@@ -178,7 +178,7 @@ def _device_table(run: RunRecord) -> Table:
         title="ESTIMATED from device profiles (batch 1), never measured",
         caption="low..high: the range of the profile's coefficients",
     )
-    for title in ("device", "latency [us]", "energy [mJ]"):
+    for title in ("device", "latency (us)", "energy (mJ)"):
         table.add_column(title, justify="left" if title == "device" else "right")
     for one in run.estimates:
         table.add_row(*_device_cells(one))
