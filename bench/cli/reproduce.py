@@ -19,6 +19,7 @@ Examples:
   bench reproduce optimisation --quick
   bench reproduce all --data rooms --out results
   bench reproduce cir-size,generalisation --jobs 2
+  bench reproduce latency-vs-accuracy --device host
 """
 
 
@@ -56,6 +57,13 @@ def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
 )
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for sweeps.")
 @click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for sweeps instead.")
+@click.option(
+    "--device",
+    default="cortex-a53",
+    show_default=True,
+    metavar="NAME[,..]",
+    help="For latency-vs-accuracy: devices (`bench devices`; ESTIMATES), or host (measured).",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the outcomes as JSON, nothing else.")
 def command(
     names: str,
@@ -65,6 +73,7 @@ def command(
     out: Path,
     jobs: int,
     scheduler: str | None,
+    device: str,
     as_json: bool,
 ) -> None:
     """Redo the paper's tables and figures, each beside the paper's own numbers.
@@ -77,11 +86,13 @@ def command(
     from bench.reproduce.api import reproduce
     from bench.reproduce.catalogue import chosen
     from bench.reproduce.context import Context
+    from bench.reproduce.device_figures import chosen_devices
     from bench.reproduce.spread import Spread
 
     experiments, spread = chosen(names), Spread(jobs, scheduler)
+    devices = ",".join(chosen_devices(device))
     with RunView(quiet=as_json) as view:
-        done = reproduce(experiments, Context(data, out, split, quick, view, spread))
+        done = reproduce(experiments, Context(data, out, split, quick, view, spread, devices))
         view.stage("drawing")
         pages = _render(done)
     _tell(done, pages, as_json)

@@ -83,7 +83,7 @@ def _key(experiment: Experiment, context: Context) -> str:
         "name": context.name,
         "split": context.split,
         "quick": context.quick,
-        "device": context.device,
+        "device": context.device if experiment.for_device else "",
         "code": packages_code_hash(*PACKAGES),
         "versions": decisive_versions(),
     }

@@ -16,11 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One table or figure of the paper: `module` has a `run(context) -> Outcome`."""
+    """One table or figure of the paper: `module` has a `run(context) -> Outcome`.
+
+    `for_device`: the outcome depends on the device that was chosen.
+    """
 
     name: str
     module: str
     summary: str
+    for_device: bool = False
 
     def load(self) -> Callable[[Context], Outcome]:
         """Import the module and return its `run`."""
@@ -31,16 +35,23 @@ class Experiment:
 def experiments() -> tuple[Experiment, ...]:
     """Return every experiment, in the order of the paper."""
     return tuple(
-        Experiment(name, f"bench.reproduce.experiments.{name.replace('-', '_')}", summary)
+        Experiment(
+            name,
+            f"bench.reproduce.experiments.{name.replace('-', '_')}",
+            summary,
+            for_device=name == "latency-vs-accuracy",
+        )
         for name, summary in (
             ("optimisation", "Table I: models and backends, error left after mitigation."),
             ("rooms", "Table II: REMnet with each room left out in turn."),
             ("residuals", "Error before and after: histograms, Q-Q plot, normality."),
             ("devices", "Table III: every device row predicted from the others."),
+            ("energy", "Energy against latency over all devices and backends."),
             ("positioning", "Table IV: positions from raw and mitigated ranges."),
             ("cir-size", "MAE against the number of CIR samples."),
             ("generalisation", "Trained on one room or obstacle, tested on each other."),
             ("pca", "CIRs in three principal components, by room and by material."),
+            ("latency-vs-accuracy", "Pareto front of all models and backends on --device."),
         )
     )
 

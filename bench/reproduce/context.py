@@ -33,7 +33,8 @@ class Context:
     """One `bench reproduce` on one data set.
 
     `data`: a data set name or a file. `split` None takes what suits the data. `quick` thins the
-    recordings (by whole links) and the sweeps. Runs are kept under `out` beside those of
+    recordings (by whole links) and the sweeps. `device`: names of device profiles, with commas
+    between; `host` is measured, the others are estimates. Runs are kept under `out` beside those of
     `bench run`, quick ones apart, since a leaderboard must never show them.
     """
 
@@ -104,9 +105,14 @@ class Context:
         plan = make_plan(model, backend, "all", seeds)
         found, failures = execute(plan, material or self.material, self.results, self.watch)
         if failures:
-            first = failures[0]
-            raise BenchError(f"{first.model} on {first.backend} failed: {first.reason}")
+            raise BenchError(str(failures[0]))
         return found
+
+    def tried(self, model: str, backend: str) -> tuple[list[RunRecord], list[str]]:
+        """Return the records of these runs, and a line for each that failed."""
+        plan = make_plan(model, backend, "all", 1)
+        found, failures = execute(plan, self.material, self.results, self.watch)
+        return found, [str(one) for one in failures]
 
     def predictions(self, run: RunRecord) -> pd.DataFrame:
         """Return a run's rows: link, error_m, predicted_m, scored_as_los (metres).

@@ -21,7 +21,7 @@ class Row:
     """One line of a comparison: ours with its interval, the paper's figure or None.
 
     `label` names the row (one entry per label column of the table). Difference = ours - paper is
-    computed where both are numbers, never stored.
+    computed where both are numbers, never stored. `digits` None takes the table's.
     """
 
     label: tuple[str, ...]
@@ -30,6 +30,7 @@ class Row:
     ours: Value
     paper: float | None = None
     note: str = ""
+    digits: int | None = None
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Series:
-    """Points of a figure: x, y (and z), with an optional interval of y.
+    """Points of a figure: x, y (and z), with optional intervals of x and y.
 
-    `style` overrides how the kind of figure would draw it: a line, a dashed one, or big markers.
+    `style` overrides how the kind of figure would draw it: a line, a dashed one, steps, big or
+    hollow markers. In a trade-off, series of one `colour` (or `marker`) name share that look, and
+    the legend lists the looks.
     """
 
     name: str
@@ -56,7 +59,11 @@ class Series:
     z: Sequence[float] | None = None
     low: Sequence[float] | None = None
     high: Sequence[float] | None = None
-    style: Literal["", "line", "dashed", "marker"] = ""
+    style: Literal["", "line", "dashed", "step", "marker", "hollow"] = ""
+    x_low: Sequence[float] | None = None
+    x_high: Sequence[float] | None = None
+    colour: str = ""
+    marker: str = ""
 
 
 @dataclass(frozen=True)
@@ -65,7 +72,7 @@ class Figure:
 
     name: str
     title: str
-    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram"]
+    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram", "tradeoff"]
     x_label: str
     y_label: str
     series: Sequence[Series]

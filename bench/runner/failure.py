@@ -13,3 +13,6 @@ class Failure:
     backend: str
     seed: int
     reason: str
+
+    def __str__(self) -> str:
+        return f"{self.model} on {self.backend} failed: {self.reason}"

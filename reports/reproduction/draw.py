@@ -13,11 +13,13 @@ import numpy as np
 from reports.figures import MARKERS, save_png, save_svg
 from reports.reproduction.load import FigureFile, OutcomeFile, SeriesFile
 from reports.reproduction.pages import picture_path, standing
+from reports.reproduction.tradeoff import draw_tradeoff, readable_ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES = (7.6, 4.6)
+TRADEOFF_INCHES = (9.0, 5.6)
 Save = Callable[[Path], None]
 
 
@@ -33,33 +35,49 @@ def draw(one: FigureFile, data: str) -> Figure:
     """Return a picture; `data` says what it shows."""
     from matplotlib.figure import Figure
 
-    kinds = {
+    kinds: dict[str, Callable[[Any, FigureFile], list[Any] | None]] = {
         "lines": _points, "scatter": _points, "histogram": _histogram, "bars": _bars,
-        "scatter3d": _cloud,
+        "scatter3d": _cloud, "tradeoff": draw_tradeoff,
     }  # fmt: skip
-    figure = Figure(figsize=INCHES, layout="constrained")
+    size = TRADEOFF_INCHES if one.kind == "tradeoff" else INCHES
+    figure = Figure(figsize=size, layout="constrained")
     axes: Any = figure.add_subplot(projection="3d" if one.kind == "scatter3d" else None)
-    kinds[one.kind](axes, one)
-    _dress(axes, one, data)
+    handles = kinds[one.kind](axes, one)
+    _dress(axes, one, data, handles)
     return figure
 
 
-def _dress(axes: Any, one: FigureFile, data: str) -> None:
+def _dress(axes: Any, one: FigureFile, data: str, handles: list[Any] | None) -> None:
     axes.set_title(f"{one.title}\n{data}", fontsize=10)
     axes.set_xlabel(one.x_label)
     axes.set_ylabel(one.y_label)
     if one.kind == "scatter3d":
         axes.set_zlabel(one.z_label)
+        _make_room(axes)
     else:
         axes.grid(alpha=0.3)
-    if one.log_x:
-        axes.set_xscale("log")
-    if one.log_y:
-        axes.set_yscale("log")
+    for axis, logarithmic in (("x", one.log_x), ("y", one.log_y)):
+        if logarithmic:
+            _make_logarithmic(axes, axis)
     if one.equal_axes:
         axes.set_aspect("equal", adjustable="datalim")
-    place = (1.12, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
-    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=place)
+    place = (1.05, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
+    axes.legend(handles=handles, fontsize=8, loc="center left", bbox_to_anchor=place)
+
+
+def _make_room(axes: Any) -> None:
+    """Keep the labels of a 3-D picture inside it and off its ticks."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_box_aspect(None, zoom=0.82)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MaxNLocator(5))
+        axis.labelpad = 6
+
+
+def _make_logarithmic(axes: Any, axis: str) -> None:
+    getattr(axes, f"set_{axis}scale")("log")
+    readable_ticks(getattr(axes, f"{axis}axis"), *getattr(axes, f"get_{axis}lim")())
 
 
 def _numbers(values: Any) -> Any:

@@ -37,6 +37,7 @@ class RowFile:
     ours: Value
     paper: Number
     note: str
+    digits: int | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,11 @@ class SeriesFile:
     z: tuple[Number, ...] | None
     low: tuple[Number, ...] | None
     high: tuple[Number, ...] | None
-    style: Literal["", "line", "dashed", "marker"]
+    style: Literal["", "line", "dashed", "step", "marker", "hollow"]
+    x_low: tuple[Number, ...] | None = None
+    x_high: tuple[Number, ...] | None = None
+    colour: str = ""
+    marker: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,7 @@ class FigureFile:
 
     name: Annotated[str, msgspec.Meta(pattern="^[A-Za-z0-9_-]+$")]
     title: str
-    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram"]
+    kind: Literal["lines", "bars", "scatter", "scatter3d", "histogram", "tradeoff"]
     x_label: str
     y_label: str
     z_label: str
@@ -120,7 +125,7 @@ def _check(figure: FigureFile) -> None:
     """Raise ValueError where a picture cannot be drawn from its points."""
     for one in figure.series:
         where = f"figure {figure.name!r}, series {one.name!r}"
-        columns = (one.x, one.y, one.z, one.low, one.high)
+        columns = (one.x, one.y, one.z, one.low, one.high, one.x_low, one.x_high)
         if len({len(column) for column in columns if column is not None}) > 1:
             raise ValueError(f"{where}: columns of unequal length")
         if figure.kind == "scatter3d" and one.z is None:

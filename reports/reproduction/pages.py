@@ -105,15 +105,21 @@ def _lines(
     label: tuple[str, ...], rows: Sequence[RowFile | None], digits: int, whose: bool
 ) -> list[tuple[Cell, ...]]:
     keys = tuple(map(Cell, label))
-    ours = tuple(_ours(row.ours if row else None, digits) for row in rows)
+    ours = tuple(_ours(row.ours if row else None, _digits(row, digits)) for row in rows)
     if not whose:
         return [(*keys, *ours)]
     lines = [(*keys, Cell("ours"), *ours)]
     if any(row and row.paper is not None for row in rows):
         blank = tuple(Cell("") for _ in keys)
-        lines.append((*blank, Cell("paper"), *(_paper(row, digits) for row in rows)))
-        lines.append((*blank, Cell("diff."), *(_difference(row, digits) for row in rows)))
+        lines.append((*blank, Cell("paper"), *(_paper(row, _digits(row, digits)) for row in rows)))
+        lines.append(
+            (*blank, Cell("diff."), *(_difference(row, _digits(row, digits)) for row in rows))
+        )
     return lines
+
+
+def _digits(row: RowFile | None, usual: int) -> int:
+    return usual if row is None or row.digits is None else row.digits
 
 
 def _ours(value: Value, digits: int) -> Cell:

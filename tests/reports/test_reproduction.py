@@ -4,11 +4,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from reports.errors import ReportError
 from reports.markdown import to_markdown
 from reports.reproduction import index_page, outcome_page, pictures, read_outcome, read_outcomes
+from reports.reproduction.load import FigureFile
 
 
 def row(**changes: Any) -> dict[str, Any]:
@@ -93,6 +95,9 @@ def test_simulated_and_quick_are_said_on_the_page_and_the_picture(folder: Path) 
         ("bars", {"x": ["big", "small"], "low": [0.05, 0.1], "high": [0.2, 0.3]}),
         ("bars", {"x": ["big", "small"], "style": "dashed"}),
         ("scatter3d", {"z": [1.0, 2.0]}),
+        ("tradeoff", {"style": "hollow", "colour": "a53", "marker": "int8", "x_low": [0.5, 1]}),
+        ("tradeoff", {"style": "step"}),
+        ("tradeoff", {"style": "dashed"}),
     ],
 )
 def test_every_kind_of_picture_is_drawn_twice(
@@ -106,6 +111,26 @@ def test_every_kind_of_picture_is_drawn_twice(
     for name, save in drawn.items():
         save(folder / Path(name).name)
     assert (folder / f"optimisation-{kind}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_trade_off_lists_looks_and_lines_once() -> None:
+    from reports.reproduction.draw import draw
+
+    spots = [
+        series(name="x", colour=colour, marker=marker, x_low=[0.5, 1.5], x_high=[2, 3])
+        for colour in ("a53", "tpu")
+        for marker in ("fp32", "int8")
+    ]
+    made = figure("tradeoff", series=[*spots, series(name="front", style="step")], log_x=True)
+    (axes,) = draw(msgspec.convert(made, FigureFile), "rooms (SIMULATED)").axes
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["a53", "tpu", "fp32", "int8", "front"]
+    assert axes.get_title() == "A\nrooms (SIMULATED)"
+
+
+def test_digits_of_a_row_override_the_tables(folder: Path) -> None:
+    table = outcome()["tables"][0] | {"rows": [row(ours=1234.56, paper=None, digits=1)]}
+    assert "| remnet | 1,234.6 |" in page(folder, tables=[table])
 
 
 def test_the_index_holds_every_outcome_and_what_was_not_possible(folder: Path) -> None:

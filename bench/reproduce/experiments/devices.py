@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from backends.cost import GraphCost, graph_cost
+from backends.cost import GraphCost
 from bench.measure.estimate import call_of, estimate
 from bench.measure.profile import Profile
 from bench.plugins import load
@@ -17,6 +16,7 @@ from bench.reproduce.build import make_outcome
 from bench.reproduce.context import Context
 from bench.reproduce.device_fit import Prediction, Printed, leave_one_out
 from bench.reproduce.outcome import Outcome, Row, Table
+from bench.reproduce.paper_devices import backend_of, cost_of, mode_of
 from bench.results import Interval, RunRecord
 
 BACKENDS = "fp32,graph,fp16,int8"
@@ -34,7 +34,7 @@ _PROTOCOL = (
 def run(context: Context) -> Outcome:
     """Return every row of the paper's table beside its prediction, and the error of each."""
     records = {one.key.backend: one for one in context.runs("remnet", BACKENDS)}
-    costs = {name: _cost(context, one) for name, one in records.items()}
+    costs = {name: cost_of(context, one) for name, one in records.items()}
     printed = paper.rows("devices")
     rows = _rows(printed, costs)
     predictions = leave_one_out(rows)
@@ -44,27 +44,8 @@ def run(context: Context) -> Outcome:
     return make_outcome(context, "devices", title, _PROTOCOL, tables, notes=_notes(rows))
 
 
-def _cost(context: Context, record: RunRecord) -> GraphCost:
-    return graph_cost(context.results.root / Path(str(record.artifact)))
-
-
-def _backend(row: paper.Printed) -> str:
-    """Return the backend whose file stands for the row's network."""
-    if not row["optimised"]:
-        return "fp32"
-    return "graph" if row["precision"] == "fp32" else str(row["precision"])
-
-
 def _rows(printed: Sequence[paper.Printed], costs: Mapping[str, GraphCost]) -> list[Printed]:
-    return [_row(row, _mode(row, printed), costs[_backend(row)]) for row in printed]
-
-
-def _mode(row: paper.Printed, printed: Sequence[paper.Printed]) -> str:
-    """Return the profile's mode: of two rows alike the slower is the board's 5 W mode."""
-    same = ("device", "optimised", "precision")
-    twins = [one for one in printed if all(one[key] == row[key] for key in same)]
-    slower = len(twins) > 1 and row["latency_ms"] == max(one["latency_ms"] for one in twins)
-    return "5w" if slower else ""
+    return [_row(row, mode_of(row, printed), costs[backend_of(row)]) for row in printed]
 
 
 def _row(row: paper.Printed, mode: str, cost: GraphCost) -> Printed:
@@ -94,7 +75,7 @@ def _table(
 ) -> Table:
     made: list[Row] = []
     for source, row, guess in zip(printed, rows, predictions, strict=True):
-        size = records[_backend(source)].size
+        size = records[backend_of(source)].size
         kilobytes = None if size is None else size.file_bytes / 1000
         energy = _product(guess.power_w, guess.latency_ms)
         note = "; ".join(filter(None, [source.get("note", ""), guess.reason]))

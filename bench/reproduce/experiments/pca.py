@@ -95,9 +95,10 @@ def _figure(name: str, title: str, points: Floats, labels: pd.Series) -> Figure:
     for label in sorted(map(str, labels.unique())):
         rows = np.flatnonzero(labels.to_numpy() == label)
         rows = rng.permutation(rows)[:POINTS_PER_CLASS]
-        x, y, z = (np.round(points[rows, axis], 1).tolist() for axis in range(COMPONENTS))
+        x, y, z = (np.round(points[rows, axis] / 1000, 3).tolist() for axis in range(COMPONENTS))
         series.append(Series(label, x, y, z))
     return Figure(
-        name, f"CIRs by {title}", "scatter3d", "component 1 (counts)", "component 2 (counts)",
-        series, z_label="component 3 (counts)",
+        name, f"CIRs by {title}", "scatter3d", "component 1 (10³ counts)",
+        "component 2 (10³ counts)",
+        series, z_label="component 3 (10³ counts)",
     )  # fmt: skip

@@ -77,6 +77,7 @@ def test_pca_stands_alone(deepuwb: Path, tmp_path: Path) -> None:
         (("pca", "--data", "absent.parquet"), "absent.parquet"),
         (("pca", "--data", "deepuwb", "--split", "by-row"), "by-row"),
         (("rooms", "--data", "deepuwb", "--split", "link-kfold:9999"), "9999"),
+        (("latency-vs-accuracy", "--device", "cortex"), "unknown device 'cortex'"),
         (("pca", "--jobs", "0"), "at least 1"),
         (("pca", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"), "expected one of them"),
     ],
