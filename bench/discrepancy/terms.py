@@ -7,7 +7,9 @@ devices of the recordings.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,6 +23,8 @@ from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 
 Floats = NDArray[np.float64]
+Curves = tuple[tuple[float, ...], ...]
+SESSION_S = 600.0  # rows of two devices within it share what is not known of their clocks
 
 
 def name_hash(names: tuple[str, ...]) -> NDArray[np.uint64]:
@@ -43,13 +47,54 @@ def _as_tuples(effect: Any, **lengths: int | None) -> None:
         object.__setattr__(effect, name, value)
 
 
+def _as_curves(effect: Any, knots: str, values: str, count: int) -> None:
+    """Turn lists of lists into tuples of tuples and check that they are `count` curves, or none."""
+    for name in (knots, values):
+        object.__setattr__(effect, name, tuple(tuple(map(float, c)) for c in getattr(effect, name)))
+    at, given = getattr(effect, knots), getattr(effect, values)
+    if len(at) not in (0, count) or list(map(len, at)) != list(map(len, given)):
+        raise BenchError(
+            f"effect {effect.name!r}: expected as many {values} as {knots}, for each of "
+            f"{count} devices"
+        )
+    if any(b <= a for curve in at for a, b in pairwise(curve)):
+        raise BenchError(f"effect {effect.name!r}: {knots} must increase")
+
+
+def bridge(time: Floats, knots: Floats, values: Floats, settle: float) -> tuple[Floats, Floats]:
+    """Return mean and variance [n] of an Ornstein-Uhlenbeck process given its `values` at `knots`.
+
+    Unit stationary variance, time constant `settle`, all times in one unit. Only the two knots
+    around a time count (it is a Markov process): the normal distribution given both.
+    """
+    after = np.searchsorted(knots, time)
+    left, right = (np.clip(after + move, 0, len(knots) - 1) for move in (-1, 0))
+    a = np.where(after > 0, np.exp(-np.abs(time - knots[left]) / settle), 0.0)
+    b = np.where(after < len(knots), np.exp(-np.abs(time - knots[right]) / settle), 0.0)
+    both = np.where((a > 0) & (b > 0), np.exp(-(knots[right] - knots[left]) / settle), 0.0)
+    room = np.maximum(1 - both**2, 1e-12)
+    weights = (a - b * both) / room, (b - a * both) / room
+    mean = weights[0] * values[left] + weights[1] * values[right]
+    return mean, np.clip(1 - weights[0] * a - weights[1] * b, 0.0, 1.0)
+
+
+def nearest(knots: Floats, time: Floats) -> NDArray[np.intp]:
+    """Return the position of the knot nearest to each time [n]."""
+    middles = (knots[1:] + knots[:-1]) / 2
+    return np.searchsorted(middles, time)
+
+
 @dataclass(frozen=True)
 class DeviceClock(Effect):
     """Crystal offset of every device: error = c/2 x reply time x (offset of tx - offset of rx).
 
     `devices` are ids as in the columns `tx` and `rx`, `offsets_ppm` theirs (their mean is
     arbitrary: only differences act), `drifts_ppm_per_hour` their change with `time_s` from
-    `reference_s` on.
+    `reference_s` on. A crystal that wanders has knots besides: `wander_ppm[i]` is added to device
+    i at the times `knots_s[i]`. Between and beyond them stands what is expected of a process of
+    Ornstein and Uhlenbeck, with standard deviation `spread_ppm` about the offset and time constant
+    `settle_s`; what is not known farther from a knot than knots are from each other scatters every
+    pair of devices anew every ten minutes.
     """
 
     name = "device-clock"
@@ -65,15 +110,20 @@ class DeviceClock(Effect):
     drifts_ppm_per_hour: tuple[float, ...] = ()
     reference_s: float = parameter(0, "s", -1e12, 1e12, "when the offsets hold")
     reply_time_s: float = parameter(3e-4, "s", 0, 1, "where the rows do not tell")
+    knots_s: Curves = ()
+    wander_ppm: Curves = ()
+    spread_ppm: float = parameter(0, "ppm", 0, 100, "std of the wander", null=0)
+    settle_s: float = parameter(3600, "s", 1, 1e9, "time constant of the wander")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         count = len(self.devices)
         _as_tuples(self, devices=None, offsets_ppm=count, drifts_ppm_per_hour=count)
+        _as_curves(self, "knots_s", "wander_ppm", count)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of each row's two devices."""
-        offset = self.offset_ppm(batch.rows)
+        offset = self.offset_ppm(batch.rows) + self._scatter_ppm(batch.rows, draws)
         reply = batch.rows.number("reply_time_s", self.reply_time_s)
         return replace(batch.later(offset * 1e-6 * reply / 2 * 1e9), clock_offset_ppm=offset)
 
@@ -83,8 +133,51 @@ class DeviceClock(Effect):
         ends = []
         for end in ("tx", "rx"):
             base = _lookup(rows, end, self.devices, self.offsets_ppm)
-            ends.append(base + hours * _lookup(rows, end, self.devices, self.drifts_ppm_per_hour))
+            slope = _lookup(rows, end, self.devices, self.drifts_ppm_per_hour)
+            ends.append(base + hours * slope + self._wander(rows, end))
         return np.asarray(ends[0] - ends[1])
+
+    def uncertainty_ppm(self, rows: Scene) -> Floats:
+        """Return the standard deviation of the offset [n]: what the wander leaves open.
+
+        Zero where knots are dense: there rows fixed the curve, not the knots alone.
+        """
+        variance = np.zeros(len(rows))
+        for number, mine, time in self._members(rows, "tx", "rx"):
+            knots = np.array(self.knots_s[number])
+            gap = np.abs(knots[nearest(knots, time)] - time)
+            far = gap > (np.median(np.diff(knots)) if len(knots) > 1 else 0.0)
+            variance[mine] += far * bridge(time, knots, np.zeros_like(knots), self.settle_s)[1]
+        return np.asarray(self.spread_ppm * np.sqrt(variance))
+
+    def _wander(self, rows: Scene, end: str) -> Floats:
+        """Return the wander of each row's device at one end [n] in ppm."""
+        out = np.zeros(len(rows))
+        for number, mine, time in self._members(rows, end):
+            knots, values = np.array(self.knots_s[number]), np.array(self.wander_ppm[number])
+            out[mine] = bridge(time, knots, values, self.settle_s)[0]
+        return out
+
+    def _members(self, rows: Scene, *ends: str) -> Iterator[tuple[int, NDArray[np.intp], Floats]]:
+        """Yield per end and device with knots: the device's number, its rows, their times."""
+        time = rows.number("time_s", self.reference_s)
+        codes = name_hash(self.devices).tolist()
+        for devices in map(rows.group, ends):
+            for number, knots in enumerate(self.knots_s):
+                mine = np.flatnonzero(devices == codes[number])
+                if len(mine) and knots:
+                    yield number, mine, time[mine]
+
+    def _scatter_ppm(self, rows: Scene, draws: Draws) -> Floats:
+        """Return one draw of what is not known [n]: equal for a pair of devices in ten minutes."""
+        if not self.spread_ppm or not any(self.knots_s):
+            return np.zeros(len(rows))
+        tx, rx = rows.group("tx"), rows.group("rx")
+        time = rows.number("time_s", self.reference_s) // SESSION_S
+        session = np.asarray(time.astype(np.int64), np.int64).view(np.uint64)
+        sign = np.where(tx > rx, 1.0, -1.0)  # the roles swapped, the same error of other sign
+        normal = draws.group_normal((tx ^ rx) + session * np.uint64(0x9E3779B97F4A7C15))
+        return np.asarray(sign * normal * self.uncertainty_ppm(rows))
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Rows with zero reply time."""

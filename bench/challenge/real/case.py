@@ -1,0 +1,47 @@
+"""What every real case returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from bench.discrepancy.study import Study
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One bar: what is asked, what was measured, whether it is met."""
+
+    asked: str
+    measured: str
+    met: bool
+
+
+@dataclass(frozen=True)
+class RealCase:
+    """A real case: its study, its checks, and tables for the report (Markdown lines)."""
+
+    title: str
+    study: Study
+    checks: tuple[Check, ...]
+    lines: tuple[str, ...]
+
+
+def first_named(found: Study) -> str:
+    """Return the names of the first verdict, or its kind."""
+    first = found.diagnosis.verdicts[0]
+    return " or ".join(first.names) or type(first).__name__
+
+
+def markdown_table(frame: pd.DataFrame) -> list[str]:
+    """Return a frame as a Markdown table, numbers with four digits."""
+    head = ["| " + " | ".join(map(str, frame.columns)) + " |", "|" + " --- |" * frame.shape[1]]
+    body = [
+        "| " + " | ".join(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) + " |"
+        for row in frame.itertuples(index=False)
+    ]
+    return [*head, *body]
