@@ -7,6 +7,8 @@ Nothing is timed here: work that runs beside other work cannot be.
 from __future__ import annotations
 
 import multiprocessing
+import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -67,9 +69,10 @@ _INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
 
 
 def _install(shared: Any) -> None:
-    import torch
-
-    torch.set_num_threads(1)
+    """Begin a worker: one thread, since there are as many workers as were asked for."""
+    os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
+    if (torch := sys.modules.get("torch")) is not None:
+        torch.set_num_threads(1)
     _INSTALLED[:] = [shared]
 
 
