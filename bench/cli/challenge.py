@@ -56,7 +56,8 @@ def command(cases: int, seed: int, real: bool, out: Path, as_json: bool) -> None
 
 def _blind(cases: int, seed: int, out: Path, tell: Tell) -> tuple[list[str], object]:
     """Run the blind cases; return report lines and scores."""
-    from bench.challenge.blind import blind_markdown, rates, run_blind, seal
+    from bench.challenge.blind import run_blind, seal
+    from bench.challenge.blind_report import blind_markdown, rates
 
     click.echo(f"sealed answers: sha256 {seal(cases, seed)}", err=True)
     outcomes = run_blind(cases, seed, out, tell)

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from bench.discrepancy.covariates import MEASURED
 from bench.discrepancy.ensemble import Ensemble, stack
+from bench.discrepancy.matching import by_link, by_neighbours
 from bench.discrepancy.observables import (
     SCALARS,
     Floats,
@@ -39,6 +40,7 @@ from bench.physics.simulator import Simulator
 MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
 CHANGED = ("error_m", "rx_power_dbm")
 KEPT_TABLES = 24
+MOST_VERSIONS = 16
 FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
 
 
@@ -120,20 +122,64 @@ class TableWorld:
         change = np.zeros((len(view.rows), len(seen.names)))
         if not added:
             return change
-        bare = Simulator(Base(), (), self.seed)
         see = self.stages.observables
-        without = see(bare, view.scene, replicate, False)
+        without = self._bare(view, replicate)
         within = see(Simulator(Base(), added, self.seed), view.scene, replicate, False)
         for name in CHANGED:
             if name in seen.names and name in within.names and name in without.names:
                 change[:, seen.names.index(name)] = within.column(name) - without.column(name)
         return change
 
+    def _bare(self, view: View, replicate: int) -> Observables:
+        """Return what the bare base gives for the rows in one replicate; remembered."""
+        key = (id(view), replicate)
+        if key not in self._bares:
+            bare = Simulator(Base(), (), self.seed)
+            made = self.stages.observables(bare, view.scene, replicate, False)
+            self._bares[key] = view, made
+        return self._bares[key][1]
+
+    @cached_property
+    def _bares(self) -> dict[tuple[int, int], tuple[View, Observables]]:
+        """Bare replicates that are remembered, with the view they belong to."""
+        return {}
+
     def _matches(self, view: View, members: int, first: int) -> list[NDArray[np.intp]]:
-        """Return for each member the simulated row that stands for each recorded row [n]."""
-        if self.paired(view):
-            return self._by_link(view, members, first)
-        return self._by_covariates(view, members)
+        """Return for each member the simulated row that stands for each recorded row [n].
+
+        Members beyond the distinct versions repeat them, starting elsewhere for another `first`.
+        """
+        versions = self.versions(view)
+        return [versions[(first + member) % len(versions)] for member in range(members)]
+
+    def versions(self, view: View) -> list[NDArray[np.intp]]:
+        """Return the distinct matched versions of the recorded rows (see `matching`)."""
+        key = id(view)
+        if key not in self._versions:
+            self._versions[key] = view, self._matched(view)
+        return self._versions[key][1]
+
+    @cached_property
+    def _versions(self) -> dict[int, tuple[View, list[NDArray[np.intp]]]]:
+        """Matched versions that are remembered, with the view they belong to."""
+        return {}
+
+    def distinct(self, view: View) -> int:
+        """Return how many versions share no simulated row of a link."""
+        return len(self.versions(view))
+
+    def _matched(self, view: View) -> list[NDArray[np.intp]]:
+        """Match rows by link where the tables share links, else by covariates."""
+        if not self.paired(view):
+            left, right = self._points(view)
+            self._check_overlap(view, left, right)
+            return by_neighbours(left, right, view.links, self.links, MOST_VERSIONS)
+        left, right = self._points(view, every=True)
+        rows = self.frame.groupby(self.frame["link"].astype(str)).indices
+        names = view.frame["link"].astype(str).to_numpy()
+        labels, codes = np.unique(names, return_inverse=True)
+        pools = [np.asarray(rows[label], np.intp) for label in labels]
+        return by_link(left, right, codes, pools, MOST_VERSIONS)
 
     def paired(self, view: View) -> bool:
         """Return whether every recorded link is in the simulated table too."""
@@ -141,59 +187,34 @@ class TableWorld:
             return False
         return bool(set(view.frame["link"].astype(str)) <= set(self.frame["link"].astype(str)))
 
-    def _by_link(self, view: View, members: int, first: int) -> list[NDArray[np.intp]]:
-        """Return rows drawn from the simulated rows of the same link."""
-        rng = np.random.default_rng([self.seed, first])
-        rows = self.frame.groupby(self.frame["link"].astype(str)).indices
-        names = view.frame["link"].astype(str).to_numpy()
-        out = np.empty((members, len(names)), np.intp)
-        for name in np.unique(names):
-            here = np.flatnonzero(names == name)
-            pool = rows[name]
-            for member in range(members):
-                out[member, here] = pool[rng.integers(len(pool), size=len(here))]
-        return list(out)
-
-    def _shared(self, view: View) -> list[str]:
-        """Return the covariates rows are matched on."""
+    def _shared(self, view: View, every: bool = False) -> list[str]:
+        """Return the covariates rows are matched on: the settings, or all that both tables have."""
+        names = tuple(view.covariates.numbers) if every else MATCHED_ON
         return [
             name
-            for name in MATCHED_ON
+            for name in names
             if np.isfinite(measured(view.frame, name)).all()
             and np.isfinite(measured(self.frame, name)).all()
         ]
 
-    def _points(self, view: View) -> tuple[Floats, Floats]:
+    def _points(self, view: View, every: bool = False) -> tuple[Floats, Floats]:
         """Return recorded and simulated rows in the matched covariates, in standard deviations."""
-        names = self._shared(view)
-        if not names:
+        names = self._shared(view, every)
+        if not names and not every:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
-        left = np.stack([measured(view.frame, name) for name in names], axis=1)
-        right = np.stack([measured(self.frame, name) for name in names], axis=1)
+        left = np.stack([np.zeros(len(view.frame)), *(measured(view.frame, n) for n in names)], 1)
+        right = np.stack([np.zeros(len(self.frame)), *(measured(self.frame, n) for n in names)], 1)
         centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), 1e-9)
         return (left - centre) / scale, (right - centre) / scale
 
-    def _by_covariates(self, view: View, members: int) -> list[NDArray[np.intp]]:
-        """Return rows of the simulated links nearest to each recorded link."""
-        left, right = self._points(view)
+    def _check_overlap(self, view: View, left: Floats, right: Floats) -> None:
+        """Raise BenchError where most recorded rows have no simulated row near them."""
         distance = cKDTree(right).query(left)[0]
         if np.mean(distance > FAR) > 0.5:
             raise BenchError(
                 "no overlap of covariates: most recorded rows have no simulated row within one "
                 f"standard deviation of {', '.join(self._shared(view))}"
             )
-        count = int(self.links.max()) + 1
-        centres = np.stack([right[self.links == link].mean(axis=0) for link in range(count)])
-        tree = cKDTree(centres)
-        out = np.empty((members, len(left)), np.intp)
-        for link in np.unique(view.links):
-            here = np.flatnonzero(view.links == link)
-            near = np.atleast_1d(tree.query(left[here].mean(axis=0), k=min(members, count))[1])
-            for member in range(members):
-                pool = np.flatnonzero(self.links == near[member % len(near)])
-                closest = np.atleast_1d(cKDTree(right[pool]).query(left[here])[1])
-                out[member, here] = pool[closest]
-        return list(out)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -27,6 +28,7 @@ Curves = tuple[tuple[float, ...], ...]
 SESSION_S = 600.0  # rows of two devices within it share what is not known of their clocks
 
 
+@lru_cache(maxsize=256)
 def name_hash(names: tuple[str, ...]) -> NDArray[np.uint64]:
     """Return the hashes that `Scene.hashes` uses for these names."""
     return np.asarray(pd.util.hash_array(np.array(names, dtype=object)), np.uint64)
@@ -34,8 +36,12 @@ def name_hash(names: tuple[str, ...]) -> NDArray[np.uint64]:
 
 def _lookup(rows: Scene, end: str, devices: tuple[str, ...], values: tuple[float, ...]) -> Floats:
     """Return each row's value for its device at one end [n]; 0 for a device not listed."""
-    table = dict(zip(name_hash(devices).tolist(), values, strict=True))
-    return np.array([table.get(h, 0.0) for h in rows.group(end).tolist()], np.float64)
+    if not devices:
+        return np.zeros(len(rows))
+    known, wanted = name_hash(devices), rows.group(end)
+    order = np.argsort(known)
+    place = order[np.minimum(np.searchsorted(known[order], wanted), len(known) - 1)]
+    return np.where(known[place] == wanted, np.asarray(values, np.float64)[place], 0.0)
 
 
 def _as_tuples(effect: Any, **lengths: int | None) -> None:

@@ -30,6 +30,7 @@ from bench.physics.scene import Scene, scene
 from bench.physics.simulator import Simulator
 
 Added = tuple[Effect, ...]
+MANY = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,9 @@ class World(Protocol):
         `first` numbers the replicates: the same numbers give the same random numbers.
         """
 
+    def distinct(self, view: View) -> int:
+        """Return how many members there are that repeat nothing of each other."""
+
 
 @dataclass(frozen=True)
 class Resimulation:
@@ -93,6 +97,10 @@ class Resimulation:
         see = self.stages.observables
         replicas = [see(simulator, view.scene, number, view.waveform) for number in numbers]
         return stack(view.recorded, replicas, view.links)
+
+    def distinct(self, view: View) -> int:
+        """Return how many members repeat nothing of each other: any number."""
+        return MANY
 
     def _cropped(self, simulator: Simulator, view: View) -> Simulator:
         """Return the simulator giving just the window that is compared."""

@@ -1,0 +1,132 @@
+"""The blind part of the challenge report: rates against their bars, and every case."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.challenge.blind import seal
+from bench.challenge.cases import LIMIT_Z
+from bench.challenge.generator.geometry import LINKS, ROWS
+from bench.challenge.generator.shapes import OUTSIDE
+from bench.challenge.scoring import RIGHT, Outcome
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share with its count and the bar it is held to (None: no bar)."""
+
+    words: str
+    hits: int
+    cases: int
+    bar: str = ""
+    met: bool | None = None
+
+    @property
+    def value(self) -> float:
+        """The share, NaN where there was no case."""
+        return self.hits / self.cases if self.cases else float("nan")
+
+
+def rates(outcomes: list[Outcome]) -> list[Rate]:
+    """Return the scores of a challenge against its bars."""
+    empty = [o for o in outcomes if not o.hidden.names]
+    rest = [o for o in outcomes if o.hidden.names]
+    outside = [o for o in rest if set(o.hidden.names) & set(OUTSIDE)]
+    ours = [o for o in rest if o not in outside]
+    above = [o for o in ours if o.above_limit]
+    far = [o for o in outside if o.above_limit]
+    return [
+        _rate("false alarms on empty cases", empty, ("alarm",), "at most 5 %", 0.05, most=True),
+        _rate("wrong names on all others", rest, ("wrong",), "at most 5 %", 0.05, most=True),
+        _rate(
+            "right name, or a class that holds it, above the detection limit",
+            above,
+            RIGHT,
+            "at least 90 %",
+            0.9,
+        ),
+        _rate("of these, the right name alone", above, ("right",)),
+        _rate("one of two effects named", above, ("partly",)),
+        _rate("something is there, above the limit", above, ("unknown",)),
+        _rate("missed, above the limit", above, ("missed",)),
+        _rate(
+            "outside the library, above the limit: reported unknown",
+            far,
+            ("unknown",),
+            "at least 90 %",
+            0.9,
+        ),
+    ]
+
+
+def _rate(
+    words: str,
+    among: list[Outcome],
+    scores: tuple[str, ...],
+    bar: str = "",
+    value: float | None = None,
+    most: bool = False,
+) -> Rate:
+    """Return the share of outcomes with one of these scores."""
+    hits = sum(o.score in scores for o in among)
+    met = None
+    if value is not None and among:
+        met = hits / len(among) <= value if most else hits / len(among) >= value
+    return Rate(words, hits, len(among), bar, met)
+
+
+def roc(outcomes: list[Outcome]) -> list[tuple[float, ...]]:
+    """Return rows of (threshold, false alarms, detected, detected above the limit), as shares.
+
+    The statistic is the search's largest z over its family-wise 5 % threshold.
+    """
+    none = np.array([o.alarm_z for o in outcomes if not o.hidden.names])
+    some = np.array([o.alarm_z for o in outcomes if o.hidden.names])
+    above = np.array([o.alarm_z for o in outcomes if o.above_limit])
+    return [
+        (t, *(float((z >= t).mean()) if len(z) else float("nan") for z in (none, some, above)))
+        for t in (0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
+    ]
+
+
+def blind_markdown(outcomes: list[Outcome], seed: int) -> list[str]:
+    """Return the blind part of the report."""
+    lines = [
+        "## Blind cases",
+        "",
+        f"{len(outcomes)} cases (SIMULATED), seed {seed}, {LINKS} links x {ROWS} rows each; ranges "
+        f"only, no CIR. Answers sealed before the run: sha256 `{seal(len(outcomes), seed)}`.",
+        f"The detection limit is a matched-filter signal-to-noise ratio of {LIMIT_Z:g} on the "
+        "links the search sees: a test that knows the exact shape of the effect.",
+        "",
+        "| score | value | bar | met |",
+        "| --- | --- | --- | --- |",
+    ]
+    for rate in rates(outcomes):
+        met = {True: "yes", False: "**no**", None: ""}[rate.met]
+        share = f"{rate.hits}/{rate.cases}" + (f" = {rate.value:.0%}" if rate.cases else "")
+        lines.append(f"| {rate.words} | {share} | {rate.bar} | {met} |")
+    return [*lines, *_roc_lines(outcomes), *_case_lines(outcomes)]
+
+
+def _roc_lines(outcomes: list[Outcome]) -> list[str]:
+    """Return the detection ROC as a Markdown table."""
+    lines = ["", "| statistic over threshold | false alarms | detected | above the limit |"]
+    lines.append("| --- | --- | --- | --- |")
+    return lines + [f"| {t:g} | {a:.0%} | {b:.0%} | {c:.0%} |" for t, a, b, c in roc(outcomes)]
+
+
+def _case_lines(outcomes: list[Outcome]) -> list[str]:
+    """Return every case as a Markdown table."""
+    lines = ["", "| case | way | hidden | rms (mm) | z | concealed | said | score |"]
+    lines.append("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    for one in outcomes:
+        said = "; ".join(" or ".join(group) for group in one.names) or one.verdict[:60]
+        sizes = ", ".join(f"{1000 * s:.0f}" for s in one.hidden.strengths_m)
+        lines.append(
+            f"| {one.number} | {one.way} | {', '.join(one.hidden.names) or 'nothing'} | {sizes} "
+            f"| {one.strength_z:.0f} | {one.hidden.conceal} | {said} | {one.score} |"
+        )
+    return lines
