@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +99,19 @@ def test_results_do_not_depend_on_how_they_were_spread(
     assert len(alone) == 2
     assert swept(tmp_path / "two", Spread(jobs=2), work, make()) == alone
     assert swept(tmp_path / "dask", Spread(scheduler=cluster), work, make()) == alone
+
+
+@pytest.mark.slow
+def test_trained_together_or_alone_the_mae_of_every_seed_is_the_same() -> None:
+    (data, _), (classes, _) = networks(), bars()
+    point, bar = Point(16, tuple(range(10)), 2), Bar("big", tuple(range(20)), 2)
+    together = [seed["value"] for seed in train_point(data, point)]
+    alone = [train_point(data, replace(point, seeds=(seed,)))[0]["value"] for seed in point.seeds]
+    np.testing.assert_allclose(together, alone, rtol=0, atol=1e-4)
+    assert len(set(together)) == 10
+    stacked = train_bar(classes, bar)["small"]
+    singly = [train_bar(classes, replace(bar, seeds=(seed,)))["small"][0] for seed in bar.seeds]
+    np.testing.assert_allclose(stacked, singly, rtol=0, atol=1e-4)
 
 
 def test_results_keep_the_order_of_the_tasks(cluster: str, tmp_path: Path) -> None:
