@@ -20,6 +20,7 @@ Examples:
   bench reproduce all --data rooms --out results
   bench reproduce cir-size,generalisation --jobs 2
   bench reproduce latency-vs-accuracy --device host
+  bench reproduce all --page docs/reproduce.md
 """
 
 
@@ -64,6 +65,12 @@ def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     metavar="NAME[,..]",
     help="For latency-vs-accuracy: devices (`bench devices`; ESTIMATES), or host (measured).",
 )
+@click.option(
+    "--page",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.md",
+    help="Write these experiments as one page too, its pictures in the folder FILE beside it.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the outcomes as JSON, nothing else.")
 def command(
     names: str,
@@ -74,6 +81,7 @@ def command(
     jobs: int,
     scheduler: str | None,
     device: str,
+    page: Path | None,
     as_json: bool,
 ) -> None:
     """Redo the paper's tables and figures, each beside the paper's own numbers.
@@ -82,6 +90,7 @@ def command(
     all. Errors are in m, latencies in us, energies in mJ. Interrupted? The same command finishes
     the rest.
     """
+    from bench.cli.reproduce_page import check_page, write_page
     from bench.cli.run_view import RunView
     from bench.reproduce.api import reproduce
     from bench.reproduce.catalogue import chosen
@@ -89,12 +98,16 @@ def command(
     from bench.reproduce.device_figures import chosen_devices
     from bench.reproduce.spread import Spread
 
+    if page is not None:
+        check_page(page)
     experiments, spread = chosen(names), Spread(jobs, scheduler)
     devices = ",".join(chosen_devices(device))
     with RunView(quiet=as_json) as view:
         done = reproduce(experiments, Context(data, out, split, quick, view, spread, devices))
         view.stage("drawing")
         pages = _render(done)
+        if page is not None:
+            write_page(page, done)
     _tell(done, pages, as_json)
 
 

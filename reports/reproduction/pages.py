@@ -17,6 +17,7 @@ from reports.document import (
 )
 from reports.numbers import UNKNOWN
 from reports.reproduction.load import Figured, OutcomeFile, RowFile, TableFile, Value
+from reports.reproduction.worse import worse
 
 FIGURES = "figures"
 _KEY = (
@@ -34,20 +35,34 @@ def index_page(
     outcomes: Sequence[OutcomeFile], impossible: Sequence[tuple[str, str]] = ()
 ) -> Document:
     """Return one page with every experiment and picture, and what these recordings do not allow."""
-    blocks: list[Block] = [Heading("Reproduction of the paper", 1), Paragraph(_KEY)]
-    for outcome in outcomes:
-        blocks += [Heading(outcome.title, 2), *_body(outcome, pictured=True, level=3)]
-    if impossible:
-        blocks += [
-            Heading("Not possible on these recordings", 2),
-            Bullets(tuple(f"{name}: {reason}" for name, reason in impossible)),
-        ]
-    return blocks
+    start: list[Block] = [Heading("Reproduction of the paper", 1), Paragraph(_KEY)]
+    return [*start, *_sections(outcomes, ".svg"), *_not_possible(impossible)]
 
 
-def picture_path(outcome: OutcomeFile, figure: str, suffix: str) -> str:
+def full_page(
+    outcomes: Sequence[OutcomeFile],
+    impossible: Sequence[tuple[str, str]],
+    facts: Sequence[str],
+    figures: str,
+) -> Document:
+    """Return a page that stands alone: what it rests on, where we are worse, every experiment.
+
+    `facts`: lines on how it was made; `figures`: the pictures' folder relative to the page (PNG).
+    """
+    data = ", ".join(dict.fromkeys(standing(one) for one in outcomes))
+    blocks: Document = [
+        Heading("Reproduction of the paper", 1),
+        Paragraph(f"Recordings: {data}. {_KEY}"),
+        Bullets((*facts, _times(outcomes), *_machines(outcomes))),
+    ]
+    if lines := worse(outcomes):
+        blocks += [Heading("Where we do worse than the paper", 2), Bullets(tuple(lines))]
+    return [*blocks, *_sections(outcomes, ".png", figures), *_not_possible(impossible)]
+
+
+def picture_path(outcome: OutcomeFile, figure: str, suffix: str, folder: str = FIGURES) -> str:
     """Return a picture's path relative to the page."""
-    return f"{FIGURES}/{outcome.experiment}-{figure}{suffix}"
+    return f"{folder}/{outcome.experiment}-{figure}{suffix}"
 
 
 def standing(outcome: OutcomeFile) -> str:
@@ -56,23 +71,62 @@ def standing(outcome: OutcomeFile) -> str:
     return f"{outcome.data} ({', '.join(marks)})" if marks else outcome.data
 
 
-def _body(outcome: OutcomeFile, pictured: bool, level: int) -> list[Block]:
+def _sections(outcomes: Sequence[OutcomeFile], suffix: str, figures: str = FIGURES) -> list[Block]:
+    blocks: list[Block] = []
+    for outcome in outcomes:
+        blocks.append(Heading(outcome.title, 2))
+        blocks += _body(outcome, pictured=True, level=3, suffix=suffix, figures=figures)
+    return blocks
+
+
+def _not_possible(impossible: Sequence[tuple[str, str]]) -> list[Block]:
+    if not impossible:
+        return []
+    lines = tuple(f"{name}: {reason}" for name, reason in impossible)
+    return [Heading("Not possible on these recordings", 2), Bullets(lines)]
+
+
+def _times(outcomes: Sequence[OutcomeFile]) -> str:
+    """Return how long every experiment took, and all of them."""
+    each = ", ".join(f"{one.experiment} {one.elapsed_s:,.0f}" for one in outcomes)
+    total_s = sum(one.elapsed_s for one in outcomes)
+    return (
+        f"Measured time: {total_s:,.0f} s ({total_s / 60:.0f} min) in all; in seconds: {each}. "
+        "Each experiment's includes the runs it was first to need."
+    )
+
+
+def _machines(outcomes: Sequence[OutcomeFile]) -> list[str]:
+    return list(dict.fromkeys(f"Machine: {_machine(one)}." for one in outcomes))
+
+
+def _machine(outcome: OutcomeFile) -> str:
+    host = outcome.host
+    return f"{host.get('cpu')} ({host.get('cores')} cores)"
+
+
+def _body(
+    outcome: OutcomeFile,
+    pictured: bool,
+    level: int,
+    suffix: str = ".svg",
+    figures: str = FIGURES,
+) -> list[Block]:
     blocks: list[Block] = [Paragraph(f"Recordings: {standing(outcome)}.")]
     blocks.append(Paragraph(outcome.protocol))
     for table in outcome.tables:
         blocks += [Heading(table.title, level), *_table(table)]
     for figure in outcome.figures if pictured else ():
         alt = f"{figure.title}, {standing(outcome)}"
-        blocks.append(Image(picture_path(outcome, figure.name, ".svg"), alt))
+        blocks.append(Image(picture_path(outcome, figure.name, suffix, figures), alt))
     blocks.append(Bullets((*outcome.notes, _made(outcome))))
     return blocks
 
 
 def _made(outcome: OutcomeFile) -> str:
-    host = outcome.host
     return (
-        f"Made {outcome.created_utc} in {outcome.elapsed_s:.0f} s on {host.get('cpu')} "
-        f"({host.get('cores')} cores); earlier runs that were reused are not in that time. "
+        f"Made {outcome.created_utc} in {outcome.elapsed_s:.0f} s on {_machine(outcome)}; earlier "
+        "runs that were reused are not in that time. "
         f"Recordings' fingerprint: {outcome.data_fingerprint}."
     )
 

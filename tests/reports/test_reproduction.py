@@ -9,8 +9,16 @@ import pytest
 
 from reports.errors import ReportError
 from reports.markdown import to_markdown
-from reports.reproduction import index_page, outcome_page, pictures, read_outcome, read_outcomes
-from reports.reproduction.load import FigureFile
+from reports.reproduction import (
+    full_page,
+    index_page,
+    outcome_page,
+    pictures,
+    read_outcome,
+    read_outcomes,
+)
+from reports.reproduction.load import FigureFile, OutcomeFile
+from reports.reproduction.worse import worse
 
 
 def row(**changes: Any) -> dict[str, Any]:
@@ -140,6 +148,53 @@ def test_the_index_holds_every_outcome_and_what_was_not_possible(folder: Path) -
     assert "## Rooms" in text
     assert "](figures/rooms-lines.svg)" in text
     assert "- pca: no CIR" in text
+
+
+def full(*changes: dict[str, Any]) -> str:
+    outcomes = [msgspec.convert(outcome(**one), OutcomeFile) for one in changes]
+    return to_markdown(full_page(outcomes, [("pca", "no CIR")], ["Source: commit abc"], "pics"))
+
+
+def test_the_full_page_says_what_it_rests_on() -> None:
+    text = full({"elapsed_s": 60.4}, {"experiment": "rooms", "title": "Rooms", "elapsed_s": 3000})
+    assert "Recordings: rooms (SIMULATED)." in text
+    assert "- Source: commit abc" in text
+    assert "3,060 s (51 min) in all; in seconds: optimisation 60, rooms 3,000." in text
+    assert text.count("- Machine: Example (2 cores).") == 1
+    assert "](pics/rooms-lines.png)" in text
+    assert "- pca: no CIR" in text
+
+
+def worse_lines(*rows: dict[str, Any]) -> list[str]:
+    table = outcome()["tables"][0] | {"rows": list(rows)}
+    return worse([msgspec.convert(outcome(tables=[table]), OutcomeFile)])
+
+
+def test_where_we_are_worse_stands_first() -> None:
+    assert worse_lines(row()) == [
+        "optimisation: remnet, MAE: 0.0701 m, the paper 0.0687 m (inside our interval)"
+    ]
+    assert "(outside our interval)" in worse_lines(row(paper=0.01))[0]
+    assert worse_lines(row(quantity="R²", unit="", ours=0.5, paper=0.56)) == [
+        "optimisation: remnet, R²: 0.5000, the paper 0.5600"
+    ]
+    text = full({})
+    assert text.index("## Where we do worse than the paper") < text.index("## Optimisation")
+
+
+def test_what_is_better_or_no_merit_is_not_called_worse() -> None:
+    rows = [
+        row(paper=0.08),
+        row(label=["none"]),
+        row(quantity="σ before"),
+        row(label=["NLoS", "raw"]),
+        row(quantity="NLoS rows", ours=10, paper=5),
+        row(quantity="R²", ours=0.7, paper=0.5),
+        row(ours="yes"),
+        row(paper=None),
+    ]
+    assert worse_lines(*rows) == []
+    assert "Where we do worse" not in full({"tables": []})
 
 
 @pytest.mark.parametrize(

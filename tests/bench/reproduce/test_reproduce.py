@@ -68,6 +68,18 @@ def test_pca_stands_alone(deepuwb: Path, tmp_path: Path) -> None:
     }
 
 
+def test_a_page_stands_alone_with_its_pictures(deepuwb: Path, tmp_path: Path) -> None:
+    page = tmp_path / "docs" / "reproduce.md"
+    call("pca", "--data", "deepuwb", "--out", str(tmp_path / "out"), "--page", str(page))
+    text = page.read_text(encoding="utf-8")
+    assert "Recordings: deepuwb." in text
+    assert "Source: commit" in text
+    assert "Measured time:" in text
+    pictures = sorted(path.name for path in (tmp_path / "docs" / "reproduce").iterdir())
+    assert pictures == ["pca-materials.png", "pca-rooms.png"]
+    assert all(f"](reproduce/{name})" in text for name in pictures)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -78,6 +90,7 @@ def test_pca_stands_alone(deepuwb: Path, tmp_path: Path) -> None:
         (("pca", "--data", "deepuwb", "--split", "by-row"), "by-row"),
         (("rooms", "--data", "deepuwb", "--split", "link-kfold:9999"), "9999"),
         (("latency-vs-accuracy", "--device", "cortex"), "unknown device 'cortex'"),
+        (("pca", "--page", "page.html"), "ends in .md"),
         (("pca", "--jobs", "0"), "at least 1"),
         (("pca", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"), "expected one of them"),
     ],
