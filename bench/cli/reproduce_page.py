@@ -1,0 +1,49 @@
+"""`bench reproduce --page`: one page that stands alone, with what it rests on."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from bench.errors import BenchError
+from bench.files import atomic_path, write_atomically
+from bench.reproduce.api import Reproduction
+from bench.reproduce.provenance import commit
+
+
+def write_page(page: Path, done: Reproduction) -> None:
+    """Write the outcomes done as one Markdown page, the pictures (PNG) in a folder of its name.
+
+    Raises BenchError where the file is no .md or an outcome cannot be read.
+    """
+    from reports import ReportError
+    from reports.markdown import to_markdown
+    from reports.reproduction import full_page, pictures, read_outcome
+
+    check_page(page)
+    try:
+        outcomes = [read_outcome(path) for path in done.files]
+    except ReportError as problem:
+        raise BenchError(str(problem)) from problem
+    for one in outcomes:
+        for name, save in pictures(one):
+            if name.endswith(".png"):
+                with atomic_path(page.with_suffix("") / Path(name).name) as scratch:
+                    save(scratch)
+    document = full_page(outcomes, done.impossible, _facts(), page.stem)
+    write_atomically(page, to_markdown(document))
+
+
+def check_page(page: Path) -> None:
+    """Raise BenchError unless the name is that of a Markdown file."""
+    if page.suffix != ".md":
+        raise BenchError(f"--page {page}: expected a name that ends in .md")
+
+
+def _facts() -> list[str]:
+    words = " ".join(word for word in sys.argv[1:])
+    return [
+        f"Made by: bench {words}",
+        f"Source: commit {commit()}; every outcome was made by this source, or by one that does "
+        "not differ in what decides it.",
+    ]
