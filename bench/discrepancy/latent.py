@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 from scipy.sparse import csr_array
 
 from bench.discrepancy.clocks import device_clock
@@ -44,6 +45,7 @@ def device_terms(world: World, view: View, added: Added) -> list[Effect]:
 UNCOMPRESSED_DBM = -80.5  # logged levels below this follow the true one
 MAX_BIAS_M = 0.3  # APS011: -11 to +8 cm at 64 MHz PRF and 500 MHz, -28 to +15 cm at others
 KNOTS_DBM = np.arange(-97.0, -50.0, 3.0)
+STEEPEST_M = 0.12  # per knot: three times the steepest part of the published curve
 
 
 def power_curve(world: World, view: View, added: Added) -> PowerCurve | None:
@@ -82,12 +84,21 @@ def _bounded(bias: Floats, level: Floats) -> Floats:
 
 
 def _smooth_curve(level: Floats, residual: Floats, smooth: float = 0.1) -> Floats:
-    """Return the bias at KNOTS_DBM."""
+    """Return the bias at KNOTS_DBM: it only falls as the level rises, by `STEEPEST_M` per knot.
+
+    A late threshold crossing of a weaker pulse is why there is a bias at all (APS011), so a curve
+    that rises and falls again is something else.
+    """
     known = np.isfinite(residual)
     hats = np.stack([np.interp(level[known], KNOTS_DBM, row) for row in np.eye(len(KNOTS_DBM))], 1)
     bend = np.diff(np.eye(len(KNOTS_DBM)), 2, axis=0) * smooth * np.sqrt(known.sum())
     target = np.concatenate([residual[known], np.zeros(len(bend))])
-    return np.asarray(np.linalg.lstsq(np.vstack([hats, bend]), target, rcond=None)[0])
+    falls = np.triu(np.ones((len(KNOTS_DBM),) * 2))  # bias at a knot = sum of the falls above it
+    bounds = np.full(len(KNOTS_DBM), STEEPEST_M)
+    bounds[-1] = np.inf
+    lowest = np.where(np.isinf(bounds), -np.inf, 0.0)
+    made = lsq_linear(np.vstack([hats, bend]) @ falls, target, (lowest, bounds))
+    return np.asarray(falls @ made.x)
 
 
 def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:

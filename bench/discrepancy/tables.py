@@ -74,7 +74,7 @@ class TableWorld:
         geometry and settings (with against without them, on the same random numbers) and added.
         """
         seen = self.observed
-        picks = self._matches(view, members, first)
+        picks = self._matches(view, members)
         if added and any(name.startswith("profile_db") for name in seen.names):
             numbers = range(first, first + members)
             made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
@@ -144,36 +144,47 @@ class TableWorld:
         """Bare replicates that are remembered, with the view they belong to."""
         return {}
 
-    def _matches(self, view: View, members: int, first: int) -> list[NDArray[np.intp]]:
+    def _matches(self, view: View, members: int) -> list[NDArray[np.intp]]:
         """Return for each member the simulated row that stands for each recorded row [n].
 
-        Members beyond the distinct versions repeat them, starting elsewhere for another `first`.
+        Members beyond the matched versions repeat them.
         """
         versions = self.versions(view)
-        return [versions[(first + member) % len(versions)] for member in range(members)]
+        return [versions[member % len(versions)] for member in range(members)]
 
     def versions(self, view: View) -> list[NDArray[np.intp]]:
-        """Return the distinct matched versions of the recorded rows (see `matching`)."""
+        """Return the matched versions of the recorded rows (see `matching`).
+
+        Those from the same links first; where they are few, rows of similar links follow, so that
+        a score has enough members.
+        """
         key = id(view)
         if key not in self._versions:
-            self._versions[key] = view, self._matched(view)
+            own = self._same_links(view) if self.paired(view) else []
+            more = self._similar_links(view)[bool(own) :] if len(own) < MOST_VERSIONS else []
+            versions = (own + more)[:MOST_VERSIONS]
+            self._versions[key] = view, versions, len(own) or len(versions)
         return self._versions[key][1]
 
     @cached_property
-    def _versions(self) -> dict[int, tuple[View, list[NDArray[np.intp]]]]:
-        """Matched versions that are remembered, with the view they belong to."""
+    def _versions(self) -> dict[int, tuple[View, list[NDArray[np.intp]], int]]:
+        """Matched versions that are remembered, with their view and how many are of one kind."""
         return {}
 
     def distinct(self, view: View) -> int:
-        """Return how many versions share no simulated row of a link."""
-        return len(self.versions(view))
+        """Return how many versions, the first ones, a permutation may swap with the recorded."""
+        self.versions(view)
+        return self._versions[id(view)][2]
 
-    def _matched(self, view: View) -> list[NDArray[np.intp]]:
-        """Match rows by link where the tables share links, else by covariates."""
+    def _similar_links(self, view: View) -> list[NDArray[np.intp]]:
+        """Match rows with those of the simulated links nearest in their covariates."""
+        left, right = self._points(view)
         if not self.paired(view):
-            left, right = self._points(view)
             self._check_overlap(view, left, right)
-            return by_neighbours(left, right, view.links, self.links, MOST_VERSIONS)
+        return by_neighbours(left, right, view.links, self.links, MOST_VERSIONS)
+
+    def _same_links(self, view: View) -> list[NDArray[np.intp]]:
+        """Match rows with those of the same link."""
         left, right = self._points(view, every=True)
         rows = self.frame.groupby(self.frame["link"].astype(str)).indices
         names = view.frame["link"].astype(str).to_numpy()
@@ -200,7 +211,7 @@ class TableWorld:
     def _points(self, view: View, every: bool = False) -> tuple[Floats, Floats]:
         """Return recorded and simulated rows in the matched covariates, in standard deviations."""
         names = self._shared(view, every)
-        if not names and not every:
+        if not names and not self.paired(view):
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
         left = np.stack([np.zeros(len(view.frame)), *(measured(view.frame, n) for n in names)], 1)
         right = np.stack([np.zeros(len(self.frame)), *(measured(self.frame, n) for n in names)], 1)

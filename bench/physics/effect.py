@@ -102,6 +102,9 @@ class Effect(ABC):
     Class attributes: `name` (its entry point), `number` (in the documentation's list), `stage`,
     `source` (where model and magnitudes come from), `signature` (what it does to recordings, in
     words), `control` (when it must vanish, in words, or "" where no such rows exist).
+    `per_link`: it draws every link anew, so it can stand in for simpler effects.
+    `last`: it acts on what the other effects of its stage made, so it comes behind them.
+    `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
     """
@@ -112,6 +115,9 @@ class Effect(ABC):
     number: ClassVar[int] = 0
     signature: ClassVar[str] = ""
     control: ClassVar[str] = ""
+    per_link: ClassVar[bool] = False
+    last: ClassVar[bool] = False
+    independent: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
 

@@ -25,6 +25,7 @@ class TimestampJitter(Effect):
     stage = "ranging"
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     signature = "independent scatter of every range, the same everywhere"
+    independent = True
 
     jitter_samples: float = parameter(0.08, "samples", 0, 2, "std of the first path", null=0)
     heavy: float = parameter(0, "ratio", 0, 0.5, "share of rows with five times the spread")
