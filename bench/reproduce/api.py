@@ -13,7 +13,7 @@ from bench.errors import BenchError, WriteError
 from bench.measure.machine import describe_machine
 from bench.reproduce.catalogue import Experiment
 from bench.reproduce.context import Context
-from bench.reproduce.outcome import read_key, write_outcome
+from bench.reproduce.outcome import read_key, read_longest_s, write_outcome
 from bench.runner.hashes import decisive_versions, packages_code_hash
 from bench.runner.records import now_utc
 
@@ -64,9 +64,11 @@ def _one(experiment: Experiment, context: Context) -> Path:
     context.watch.stage(experiment.name)
     start = perf_counter()
     outcome = experiment.load()(context)
+    elapsed_s = round(perf_counter() - start, 1)
     done = replace(
         outcome,
-        elapsed_s=round(perf_counter() - start, 1),
+        elapsed_s=elapsed_s,
+        longest_s=max(elapsed_s, read_longest_s(path, outcome)),
         host=describe_machine(),
         created_utc=now_utc(),
         key=key,

@@ -86,8 +86,9 @@ class Figure:
 class Outcome:
     """One experiment, done. `protocol` says in words what was run and what differs from the paper.
 
-    `simulated` marks every rendering. `elapsed_s` is wall time on the machine it ran on; `key`
-    stands for all that determines the outcome.
+    `simulated` marks every rendering. `elapsed_s` is wall time on the machine it ran on, with
+    whatever runs were found done; `longest_s` is the longest that any making of it on the same
+    recordings took, which is the one that had to train. `key` stands for all that determines it.
     """
 
     experiment: str
@@ -101,6 +102,7 @@ class Outcome:
     figures: Sequence[Figure] = ()
     notes: Sequence[str] = ()
     elapsed_s: float = 0.0
+    longest_s: float = 0.0
     host: dict[str, Any] = field(default_factory=dict)
     key: str = ""
     created_utc: str = ""
@@ -120,6 +122,19 @@ def read_key(path: Path) -> str | None:
         return str(content["key"]) if content["schema_version"] == SCHEMA_VERSION else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def read_longest_s(path: Path, outcome: Outcome) -> float:
+    """Return how long an earlier making of this outcome took, 0 where there was none."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        same = [content[name] for name in _SAME] == [getattr(outcome, name) for name in _SAME]
+        return max(content["elapsed_s"], content.get("longest_s", 0.0)) if same else 0.0
+    except (OSError, ValueError, KeyError, TypeError):
+        return 0.0
+
+
+_SAME = ("experiment", "data_fingerprint", "quick")
 
 
 def _finite(value: Any) -> Any:

@@ -62,14 +62,17 @@ def _dress(axes: Any, one: FigureFile, data: str, handles: list[Any] | None) -> 
     if one.equal_axes:
         axes.set_aspect("equal", adjustable="datalim")
     place = (1.05, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
-    axes.legend(handles=handles, fontsize=8, loc="center left", bbox_to_anchor=place)
+    scale = 3 if one.kind == "scatter3d" else 1
+    axes.legend(
+        handles=handles, fontsize=8, loc="center left", bbox_to_anchor=place, markerscale=scale
+    )
 
 
 def _make_room(axes: Any) -> None:
     """Keep the labels of a 3-D picture inside it and off its ticks."""
     from matplotlib.ticker import MaxNLocator
 
-    axes.set_box_aspect(None, zoom=0.82)
+    axes.set_box_aspect(None, zoom=0.95)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(MaxNLocator(5))
         axis.labelpad = 6

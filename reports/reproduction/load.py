@@ -103,6 +103,12 @@ class OutcomeFile:
     elapsed_s: float
     host: Mapping[str, Any]
     created_utc: str
+    longest_s: float = 0.0
+
+    @property
+    def trained_s(self) -> float:
+        """Return the longest that making it took: the time with the trainings it needed."""
+        return max(self.elapsed_s, self.longest_s)
 
 
 def read_outcomes(folder: Path) -> list[OutcomeFile]:

@@ -88,11 +88,11 @@ def _not_possible(impossible: Sequence[tuple[str, str]]) -> list[Block]:
 
 def _times(outcomes: Sequence[OutcomeFile]) -> str:
     """Return how long every experiment took, and all of them."""
-    each = ", ".join(f"{one.experiment} {one.elapsed_s:,.0f}" for one in outcomes)
-    total_s = sum(one.elapsed_s for one in outcomes)
+    each = ", ".join(f"{one.experiment} {one.trained_s:,.0f}" for one in outcomes)
+    total_s = sum(one.trained_s for one in outcomes)
     return (
         f"Measured time: {total_s:,.0f} s ({total_s / 60:.0f} min) in all; in seconds: {each}. "
-        "Each experiment's includes the runs it was first to need."
+        "Each experiment's is of the making that trained what it was first to need."
     )
 
 

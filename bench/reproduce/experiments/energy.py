@@ -18,7 +18,8 @@ from bench.results import Estimate, Interval, RunRecord
 BACKENDS = "fp32,graph,fp16,int8,qat"
 _PROTOCOL = (
     "ESTIMATES for REMnet, none measured: latency and energy of one inference (batch 1) on every "
-    "device profile, in each of its modes, from the file of every backend. The paper's figures "
+    "device profile, in each of its modes, from the file of every backend; host is this machine's "
+    "profile, an estimate too. The paper's figures "
     "stand beside them where it has that device and network; its energy is the product of its "
     "latency and power (the energy it prints contradicts that product in places: see `devices`). "
     "The profiles of the paper's devices are anchored on these very rows, so that agreement here "

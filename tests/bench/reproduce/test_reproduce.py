@@ -115,6 +115,11 @@ def test_a_damaged_outcome_is_made_again(deepuwb: Path, tmp_path: Path) -> None:
     again = json.loads(path.read_text())
     assert again["tables"] == whole["tables"]
     assert again["figures"] == whole["figures"]
+    path.write_text(json.dumps({**again, "key": "of other code", "longest_s": 1e6}))
+    call(*ask)
+    last = json.loads(path.read_text())
+    assert last["longest_s"] == 1e6, "the time of the making that trained is kept"
+    assert last["elapsed_s"] < 1e6
 
 
 def test_list_names_every_experiment() -> None:
