@@ -142,7 +142,8 @@ def _screened(
     """Return the line search of every effect, and why others were skipped."""
     found: dict[str, tuple[Objective, Fitted]] = {}
     skipped: dict[str, str] = {}
-    for name, kind in kinds.items():
+    able = {name: kind for name, kind in kinds.items() if fit.waveform or kind.without_cir}
+    for name, kind in able.items():
         tell(f"trying {name}")
         objective = Objective(kind, world, fit, added, base)
         try:

@@ -21,6 +21,8 @@ STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null 
 EVALUATIONS = 60
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
 FLAG = "0 or 1"
+DECADES = 1e3  # a parameter whose bounds are this far apart, both positive, is searched by ratio
+NOTHING = -1e6  # the gain of parameter values that leave nothing to compare
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Objective:
         self.best: tuple[float, Effect] | None = None
 
     def __call__(self, values: dict[str, float]) -> float:
-        """Return the gain of these parameter values; an ensemble that is not finite counts -inf.
+        """Return the gain of these parameter values; an ensemble that is not finite counts NOTHING.
 
         Raises BenchError where the effect itself fails.
         """
@@ -58,7 +60,7 @@ class Objective:
             raise BenchError(f"effect {self.kind.name!r} failed: {problem}") from problem
         found = gain(self.base, tally(made))
         if set(made.names) < set(self.base.names) or not np.isfinite(found):
-            raise BenchError(f"effect {self.kind.name!r} gives values that are not finite")
+            return NOTHING
         if self.best is None or found > self.best[0]:
             self.best = (found, effect)
         return found
@@ -67,10 +69,11 @@ class Objective:
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
     """Return the parameters that are fitted.
 
-    Not switches, and not spreads over devices: the devices of recordings are few and have values
-    of their own, which `bench.discrepancy.latent` finds.
+    Not switches, not where a tail is cut or what it is where there is no room, and not spreads
+    over devices: the devices of recordings are few and have values of their own, which
+    `bench.discrepancy.latent` finds.
     """
-    skip = ("device_spread",)
+    skip = ("device_spread", "open_space", "length_ns")
     return tuple(
         p
         for p in kind.parameters()
@@ -86,7 +89,8 @@ def screen(objective: Objective) -> Fitted:
     """
     for values in _starts(objective.kind):
         objective(values)
-    assert objective.best is not None
+    if objective.best is None:
+        raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
     for values in _elsewhere(objective.kind, objective.best[1]):
         objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
@@ -101,7 +105,7 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
     for amplitude in amplitudes:
         null = float(amplitude.null or 0.0)
         for bound in {amplitude.low, amplitude.high} - {null}:
-            at = [null + step * (bound - null) for step in STEPS]
+            at = [_between(amplitude, null, bound, step) for step in STEPS]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
     if not amplitudes:
         rng = np.random.default_rng(0)
@@ -124,7 +128,7 @@ def _elsewhere(kind: type[Effect], best: Effect) -> list[dict[str, float]]:
     out = []
     for number, point in enumerate(points):
         strong = {p.name: _strength(p, now[p.name], number) for p in amplitudes[:1]}
-        spread = {p.name: p.low + u * (p.high - p.low) for p, u in zip(others, point, strict=True)}
+        spread = {p.name: _between(p, p.low, p.high, u) for p, u in zip(others, point, strict=True)}
         out.append(now | strong | spread)
     return out
 
@@ -135,7 +139,19 @@ def _strength(item: Parameter, now: float, number: int) -> float:
     bound = item.high if item.high - null >= null - item.low else item.low
     shares = (None, 0.2, 0.5, 0.75)
     share = shares[number % len(shares)]
-    return now if share is None else null + share * (bound - null)
+    return now if share is None else _between(item, null, bound, share)
+
+
+def by_ratio(item: Parameter) -> bool:
+    """Return whether a parameter spans decades, so that steps in it are ratios."""
+    return item.low > 0 and item.high / item.low >= DECADES
+
+
+def _between(item: Parameter, start: float, end: float, share: float) -> float:
+    """Return the value that lies `share` of the way from `start` to `end`."""
+    if by_ratio(item):
+        return float(start * (end / start) ** share)
+    return start + share * (end - start)
 
 
 def valued(kind: type[Effect], values: dict[str, float]) -> Effect:
@@ -154,14 +170,13 @@ def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) 
     free = objective.free
     if not free:
         return start
-    low = np.array([p.low for p in free])
-    span = np.array([p.high for p in free]) - low
-    now = np.array([getattr(start.effect, p.name) for p in free])
-    scale = np.array([_step(p, value) for p, value in zip(free, now, strict=True)])
+    low, high = (np.array([_scaled(p, end) for p, end in _ends(free, w)]) for w in (0, 1))
+    now = np.array([_scaled(p, getattr(start.effect, p.name)) for p in free])
+    scale = np.array([_step(p, getattr(start.effect, p.name)) for p in free])
 
     def loss(x: Floats) -> float:
-        values = np.clip(now + x * scale, low, low + span)
-        return -objective({p.name: float(v) for p, v in zip(free, values, strict=True)})
+        values = np.clip(now + x * scale, low, high)
+        return -objective({p.name: _plain(p, v) for p, v in zip(free, values, strict=True)})
 
     simplex = np.vstack([np.zeros(len(free)), np.eye(len(free))])
     options: Any = {"maxfev": evaluations, "initial_simplex": simplex, "xatol": 0.02, "fatol": 1e-4}
@@ -170,10 +185,27 @@ def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) 
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 
+def _ends(free: tuple[Parameter, ...], which: int) -> list[tuple[Parameter, float]]:
+    """Return each parameter with its lower (0) or upper (1) bound."""
+    return [(p, (p.low, p.high)[which]) for p in free]
+
+
+def _scaled(item: Parameter, value: float) -> float:
+    """Return the value as the search sees it: its logarithm where it spans decades."""
+    return float(np.log(value)) if by_ratio(item) else float(value)
+
+
+def _plain(item: Parameter, scaled: float) -> float:
+    """Return the value in the parameter's unit, within its bounds."""
+    return _inside(item, float(np.exp(scaled)) if by_ratio(item) else float(scaled))
+
+
 def _step(item: Parameter, value: float) -> float:
     """Return a first step: a third of the way from null, or a tenth of the bounds."""
-    if item.null is not None and value != item.null:
-        step = (value - item.null) / 3
+    low, high, value = (_scaled(item, v) for v in (item.low, item.high, value))
+    null = None if item.null is None else _scaled(item, item.null)
+    if null is not None and value != null:
+        step = (value - null) / 3
     else:
-        step = (item.high - item.low) * (0.02 if item.null is not None else 0.1)
-    return float(step if value + step <= item.high else -step)
+        step = (high - low) * (0.02 if null is not None else 0.1)
+    return float(step if value + step <= high else -step)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bench.discrepancy.cells import Cell
+from bench.discrepancy.context import chosen_first, polished, pruned, refitted, rivals, without
 from bench.discrepancy.explain import (
     SCORE_FIRST,
     SCORE_MEMBERS,
@@ -18,7 +19,6 @@ from bench.discrepancy.explain import (
     explain,
     physics_name,
 )
-from bench.discrepancy.fit import Fitted, Objective, refine
 from bench.discrepancy.gain import gain_interval, tally
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
@@ -30,7 +30,7 @@ from bench.physics.effect import Effect
 
 SEARCH_MEMBERS = 16
 SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
-ROUNDS = 5
+ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
 SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
 SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
@@ -75,6 +75,7 @@ class Search:
         """Search the discover links for what is left."""
         first = SEARCH_FIRST + turn * SEARCH_MEMBERS
         ensemble = self.world.ensemble(self.discover, added, SEARCH_MEMBERS, first)
+        ensemble = ensemble.first(self.world.distinct(self.discover))
         return locate(ensemble, self.discover.covariates, self.seed + turn)
 
     def explain(self, added: Added, located: Located) -> Explanation:
@@ -83,6 +84,22 @@ class Search:
         have = {physics_name(effect) for effect in added}
         world, kinds = self.world, {n: k for n, k in self.kinds.items() if n not in have}
         return explain(world, self.fit, self.discover, added, kinds, focus, self.seed, self.tell)
+
+    def without(self, effect: Effect) -> Search:
+        """Return a search that leaves this effect out of the library."""
+        return replace(self, kinds={n: k for n, k in self.kinds.items() if n != effect.name})
+
+    def order(self, added: Added, explanation: Explanation) -> Explanation:
+        """Return the explanation with the contender to add in front.
+
+        Recordings of the range alone have one observable, on which nothing more can be told.
+        """
+        if not self.fit.waveform:
+            return explanation
+        if added:
+            views = (self.fit, self.discover)
+            explanation = refitted(self.world, views, added, explanation, self.seed)
+        return chosen_first(explanation, self.seed, MARGIN)
 
 
 def diagnose(search: Search) -> Diagnosis:
@@ -93,17 +110,36 @@ def diagnose(search: Search) -> Diagnosis:
     for turn in range(ROUNDS):
         search.tell(f"searching (round {turn + 1})")
         located = search.locate(added, turn)
+        refuted = contradicted(added, located)
+        if refuted:
+            search, added = search.without(refuted), without(added, refuted)
+            located = search.locate(added, turn)
         explanation = search.explain(added, located) if located.significant else None
+        explanation = search.order(added, explanation) if explanation else None
         best = _best(explanation)
         rounds.append(Round(located, explanation, best.effect if best else None))
         skipped |= dict(explanation.skipped) if explanation else {}
         if best is None:
             break
-        added = _with(added, best.effect)
-        added = _polished(search, added) if len(added) > 1 else added
+        before, added = added, _with(added, best.effect)
+        if len(added) > 1:
+            added = polished(search.world, search.fit, added)
+            added = pruned(search.world, search.discover, added, search.seed, MARGIN)
+        if {e.name for e in added} <= {e.name for e in before}:
+            break  # what was added was taken out again
     verdicts = _verdicts(search, rounds, added)
     kept = tuple(e for e in added if any(physics_name(e) in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
+
+
+def contradicted(added: Added, located: Located) -> Effect | None:
+    """Return an added effect whose signature what is left contradicts, None where none is.
+
+    Scatter that is independent from row to row leaves no offsets that links keep; where such
+    offsets are found after all, it only stood in for something else.
+    """
+    left = any(f.cell.moment == "link" and f.cell.observable == "error_m" for f in located.findings)
+    return next((e for e in added if type(e).independent), None) if left else None
 
 
 def _best(explanation: Explanation | None) -> Contender | None:
@@ -118,20 +154,6 @@ def _with(added: Added, effect: Effect) -> Added:
     """Return the effects with `effect` added, or in place of the one of its name."""
     physics = physics_name(effect)
     return (*(known for known in added if physics_name(known) != physics), effect)
-
-
-def _polished(search: Search, added: Added) -> Added:
-    """Fit every added effect again, given the others."""
-    for effect in added:
-        if not getattr(type(effect), "fitted", True):
-            continue
-        others = tuple(known for known in added if known.name != effect.name)
-        base = tally(search.world.ensemble(search.fit, others, 4))
-        objective = Objective(type(effect), search.world, search.fit, others, base)
-        free = {p.name: getattr(effect, p.name) for p in objective.free}
-        fitted = refine(objective, Fitted(effect, objective(free), 0), 30)
-        added = tuple(fitted.effect if known.name == effect.name else known for known in added)
-    return added
 
 
 def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
@@ -191,6 +213,10 @@ def _named(search: Search, rounds: list[Round], added: Added, share: float) -> t
         if effect is None or any(physics_name(effect) in v.names for v in out):
             continue
         same = equivalents(turn.explanation, search.seed)
+        if len(added) > 1:
+            views = (search.fit, search.discover)
+            held = rivals(search.world, views, added, effect, same[1:], search.kinds, search.seed)
+            same = (same[0], *held)
         options = tuple(
             _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
             for i, c in enumerate(same)

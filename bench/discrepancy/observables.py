@@ -34,6 +34,7 @@ SCALARS = {
 FEATURES = {
     "energy_db": "dB",
     "max_amplitude_db": "dB",
+    "peak_counts_db": "dB",
     "rise_time_ns": "ns",
     "mean_excess_delay_ns": "ns",
     "rms_delay_spread_ns": "ns",
@@ -180,12 +181,13 @@ def shape_observables(
     with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):
         warnings.simplefilter("ignore", RuntimeWarning)  # rows that are all NaN stay NaN
         noise = _noise(noise_std, magnitude, delay) / symbols
+        peak = {"peak_counts_db": 20 * np.log10(np.nanmax(magnitude, axis=1))}
         magnitude = magnitude / symbols[:, None]
         power = magnitude**2
         total = np.nansum(power, axis=1)
         bins = _profile_db(power, delay, total)
         features = _features(magnitude, power, delay, total, noise)
-    every = bins | features
+    every = bins | features | peak
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
 
 

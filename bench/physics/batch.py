@@ -144,11 +144,15 @@ class Batch:
         picked = np.take_along_axis(taps, np.clip(column, 0, taps.shape[1] - 1), axis=1)
         return replace(self, tail=whole + np.where(inside, picked, np.complex64(0)))
 
-    def silenced(self, before_ns: Floats) -> Batch:
-        """Return the batch with no path and no tap earlier than `before_ns` [n]."""
+    def silenced(self, before_ns: Floats, direct: bool = True) -> Batch:
+        """Return the batch with no path and no tap earlier than `before_ns` [n].
+
+        With `direct` False the straight path stays.
+        """
         limit = np.asarray(before_ns, np.float32)[:, None]
-        gain = np.where(self.excess_ns < limit, np.complex64(0), self.gain)
-        kind = np.where(self.excess_ns < limit, np.int8(NO_PATH), self.kind)
+        gone = (self.excess_ns < limit) & (direct | ~self.direct)
+        gain = np.where(gone, np.complex64(0), self.gain)
+        kind = np.where(gone, np.int8(NO_PATH), self.kind)
         grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
         early = self.tail_start_ns[:, None] + grid < limit
         return replace(self, gain=gain, kind=kind, tail=np.where(early, 0, self.tail))

@@ -12,7 +12,7 @@ import pandas as pd
 from bench.errors import BenchError, unknown_name
 from bench.physics.base import Base
 from bench.physics.batch import Batch
-from bench.physics.effect import Effect, Stage
+from bench.physics.effect import STAGES, Effect, Stage
 from bench.physics.outcome import Outcome, joined, outcome
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene, scene
@@ -54,8 +54,9 @@ class Simulator:
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
     def at_stage(self, stage: str) -> tuple[Effect, ...]:
-        """Return its effects of one stage, in order."""
-        return tuple(effect for effect in self.effects if effect.stage == stage)
+        """Return its effects of one stage: as listed, those marked `last` behind the others."""
+        found = [effect for effect in self.effects if effect.stage == stage]
+        return tuple(sorted(found, key=lambda effect: type(effect).last))
 
     def simulate(
         self, geometry: Recordings | pd.DataFrame, seed: int | None = None, replicate: int = 0
@@ -110,10 +111,11 @@ class Simulator:
 
     def _block(self, rows: Scene, draws: Draws, cir: bool) -> Batch:
         """Return one block of at most BLOCK rows after all stages."""
-        batch = applied(self.effects, "propagation", self.base.paths(rows), draws)
+        stages = {stage: self.at_stage(stage) for stage in STAGES}
+        batch = applied(stages["propagation"], "propagation", self.base.paths(rows), draws)
         batch = self.base.received(batch, draws) if cir else self.base.counted(batch)
-        batch = self.base.detected(applied(self.effects, "receiver", batch, draws))
-        return applied(self.effects, "ranging", batch, draws)
+        batch = self.base.detected(applied(stages["receiver"], "receiver", batch, draws))
+        return applied(stages["ranging"], "ranging", batch, draws)
 
 
 def applied(effects: Sequence[Effect], stage: Stage, batch: Batch, draws: Draws) -> Batch:

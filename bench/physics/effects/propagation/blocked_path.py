@@ -28,6 +28,7 @@ class BlockedPath(Effect):
     source = "Kolakowski, Zenodo 10.5281/zenodo.4742391 (its NDP NLOS class)"
     signature = "errors of metres, one-sided, no energy before the detected path"
     control = "rows with line of sight"
+    per_link = True
 
     share: float = parameter(0.3, "ratio", 0, 1, "of the links without line of sight", null=0)
     detour_m: float = parameter(1.0, "m", 0, 30, "mean extra length of the first reflection")

@@ -24,6 +24,7 @@ class PathLoss(Effect):
     stage = "propagation"
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2"
     signature = "receive level over log distance has another slope; scatter per position"
+    per_link = True  # the shadowing
 
     exponent: float = parameter(2, "1", 1, 6, "n", null=2)
     offset_db: float = parameter(0, "dB", -30, 30, "loss beyond free space at 1 m", null=0)

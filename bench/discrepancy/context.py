@@ -1,0 +1,199 @@
+"""Effects in the company of the others: fitted together, dropped when useless, told from rivals.
+
+Steps that only go forward are misled where two effects overlap: the first one found also takes
+what belongs to the second. So after each step all are fitted again, and one that the others have
+made needless is taken out; and whether another effect would do as well is asked at the end, with
+all the others in place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bench.discrepancy.explain import (
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    Contender,
+    Explanation,
+    contender,
+    physics_name,
+)
+from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, refine, screen
+from bench.discrepancy.gain import gain_interval, gains, tally
+from bench.discrepancy.latent import latent_effects
+from bench.discrepancy.world import Added, View, World
+from bench.errors import BenchError
+from bench.physics.effect import Effect
+
+PASSES = 3
+POLISH = 30  # evaluations per effect and pass
+AHEAD = 4  # contenders that are tried with all others fitted again
+TOUCHED = 0.01  # nats of gain in an observable from which on an effect is said to act on it
+ENOUGH = 0.01  # nats of gain on the fitted rows below which another pass is not worth it
+
+
+def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanation:
+    """Return the explanation with the contender to add in front: best first, but common before.
+
+    An effect that draws every link anew can stand in for one that all links share (a detour in
+    all links for a constant delay). So where such an effect gains most, a common one that does
+    about as well on the observables it touches - half of the gain there at least, and not
+    significantly behind - goes before it.
+    """
+    every = explanation.contenders
+    if not every or not type(every[0].effect).per_link:
+        return explanation
+    for other in every[1:]:
+        sure = other.gain.likely_above_zero and other.gain.value > margin
+        if (
+            sure
+            and not type(other.effect).per_link
+            and _matches(explanation, other, every[0], seed)
+        ):
+            rest = tuple(one for one in every if one is not other)
+            return replace(explanation, contenders=(other, *rest))
+    return explanation
+
+
+def refitted(
+    world: World, views: tuple[View, View], added: Added, explanation: Explanation, seed: int
+) -> Explanation:
+    """Return the explanation with the first contenders scored after all effects were fitted again.
+
+    An effect added earlier may hold what belongs to a contender, and lets go of it only when both
+    are fitted. `views` are the fit and the held-out rows.
+    """
+    fit, held = views
+    likely = [one for one in explanation.contenders[:AHEAD] if one.gain.likely_above_zero]
+    made = []
+    for one in likely:
+        whole = polished(world, fit, (*added, one.effect), 1, False)
+        scored = tally(world.ensemble(held, whole, SCORE_MEMBERS, SCORE_FIRST))
+        gained = gain_interval(explanation.base, scored, seed)
+        better = replace(one, effect=whole[-1], tally=scored, gain=gained)
+        made.append(better if gained.value > one.gain.value else one)
+    rest = [one for one in explanation.contenders if one not in likely]
+    every = sorted((*made, *rest), key=lambda one: -one.gain.value)
+    return replace(explanation, contenders=tuple(every))
+
+
+def _matches(explanation: Explanation, one: Contender, best: Contender, seed: int) -> bool:
+    """Return whether `one` does about as well as `best` on the observables that it touches."""
+    mine, its = (gains(explanation.base, each.tally) for each in (one, best))
+    names = tuple(name for name, value in mine.items() if value > TOUCHED)
+    reached = sum(mine[name] for name in names)
+    ahead = gain_interval(one.tally, best.tally, seed, names)
+    return reached >= 0.5 * sum(its.get(name, 0.0) for name in names) and not ahead.above_zero
+
+
+def without(added: Added, effect: Effect) -> Added:
+    """Return the effects but one, by name."""
+    return tuple(known for known in added if known.name != effect.name)
+
+
+def polished(
+    world: World, fit: View, added: Added, passes: int = PASSES, anew: bool = True
+) -> Added:
+    """Fit every added effect again, given the others, until nothing is gained.
+
+    With `anew` the first pass searches the whole range of the parameters again, because what an
+    effect stood in for may by now have a name of its own.
+    """
+    for number in range(passes):
+        gained = 0.0
+        for effect in added:
+            if getattr(type(effect), "fitted", True):
+                better, more = _again(world, fit, added, effect, anew and number == 0)
+                added = tuple(better if known.name == effect.name else known for known in added)
+                gained += more
+        if gained < ENOUGH:
+            break
+    return added
+
+
+def _again(
+    world: World, fit: View, added: Added, effect: Effect, anew: bool
+) -> tuple[Effect, float]:
+    """Return one effect fitted again, and what that gained on the fitted rows."""
+    others = without(added, effect)
+    base = tally(world.ensemble(fit, others, FIT_MEMBERS))
+    objective = Objective(type(effect), world, fit, others, base)
+    before = objective({p.name: getattr(effect, p.name) for p in objective.free})
+    if anew:
+        screen(objective)
+    assert objective.best is not None
+    start = Fitted(objective.best[1], objective.best[0], 0)
+    fitted = refine(objective, start, POLISH)
+    return fitted.effect, fitted.gain - before
+
+
+def pruned(world: World, held: View, added: Added, seed: int, margin: float) -> Added:
+    """Return the effects without those that held-out links do not miss.
+
+    An effect stays if leaving it out costs more than `margin` nats, one-sided 95 % bound above
+    zero. The least missed goes first.
+    """
+    while len(added) > 1:
+        whole = tally(world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST))
+        missed = []
+        for effect in added:
+            rest = tally(world.ensemble(held, without(added, effect), SCORE_MEMBERS, SCORE_FIRST))
+            missed.append(gain_interval(rest, whole, seed))
+        least = min(range(len(added)), key=lambda i: missed[i].value)
+        if missed[least].likely_above_zero and missed[least].value > margin:
+            break
+        added = without(added, added[least])
+    return added
+
+
+def rivals(
+    world: World,
+    views: tuple[View, View],
+    added: Added,
+    effect: Effect,
+    others: tuple[Contender, ...],
+    kinds: Mapping[str, type[Effect]],
+    seed: int,
+    share: float = 0.5,
+) -> tuple[Contender, ...]:
+    """Return those of `others` that would do as well as `effect` with the rest of `added` in place.
+
+    `views` are the fit and the held-out rows. A rival is fitted anew beside the rest; it stays one
+    if it gains at least `share` of what `effect` gains there and held-out links do not put it
+    behind.
+    """
+    fit, held = views
+    rest = without(added, effect)
+    reference = tally(world.ensemble(held, rest, SCORE_MEMBERS, SCORE_FIRST))
+    best = contender(world, held, rest, Fitted(effect, 0.0, 0), reference, seed)
+    have = {physics_name(known) for known in added}
+    out = []
+    for other in others:
+        if other.name in have:
+            continue
+        found = _fitted(world, fit, rest, other, kinds)
+        if found is None:
+            continue
+        made = contender(world, held, rest, found, reference, seed)
+        ahead = gain_interval(made.tally, best.tally, seed)
+        close = made.gain.value >= share * best.gain.value and made.gain.likely_above_zero
+        if close and not ahead.above_zero:
+            out.append(made)
+    return tuple(out)
+
+
+def _fitted(
+    world: World, fit: View, rest: Added, other: Contender, kinds: Mapping[str, type[Effect]]
+) -> Fitted | None:
+    """Return a rival fitted beside the rest, None where that fails."""
+    if not getattr(type(other.effect), "fitted", True):
+        found = [e for e in latent_effects(world, fit, rest) if e.name == other.effect.name]
+        return Fitted(found[0], 0.0, 0) if found else None
+    kind = kinds.get(other.effect.name, type(other.effect))
+    base = tally(world.ensemble(fit, rest, FIT_MEMBERS))
+    try:
+        objective = Objective(kind, world, fit, rest, base)
+        return refine(objective, screen(objective))
+    except BenchError:
+        return None
