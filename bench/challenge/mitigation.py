@@ -22,10 +22,20 @@ from bench.recordings.window import cir_window
 
 Floats = NDArray[np.float64]
 Tell = Callable[[str], None]
-COPIES = 400  # simulated links, each a known link's geometry with a fresh draw of what is unknown
-ROWS = 12  # simulated rows of each
+ROWS = 12  # simulated rows of each simulated link
 STRETCH = 0.2  # simulated ranges are the known links' times 1 +- this
-SEEDS = (0, 1, 2)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is trained: seeds, simulated links, epochs (None: the model's own).
+
+    A simulated link is a known link's geometry with a fresh draw of what geometry does not tell.
+    """
+
+    seeds: tuple[int, ...] = (0, 1, 2)
+    links: int = 400
+    epochs: int | None = None
 
 
 @dataclass(frozen=True)
@@ -44,7 +54,6 @@ class Mitigated:
     over_raw: Estimate
     links: pd.DataFrame
     simulated_rows: int
-    seeds: int
 
 
 def mitigated(
@@ -53,16 +62,14 @@ def mitigated(
     held: Rows,
     simulators: tuple[Simulator, Simulator],
     seed: int,
+    effort: Effort,
     tell: Tell = lambda _: None,
-    seeds: tuple[int, ...] = SEEDS,
-    copies: int = COPIES,
-    epochs: int | None = None,
 ) -> Mitigated:
     """Train on each simulator (before, after) and test on the `held` rows of `recorded`.
 
     `training` are the rows whose geometry, and nothing else, the simulated CIRs take.
     """
-    geometry = training_geometry(recorded.frame.iloc[training], seed, copies)
+    geometry = training_geometry(recorded.frame.iloc[training], seed, effort.links)
     test = recorded.select(held)
     window = cir_window(test)
     frame = test.frame.iloc[window.rows]
@@ -70,12 +77,12 @@ def mitigated(
     left = []
     for simulator, word in zip(simulators, ("before", "after"), strict=True):
         tell(f"training REMnet on the simulator {word} the diagnosis")
-        guesses = [_predicted(simulator, geometry, window.cirs, s, epochs) for s in seeds]
+        guesses = [_predicted(simulator, geometry, window.cirs, s, effort) for s in effort.seeds]
         left.append(np.mean([np.abs(error - guess) for guess in guesses], axis=0))
-    return _compared(np.abs(error), left[0], left[1], frame, seed, len(geometry), len(seeds))
+    return _compared(np.abs(error), left[0], left[1], frame, seed, len(geometry))
 
 
-def training_geometry(frame: pd.DataFrame, seed: int, copies: int = COPIES) -> pd.DataFrame:
+def training_geometry(frame: pd.DataFrame, seed: int, copies: int) -> pd.DataFrame:
     """Return `copies` x ROWS rows to simulate: known links' ranges, each a new link of its own.
 
     Nothing measured is taken over, so both simulators start from geometry alone.
@@ -94,13 +101,13 @@ def _predicted(
     geometry: pd.DataFrame,
     cirs: NDArray[np.float32],
     seed: int,
-    epochs: int | None,
+    effort: Effort,
 ) -> Floats:
     """Return REMnet's errors [n] in metres for recorded CIRs, trained on simulated rows alone."""
     made = simulator.simulate(geometry, seed)
     window = cir_window(made)
     target = made.frame["error_m"].to_numpy(np.float32)[window.rows]
-    known = {} if epochs is None else {"epochs": epochs}
+    known = {} if effort.epochs is None else {"epochs": effort.epochs}
     model = load("models", "remnet")(random_state=seed, **known)
     return np.asarray(model.fit(window.cirs, target).predict(cirs), np.float64)
 
@@ -112,7 +119,6 @@ def _compared(
     frame: pd.DataFrame,
     seed: int,
     simulated_rows: int,
-    seeds: int,
 ) -> Mitigated:
     """Return the figures with intervals from resampling whole links."""
     codes = link_codes(frame)
@@ -124,6 +130,4 @@ def _compared(
     table = pd.DataFrame({"link": frame["link"].to_numpy(), **columns})
     links = table.groupby("link", as_index=False).mean()
     differences = mean(before - after), mean(raw - after)
-    return Mitigated(
-        mean(raw), mean(before), mean(after), *differences, links, simulated_rows, seeds
-    )
+    return Mitigated(mean(raw), mean(before), mean(after), *differences, links, simulated_rows)

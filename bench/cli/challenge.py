@@ -17,23 +17,27 @@ EPILOG = """\b
 Examples:
   bench challenge --cases 40 -o challenge
   bench challenge --real -o challenge
+  bench challenge --case apartment -o challenge
 """
+REAL = ("ghent", "outdoor", "apartment")
 
 
 @click.command(epilog=EPILOG)
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
-@click.option("--real", is_flag=True, help="The real cases instead: ghent and outdoor.")
+@click.option("--real", is_flag=True, help="The real cases instead of blind ones.")
+@click.option("--case", "only", type=click.Choice(REAL), help="Only this real case.")
 @click.option(
     "-o", "--out", default="challenge", show_default=True, type=click.Path(path_type=Path),
     help="Folder; finished blind cases found there are kept.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
-def command(cases: int, seed: int, real: bool, out: Path, as_json: bool) -> None:
+def command(cases: int, seed: int, real: bool, only: str | None, out: Path, as_json: bool) -> None:
     """Hide physics from the diagnosis and score what it says.
 
     Blind cases come from a generator that shares no code with the effect library; answers are
-    sealed by a hash before the run. Strengths in millimetres rms of the range.
+    sealed by a hash before the run. Strengths in millimetres rms of the range. Real cases are
+    recordings (see BENCH_DATA) whose revealing columns are hidden; those not here are left out.
     """
     import json
 
@@ -41,11 +45,13 @@ def command(cases: int, seed: int, real: bool, out: Path, as_json: bool) -> None
 
     from bench.files import write_atomically
 
+    wanted = REAL if only is None else (only,)
     with Console(stderr=True).status("challenging ...") as status:
-        lines, scores = (
-            _real(seed, status.update) if real else _blind(cases, seed, out, status.update)
-        )
-    path = out / ("real.md" if real else "blind.md")
+        if real or only:
+            lines, scores = _real(wanted, seed, out, status.update)
+        else:
+            lines, scores = _blind(cases, seed, out, status.update)
+    path = out / (f"{only or 'real'}.md" if real or only else "blind.md")
     write_atomically(path, "\n".join(lines) + "\n")
     if as_json:
         click.echo(json.dumps(scores, indent=1))
@@ -68,13 +74,17 @@ def _blind(cases: int, seed: int, out: Path, tell: Tell) -> tuple[list[str], obj
     return ["# Challenge: blind cases", "", *blind_markdown(outcomes, seed)], scores
 
 
-def _real(seed: int, tell: Tell) -> tuple[list[str], object]:
-    """Run the real cases; return report lines and scores."""
+def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> tuple[list[str], object]:
+    """Run real cases; return report lines and scores. Each case's figures go to `out`/<case>."""
+    from bench.challenge.apartment import apartment
     from bench.challenge.real import ghent, outdoor
+    from bench.discrepancy.report import write_report
     from bench.recordings.open import open_recordings
 
+    cases = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment}
     lines, scores = ["# Challenge: real recordings", ""], []
-    for name, case in (("ghent", ghent), ("outdoor", outdoor)):
+    for name in wanted:
+        case = cases[name]
         try:
             table = open_recordings(name)[0]
         except BenchError as problem:
@@ -82,6 +92,8 @@ def _real(seed: int, tell: Tell) -> tuple[list[str], object]:
             continue
         made = case(table, seed, tell)
         lines += _case_lines(made)
+        report = write_report(made.study, out / name)
+        lines += [f"The diagnosis in full, with its figures: {report}", ""]
         scores += [
             {"case": made.title, "asked": c.asked, "measured": c.measured, "met": c.met}
             for c in made.checks

@@ -34,26 +34,26 @@ ENOUGH = 0.01  # nats of gain on the fitted rows below which another pass is not
 
 
 def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanation:
-    """Return the explanation with the contender to add in front: best first, but common before.
+    """Return the explanation with the contender to add in front: best first, but simple before.
 
     An effect that draws every link anew can stand in for one that all links share (a detour in
-    all links for a constant delay). So where such an effect gains most, a common one that does
-    about as well on the observables it touches - half of the gain there at least, and not
-    significantly behind - goes before it.
+    all links for a constant delay), and a curve for a constant. So where such an effect gains
+    most, a simpler one that does about as well on the observables it touches - half of the gain
+    there at least, and not significantly behind - goes before it.
     """
     every = explanation.contenders
-    if not every or not type(every[0].effect).per_link:
-        return explanation
     for other in every[1:]:
         sure = other.gain.likely_above_zero and other.gain.value > margin
-        if (
-            sure
-            and not type(other.effect).per_link
-            and _matches(explanation, other, every[0], seed)
-        ):
+        if sure and _simpler(other, every[0]) and _matches(explanation, other, every[0], seed):
             rest = tuple(one for one in every if one is not other)
             return replace(explanation, contenders=(other, *rest))
     return explanation
+
+
+def _simpler(one: Contender, best: Contender) -> bool:
+    """Return whether `best` could stand in for `one`, which is simpler."""
+    general = type(best.effect)
+    return one.name in general.contains or (general.per_link and not type(one.effect).per_link)
 
 
 def refitted(

@@ -18,7 +18,7 @@ from bench.plugins import plugins
 
 SCORE_MEMBERS = 12
 SCORE_FIRST = 100  # replicates of scoring are not those of fitting
-REFINED = 4  # best effects of the screening that are fitted fully
+REFINED = 6  # best effects of the screening that are fitted fully
 FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
 LEAST = 0.002  # nats
 Tell = Callable[[str], None]

@@ -246,6 +246,7 @@ class PowerCurve(Effect):
 
     name = "power-curve"
     explains: ClassVar[str] = "power-bias"
+    contains = ("antenna-delay",)  # a curve that is level
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Decawave application note APS011, version 1.0; curve fitted to recordings"

@@ -103,6 +103,7 @@ class Effect(ABC):
     `source` (where model and magnitudes come from), `signature` (what it does to recordings, in
     words), `control` (when it must vanish, in words, or "" where no such rows exist).
     `per_link`: it draws every link anew, so it can stand in for simpler effects.
+    `contains`: physics that it can do as well, as a special case.
     `last`: it acts on what the other effects of its stage made, so it comes behind them.
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
@@ -116,6 +117,7 @@ class Effect(ABC):
     signature: ClassVar[str] = ""
     control: ClassVar[str] = ""
     per_link: ClassVar[bool] = False
+    contains: ClassVar[tuple[str, ...]] = ()
     last: ClassVar[bool] = False
     independent: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True

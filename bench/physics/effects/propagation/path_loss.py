@@ -26,8 +26,8 @@ class PathLoss(Effect):
     signature = "receive level over log distance has another slope; scatter per position"
     per_link = True  # the shadowing
 
-    exponent: float = parameter(2, "1", 1, 6, "n", null=2)
-    offset_db: float = parameter(0, "dB", -30, 30, "loss beyond free space at 1 m", null=0)
+    exponent: float = parameter(2, "1", 1, 5, "n", null=2)
+    offset_db: float = parameter(0, "dB", -6, 30, "loss beyond free space at 1 m", null=0)
     shadowing_db: float = parameter(0, "dB", 0, 12, "std over links", null=0)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
