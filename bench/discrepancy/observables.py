@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.shape import shape_figures
 from bench.recordings.table import SAMPLE_PERIOD_NS
 
 Floats = NDArray[np.float64]
@@ -182,11 +183,11 @@ def shape_observables(
         warnings.simplefilter("ignore", RuntimeWarning)  # rows that are all NaN stay NaN
         noise = _noise(noise_std, magnitude, delay) / symbols
         peak = {"peak_counts_db": 20 * np.log10(np.nanmax(magnitude, axis=1))}
-        magnitude = magnitude / symbols[:, None]
-        power = magnitude**2
-        total = np.nansum(power, axis=1)
-        bins = _profile_db(power, delay, total)
-        features = _features(magnitude, power, delay, total, noise)
+        levels = (RISE_HIGH, RISE_LOW, LEAD_LEVEL)
+        scaled = magnitude / symbols[:, None]
+        figures, power = shape_figures(scaled, delay, noise, PROFILE_EDGES_NS, levels)
+        bins = _profile_db(power, figures["total"])
+        features = _features(figures)
     every = bins | features | peak
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
 
@@ -197,44 +198,19 @@ def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:
     return np.where(np.isfinite(logged), logged, early)
 
 
-def _profile_db(power: Floats, delay: Floats, total: Floats) -> dict[str, Floats]:
-    """Return mean power per delay bin relative to the energy of the window, in dB."""
-    edges = PROFILE_EDGES_NS
-    out = {}
-    for name, low, high in zip(profile_names(), edges, edges[1:], strict=False):
-        inside = (delay >= low) & (delay < high) & np.isfinite(power)
-        mean = np.where(inside, power, 0.0).sum(axis=1) / inside.sum(axis=1)
-        out[name] = 10 * np.log10(mean / total)
-    return out
+def _profile_db(power: Floats, total: Floats) -> dict[str, Floats]:
+    """Return mean power per delay bin [n, B] relative to the energy of the window, in dB."""
+    return dict(zip(profile_names(), (10 * np.log10(power / total[:, None])).T, strict=True))
 
 
-def _features(
-    magnitude: Floats, power: Floats, delay: Floats, total: Floats, noise: Floats
-) -> dict[str, Floats]:
+def _features(figures: dict[str, Floats]) -> dict[str, Floats]:
     """Return the six features of Marano et al. (2010) and the first-path lead, each [n]."""
-    filled = np.nan_to_num(magnitude)
-    peak = filled.max(axis=1)
-    weight = np.nan_to_num(power) / total[:, None]
-    excess = (weight * delay).sum(axis=1)
-    spread = np.sqrt((weight * (delay - excess[:, None]) ** 2).sum(axis=1))
-    mean = np.nanmean(magnitude, axis=1, keepdims=True)
-    var = np.nanmean((magnitude - mean) ** 2, axis=1)
-    reach = _first_delay(filled >= RISE_HIGH * peak[:, None], delay)
-    rise = reach - _first_delay(filled >= RISE_LOW * noise[:, None], delay)
-    lead = -_first_delay(filled >= LEAD_LEVEL * noise[:, None], delay)
     return {
-        "energy_db": 10 * np.log10(total),
-        "max_amplitude_db": 20 * np.log10(peak),
-        "rise_time_ns": rise,
-        "mean_excess_delay_ns": excess,
-        "rms_delay_spread_ns": spread,
-        "kurtosis": np.nanmean((magnitude - mean) ** 4, axis=1) / var**2,
-        "first_path_lead_ns": lead,
+        "energy_db": 10 * np.log10(figures["total"]),
+        "max_amplitude_db": 20 * np.log10(figures["peak"]),
+        "rise_time_ns": figures["rise"],
+        "mean_excess_delay_ns": figures["excess"],
+        "rms_delay_spread_ns": figures["spread"],
+        "kurtosis": figures["kurtosis"],
+        "first_path_lead_ns": figures["lead"],
     }
-
-
-def _first_delay(above: NDArray[np.bool_], delay: Floats) -> Floats:
-    """Return the delay of the first True per row [n] in ns, NaN where there is none."""
-    first = above.argmax(axis=1)
-    found = delay[np.arange(len(delay)), first]
-    return np.where(above.any(axis=1), found, np.nan)
