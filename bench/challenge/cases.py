@@ -21,7 +21,7 @@ from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
 Floats = NDArray[np.float64]
 Way = Literal["resimulated", "paired table", "unpaired table"]
 WAYS: tuple[Way, ...] = ("resimulated", "paired table", "resimulated", "unpaired table")
-REPLICAS = 3  # of every row in a simulated table
+REPLICAS = 16  # of every row in a simulated table
 DISCOVER_SHARE = 0.4
 # A test that knows the shape of the effect but pays for a search needs about 4 + 1.3 standard
 # deviations for 90 % power; the search's cells are not the shape, which costs about a third.

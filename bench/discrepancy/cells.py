@@ -15,7 +15,7 @@ from bench.discrepancy.ensemble import Ensemble
 
 Floats = NDArray[np.float64]
 Moment = Literal["mean", "spread", "link", "slope"]
-BINS = 4
+BINS = (4, 12)  # coarse intervals for what is weak, fine ones for what changes sign
 CLIP = 8.0  # standardised values beyond this are clipped, so one wild row decides nothing
 OWN = ("rx_power_dbm", "first_path_power_dbm")  # observables that others are searched against
 
@@ -77,10 +77,12 @@ def _intervals(name: str, value: Floats) -> Iterator[tuple[Place, Floats]]:
     known = value[np.isfinite(value)]
     if not len(known) or known.max() <= known.min():
         return
-    edges = np.unique(np.quantile(known, np.linspace(0, 1, BINS + 1)))
     tails = np.quantile(known, [0.0, 0.05, 0.95, 1.0])
-    pairs = list(pairwise(edges)) if len(edges) > 2 else []
-    for low, high in [*pairs, (tails[0], tails[1]), (tails[2], tails[3])]:
+    pairs = [(tails[0], tails[1]), (tails[2], tails[3])]
+    for bins in BINS:
+        edges = np.unique(np.quantile(known, np.linspace(0, 1, bins + 1)))
+        pairs += list(pairwise(edges)) if len(edges) > 2 else []
+    for low, high in pairs:
         place = Place(name, float(low), float(high))
         weight = place.weight(value)
         if 0 < weight.mean() < 1:

@@ -16,6 +16,9 @@ from bench.errors import BenchError
 Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> simulated rows
 
 
+LARGE_M = 0.1  # several times the scatter of a range in line of sight
+
+
 @dataclass(frozen=True)
 class Ensemble:
     """One recorded version and m simulated versions of n rows.
@@ -45,8 +48,18 @@ class Ensemble:
         return np.asarray(self.recorded - self.simulated.mean(axis=0))
 
     def scores(self) -> Floats:
-        """Return the CRPS per row and observable [n, p], in the observables' units."""
-        return crps(self.simulated, self.recorded)
+        """Return the CRPS per row and observable [n, p], in the observables' units.
+
+        Range errors beyond `LARGE_M` count by their logarithm: the CRPS of a strictly increasing
+        function of a value is as proper (Allen et al. 2023), and a few blocked links no longer
+        decide alone.
+        """
+        versions = self.versions
+        if "error_m" in self.names:
+            which = self.names.index("error_m")
+            versions = versions.copy()
+            versions[..., which] = LARGE_M * np.arcsinh(versions[..., which] / LARGE_M)
+        return crps(versions[1:], versions[0])
 
     def ranks(self) -> Floats:
         """Return the rank of the recorded value among the members, scaled to 0..1 [n, p].
@@ -57,6 +70,10 @@ class Ensemble:
         equal = (self.simulated == self.recorded).sum(axis=0)
         rank = (below + 0.5 * equal + 0.5) / (len(self.simulated) + 1)
         return np.where(np.isfinite(self.residual), rank, np.nan)
+
+    def first(self, members: int) -> Ensemble:
+        """Return the ensemble of at most `members` simulated versions."""
+        return Ensemble(self.names, self.units, self.versions[: 1 + members], self.links)
 
     def rows(self, keep: NDArray[np.intp] | NDArray[np.bool_]) -> Ensemble:
         """Return the ensemble of some rows."""

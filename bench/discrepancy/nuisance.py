@@ -28,9 +28,10 @@ def corrected(
 ) -> Ensemble:
     """Return the held-out ensemble shifted and rescaled by what the fit rows teach.
 
-    For every observable of `focus`: gradient-boosted trees and a smooth spline model of the
-    residual on all covariates are compared by cross-validation over links on the fit rows; the
-    better one (or a constant) shifts the ensemble, and its spread is scaled to what is left.
+    For every observable of `focus`: gradient-boosted trees, a smooth spline model of the residual
+    on all covariates, and a fine spline on each number alone are compared by cross-validation over
+    links on the fit rows; the best one (or a constant) shifts the ensemble, and its spread is
+    scaled to what is left.
     """
     names = tuple(n for n in held_covariates.numbers if n in fit_covariates.numbers)
     names += tuple(n for n in held_covariates.groups if n in fit_covariates.groups)
@@ -72,7 +73,7 @@ def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Float
     best, left = None, y[known] - y[known].mean()
     shift = np.full(len(X_held), y[known].mean())
     if len(np.unique(links)) > 1:
-        for model in _models():
+        for model in [*_models(), *_fine(X[known])]:
             guess = cross_val_predict(model, X[known], y[known], groups=links, cv=folds)
             if np.mean(np.abs(y[known] - guess)) < 0.98 * np.mean(np.abs(left)):
                 best, left = model, y[known] - guess
@@ -94,3 +95,21 @@ def _models() -> list[Any]:
         max_iter=60, max_leaf_nodes=12, min_samples_leaf=15, learning_rate=0.15, random_state=0
     )
     return [smooth, trees]
+
+
+FINE_KNOTS = 24  # resolves what changes sign several times over the range of a covariate
+
+
+def _fine(X: Floats) -> list[Any]:
+    """Return a fine spline regression on each number alone (columns with many values)."""
+    from sklearn.compose import ColumnTransformer
+    from sklearn.linear_model import RidgeCV
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import SplineTransformer
+
+    numbers = [j for j in range(X.shape[1]) if len(np.unique(X[:, j])) > FINE_KNOTS]
+    spline = SplineTransformer(FINE_KNOTS, knots="quantile", extrapolation="constant")
+    return [
+        make_pipeline(ColumnTransformer([("fine", spline, [j])]), RidgeCV(np.logspace(-3, 3, 7)))
+        for j in numbers
+    ]

@@ -40,7 +40,7 @@ from bench.physics.simulator import Simulator
 MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
 CHANGED = ("error_m", "rx_power_dbm")
 KEPT_TABLES = 24
-MOST_VERSIONS = 16
+MOST_VERSIONS = 24
 FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
 
 
@@ -74,9 +74,10 @@ class TableWorld:
         geometry and settings (with against without them, on the same random numbers) and added.
         """
         seen = self.observed
-        picks = self._matches(view, members)
+        count = min(view.rich * members, max(members, len(self.versions(view))))
+        first, picks = view.rich * first, self._matches(view, count)
         if added and any(name.startswith("profile_db") for name in seen.names):
-            numbers = range(first, first + members)
+            numbers = range(first, first + count)
             made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
             return stack(view.recorded, made, view.links)
         replicas = []

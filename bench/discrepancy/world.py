@@ -47,6 +47,11 @@ class View:
     rows: Rows
     waveform: bool = True
 
+    @property
+    def rich(self) -> int:
+        """How many times the members asked for are made: paths alone cost next to nothing."""
+        return 1 if self.waveform else 3
+
     @cached_property
     def scene(self) -> Scene:
         """Geometry and settings of the rows for `bench.physics`."""
@@ -91,9 +96,9 @@ class Resimulation:
         return out
 
     def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
-        """Return recorded rows beside `members` simulated versions with effects `added`."""
+        """Return recorded rows beside `members` x `view.rich` simulated versions."""
         simulator = self._cropped(self.with_effects(added), view)
-        numbers = range(first, first + members)
+        numbers = range(view.rich * first, view.rich * (first + members))
         see = self.stages.observables
         replicas = [see(simulator, view.scene, number, view.waveform) for number in numbers]
         return stack(view.recorded, replicas, view.links)

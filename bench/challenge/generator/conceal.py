@@ -136,7 +136,8 @@ def draw_case(number: int, seed: int) -> Hidden:
         names = tuple(map(str, rng.choice(LIBRARY, count, replace=False)))
     alone = len(names) == 1 and names[0] in LIBRARY
     never = set() if alone else {"sparse"}
-    never |= {"scatter"} if set(names) & set(NATURAL_M) else set()  # metres of scatter: no radio
+    # Metres neither fit into the histogram of a jitter of centimetres nor under it.
+    never |= {"scatter", "aggregate"} if set(names) & set(NATURAL_M) else set()
     ways = [way for way in CONCEALS if way not in never]
     way = ways[int(rng.integers(len(ways)))]
     drawn = [float(s) for s in rng.choice(JITTER_M * np.array(LADDER), len(names))]

@@ -124,7 +124,7 @@ def test_crystals_are_found_per_device():
 def test_an_effect_no_known_one_explains_is_unknown_and_modelled():
     recorded = _recorded()
     frame = recorded.frame.assign(humidity=np.random.default_rng(2).uniform(0, 1, 384))
-    shift = 0.3 * (frame["humidity"] - 0.5) ** 2
+    shift = 0.3 * ((frame["humidity"] - 0.5) ** 2 - 1 / 12)
     frame["error_m"] += shift
     frame["range_m"] += shift
     found = study(replace(recorded, frame=frame), BASE, QUICK, kinds={"clock-offset": ClockOffset})
