@@ -80,7 +80,12 @@ class Context:
 
     @cached_property
     def material(self) -> Material:
-        """The recordings as arrays, split as asked (or as suits them)."""
+        """The recordings as arrays, split as asked (or as suits them).
+
+        Raises BenchError where they hold no CIR.
+        """
+        if "cir" not in self.recordings.frame:
+            raise BenchError(f"{self.name}: no CIRs (column 'cir'), which this needs")
         chosen = self.split or default_split(self.recordings, self.source)
         made = load_material(self.recordings, chosen)
         return self._named(made)

@@ -68,7 +68,10 @@ class Series:
 
 @dataclass(frozen=True)
 class Figure:
-    """The data of one picture; `kind` says how `reports` draws it. Axis labels carry units."""
+    """The data of one picture; `kind` says how `reports` draws it. Axis labels carry units.
+
+    `data` says what it shows where that is not the outcome's recordings.
+    """
 
     name: str
     title: str
@@ -80,6 +83,7 @@ class Figure:
     log_x: bool = False
     log_y: bool = False
     equal_axes: bool = False
+    data: str = ""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 
 from reports.figures import MARKERS, save_png, save_svg
 from reports.reproduction.load import FigureFile, OutcomeFile, SeriesFile
-from reports.reproduction.pages import picture_path, standing
+from reports.reproduction.pages import picture_path, shown
 from reports.reproduction.tradeoff import draw_tradeoff, readable_ticks
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ Save = Callable[[Path], None]
 def pictures(outcome: OutcomeFile) -> Iterator[tuple[str, Save]]:
     """Yield (path relative to the page, what writes it) of every picture, SVG and PNG."""
     for one in outcome.figures:
-        drawn = draw(one, standing(outcome))
+        drawn = draw(one, shown(outcome, one))
         yield picture_path(outcome, one.name, ".svg"), partial(save_svg, drawn)
         yield picture_path(outcome, one.name, ".png"), partial(save_png, drawn)
 

@@ -82,6 +82,7 @@ class FigureFile:
     log_x: bool
     log_y: bool
     equal_axes: bool
+    data: str = ""
 
 
 @dataclass(frozen=True)

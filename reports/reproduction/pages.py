@@ -16,7 +16,7 @@ from reports.document import (
     Table,
 )
 from reports.numbers import UNKNOWN
-from reports.reproduction.load import Figured, OutcomeFile, RowFile, TableFile, Value
+from reports.reproduction.load import Figured, FigureFile, OutcomeFile, RowFile, TableFile, Value
 from reports.reproduction.worse import worse
 
 FIGURES = "figures"
@@ -71,6 +71,13 @@ def standing(outcome: OutcomeFile) -> str:
     return f"{outcome.data} ({', '.join(marks)})" if marks else outcome.data
 
 
+def shown(outcome: OutcomeFile, figure: FigureFile) -> str:
+    """Return what a picture shows: the outcome's recordings, unless it says otherwise."""
+    if not figure.data:
+        return standing(outcome)
+    return f"{figure.data} (QUICK)" if outcome.quick else figure.data
+
+
 def _sections(outcomes: Sequence[OutcomeFile], suffix: str, figures: str = FIGURES) -> list[Block]:
     blocks: list[Block] = []
     for outcome in outcomes:
@@ -117,7 +124,7 @@ def _body(
     for table in outcome.tables:
         blocks += [Heading(table.title, level), *_table(table)]
     for figure in outcome.figures if pictured else ():
-        alt = f"{figure.title}, {standing(outcome)}"
+        alt = f"{figure.title}, {shown(outcome, figure)}"
         blocks.append(Image(picture_path(outcome, figure.name, suffix, figures), alt))
     blocks.append(Bullets((*outcome.notes, _made(outcome))))
     return blocks

@@ -171,6 +171,10 @@ def worse_lines(*rows: dict[str, Any]) -> list[str]:
     return worse([msgspec.convert(outcome(tables=[table]), OutcomeFile)])
 
 
+def test_a_picture_of_other_data_says_so(folder: Path) -> None:
+    assert "![A, real ranges](" in page(folder, figures=[figure(data="real ranges")])
+
+
 def test_where_we_are_worse_stands_first() -> None:
     assert worse_lines(row()) == [
         "optimisation: remnet, MAE: 0.0701 m, the paper 0.0687 m (inside our interval)"

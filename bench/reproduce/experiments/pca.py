@@ -32,7 +32,7 @@ def run(context: Context) -> Outcome:
     figures = []
     for name, title, labels in _colourings(frame):
         shown = labels.notna().to_numpy()
-        if not shown.any():
+        if labels.nunique() < 2:  # nothing parts one class
             continue
         tables.append(_between(title, points[shown], labels[shown]))
         figures.append(_figure(name, title, points[shown], labels[shown]))

@@ -3,31 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from bench.recordings.sources.base import open_source
 from bench.reproduce.context import Context
-from bench.reproduce.outcome import Row, Table
-from bench.reproduce.tags import SOLVERS, Tag, tags_of
+from bench.reproduce.outcome import Figure, Row, Series, Table
+from bench.reproduce.tags import SOLVERS, Floats, Tag, tags_of
 from bench.results import Interval
 
 DATA_SETS = ("apartment", "ghent")
 EPOCHS = 100
 QUICK_EPOCHS = 10
 POOR_DOP = 3.0
-Found = tuple[Table | None, str]
+
+
+@dataclass(frozen=True)
+class Found:
+    """A table of one data set and its picture, or a note that says why there is none."""
+
+    table: Table | None = None
+    figure: Figure | None = None
+    note: str = ""
 
 
 def recorded_tables(context: Context) -> Iterator[Found]:
     """Yield a table per real data set that is at hand, or the reason why there is none."""
     for name in DATA_SETS:
         if not _here(name):
-            yield (
-                None,
-                f"{name} is not on this machine (`bench data fetch {name}`): no real ranges.",
+            yield Found(
+                note=f"{name} is not on this machine (`bench data fetch {name}`): no real ranges."
             )
         else:
             other = replace(context, data=name, split=None)
@@ -47,18 +54,20 @@ def _apartment(context: Context) -> Iterator[Found]:
     ranges = {"raw": "range_m", "mitigated (qat)": "mitigated_m"}
     tags = list(tags_of(frame, ranges, 2, _epochs(context)))
     note = f"Mitigated by REMnet (qat), {record.key.split}: each link by a model that never saw it."
-    yield _table("Apartment, real ranges, 2-D", tags, [note]), ""
+    title = "Apartment, real ranges, 2-D"
+    yield Found(_table(title, tags, [note]), _map("apartment", title, tags))
 
 
 def _hall(context: Context) -> Iterator[Found]:
     """Yield the tags of 2019 in 3-D; the campaign of 2020 has no positions."""
     frame = context.recordings.frame
     hall = frame[frame["environment"] == "IIoT_19"]
-    for title, rows in (("all ranges", hall), ("LoS ranges", hall[hall["los"].fillna(False)])):
+    note = "No CIR is published, so nothing can be mitigated."
+    for name, rows in (("all", hall), ("LoS", hall[hall["los"].fillna(False)])):
         tags = list(tags_of(rows, {"raw": "range_m"}, 3, _epochs(context)))
-        note = "No CIR is published, so nothing can be mitigated."
-        yield _table(f"Ghent IIoT_19, real ranges, 3-D, {title}", tags, [note]), ""
-    yield None, _hall_2020(frame[frame["environment"] == "IIoT_20"])
+        title = f"Ghent IIoT_19, real ranges, 3-D, {name} ranges"
+        yield Found(_table(title, tags, [note]), _map(f"ghent-{name.lower()}", title, tags))
+    yield Found(note=_hall_2020(frame[frame["environment"] == "IIoT_20"]))
 
 
 def _hall_2020(rows: pd.DataFrame) -> str:
@@ -86,6 +95,28 @@ def _table(title: str, tags: Sequence[Tag], notes: Sequence[str]) -> Table:
     if refused:
         notes = [*notes, "No position: " + "; ".join(refused)]
     return Table(title, ("tag", "ranges"), rows, digits=3, notes=notes)
+
+
+def _map(name: str, title: str, tags: Sequence[Tag]) -> Figure | None:
+    """Return where every tag is and where its fixes are at the median, seen from above."""
+    fixed = [tag for tag in tags if tag.refusal() is None]
+    if not fixed:
+        return None
+    found = {"where the tags are": np.array([tag.truth_m for tag in fixed])}
+    for kind in fixed[0].ranges_m:
+        fixes = [np.median(tag.fixes(kind, "robust")[0], axis=0) for tag in fixed]
+        found[f"median fix, {kind}"] = np.array(fixes)
+    found["anchors"] = np.unique(np.concatenate([tag.anchors_m for tag in fixed]), axis=0)
+    series = [_seen(label, points) for label, points in found.items()]
+    return Figure(
+        name, f"{title}: robust fixes from above", "scatter", "x (m)", "y (m)", series,
+        equal_axes=True, data="real ranges",
+    )  # fmt: skip
+
+
+def _seen(label: str, points: Floats) -> Series:
+    x, y = (np.round(points[:, axis], 3).tolist() for axis in (0, 1))
+    return Series(label, x, y, style="marker" if label == "anchors" else "")
 
 
 def _rows(tag: Tag) -> Iterator[Row]:

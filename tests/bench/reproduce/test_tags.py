@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.reproduce.experiments.positioning_recorded import _hall_2020, _table
+from bench.reproduce.experiments.positioning_recorded import _hall_2020, _map, _table
 from bench.reproduce.fixed_tag import ANCHORS_M, TAG_M, fixed_tag
 from bench.reproduce.tags import SOLVERS, Tag, tags_of
 
@@ -97,6 +97,18 @@ def test_the_fixed_tag_is_seen_by_four_anchors_and_repeats() -> None:
     assert np.abs(clear.errors_m()).mean() < np.abs(scene.errors_m()).mean()
 
 
+def test_the_map_shows_tags_fixes_and_anchors_of_those_with_a_position() -> None:
+    anchors = [[0, 0], [5, 0], [0, 4]]
+    good = only_tag(ranges_frame([2.0, 1.0], anchors))
+    bad = only_tag(ranges_frame([2.0, 1.0], anchors[:2]))
+    drawn = _map("made", "Made", [good, bad])
+    assert drawn is not None
+    where = {series.name: (series.x, series.y) for series in drawn.series}
+    assert where["where the tags are"] == where["median fix, raw"] == ([2.0], [1.0])
+    assert len(where["anchors"][0]) == 3
+    assert _map("made", "Made", [bad]) is None
+
+
 @pytest.mark.real
 def test_the_industrial_hall_is_positioned(real_data: object, tmp_path: object) -> None:
     from pathlib import Path
@@ -104,10 +116,11 @@ def test_the_industrial_hall_is_positioned(real_data: object, tmp_path: object) 
     from bench.reproduce.context import Context
     from bench.reproduce.experiments.positioning_recorded import _hall
 
-    tables = [one for one in _hall(Context("ghent", Path(str(tmp_path)), quick=True)) if one[0]]
+    found = list(_hall(Context("ghent", Path(str(tmp_path)), quick=True)))
+    tables = [one.table for one in found if one.table]
     assert len(tables) == 2
-    table = tables[0][0]
-    assert table is not None
-    medians = [row for row in table.rows if row.label[0].startswith("median")]
+    medians = [row for row in tables[0].rows if row.label[0].startswith("median")]
     robust = next(row for row in medians if row.quantity == "position MAE, robust")
     assert 0.1 < robust.ours.value < 0.6  # type: ignore[union-attr]
+    assert [one.figure.data for one in found if one.figure] == ["real ranges"] * 2
+    assert "IIoT_20 gives no position" in found[-1].note
