@@ -95,7 +95,7 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> tuple[li
         report = write_report(made.study, out / name)
         lines += [f"The diagnosis in full, with its figures: {report}", ""]
         scores += [
-            {"case": made.title, "asked": c.asked, "measured": c.measured, "met": c.met}
+            {"case": made.title, "asked": c.asked, "measured": c.measured, "met": bool(c.met)}
             for c in made.checks
         ]
     return lines, scores

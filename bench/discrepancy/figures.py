@@ -74,9 +74,7 @@ def residual_figure(axes: Axes, study: Study) -> None:
     """Residual of the range error over the covariate that the search found first."""
     seen = study.confirmed
     column = responsible(study)
-    value = seen.view.covariates.numbers.get(column)
-    if value is None and column in seen.before.names:
-        value = seen.before.recorded[:, seen.before.names.index(column)]
+    value = _covariate(seen, column)
     if value is None:
         value, column = np.arange(len(seen.before.links), dtype=np.float64), "row"
     for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
@@ -88,12 +86,34 @@ def residual_figure(axes: Axes, study: Study) -> None:
 
 
 def responsible(study: Study) -> str:
-    """Return the numeric covariate of the first finding that has one."""
-    for turn in study.diagnosis.rounds:
-        for finding in turn.located.findings:
-            if finding.cell.place.covariate and "=" not in finding.cell.place.covariate:
-                return finding.cell.place.covariate
-    return "true_range_m"
+    """Return the numeric covariate of a finding over which the range residual varies most."""
+    seen = study.confirmed
+    every = [f for turn in study.diagnosis.rounds for f in turn.located.findings]
+    findings = [f for f in every if f.cell.observable == "error_m"] or every
+    names = dict.fromkeys(f.cell.place.covariate for f in findings if f.cell.place.covariate)
+    known = {name: _covariate(seen, name) for name in names}
+    share = {n: _explained(v, _residual(seen.before)) for n, v in known.items() if v is not None}
+    return max(share, key=lambda name: share[name]) if share else "true_range_m"
+
+
+def _covariate(seen: Confirmed, name: str) -> Floats | None:
+    """Return a known number or a recorded observable of the confirm rows [n], None if neither."""
+    value = seen.view.covariates.numbers.get(name)
+    if value is None and name in seen.before.names:
+        value = seen.before.recorded[:, seen.before.names.index(name)]
+    return value
+
+
+def _explained(value: Floats, residual: Floats, bins: int = 6) -> float:
+    """Return the share of the residual's variance between quantile bins of a covariate."""
+    known = np.isfinite(value) & np.isfinite(residual)
+    if known.sum() < bins or np.var(residual[known]) == 0:
+        return 0.0
+    edges = np.quantile(value[known], np.linspace(0, 1, bins + 1)[1:-1])
+    place = np.searchsorted(edges, value[known])
+    count = np.maximum(np.bincount(place, minlength=bins), 1)
+    means = np.bincount(place, residual[known], minlength=bins) / count
+    return float(np.var(means[place]) / np.var(residual[known]))
 
 
 def _first(ensemble: Ensemble) -> str:
@@ -107,22 +127,34 @@ def _residual(ensemble: Ensemble) -> Floats:
 
 
 def ladder_figure(axes: Axes, study: Study) -> None:
-    """Held-out gain of every effect in the order it was added, with 95 % intervals."""
+    """Held-out gain of every effect in the order it was added, with 95 % intervals.
+
+    Small marks: what the others would have gained in its place.
+    """
     steps = [
-        (turn.added.name, turn.explanation.contenders[0].gain)
+        turn.explanation.contenders
         for turn in study.diagnosis.rounds
         if turn.added is not None and turn.explanation is not None
     ]
     places = np.arange(len(steps))
-    values = np.array([gain.value for _, gain in steps])
-    low = values - np.array([gain.low for _, gain in steps])
-    high = np.array([gain.high for _, gain in steps]) - values
-    axes.barh(places, values, color=AFTER, xerr=np.abs([low, high]) if steps else None)
-    axes.set_yticks(places, [name for name, _ in steps])
+    gains = [step[0].gain for step in steps]
+    values = np.array([gain.value for gain in gains])
+    edges = np.array([[g.value - g.low, g.high - g.value] for g in gains]).reshape(-1, 2).T
+    axes.barh(places, values, color=AFTER, alpha=0.4, xerr=np.abs(edges) if steps else None)
+    for place, (_, *others) in enumerate(steps):
+        for other in others[:3]:
+            _mark(axes, max(other.gain.value, 0.0), place, other.name)
+    axes.set_yticks(places, [step[0].name for step in steps])
     axes.invert_yaxis()
-    axes.set_xlabel("gain on held-out links (nats of log CRPS)")
+    axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
     if not steps:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
+
+
+def _mark(axes: Axes, value: float, place: int, name: str) -> None:
+    """Mark what another effect would have gained at a step of the ladder."""
+    axes.plot(value, place + 0.3, "v", ms=4, color=BEFORE)
+    axes.text(value, place + 0.25, f"  {name}", fontsize=6, rotation=20, color=BEFORE)
 
 
 def ranks_figure(axes: Axes, study: Study) -> None:

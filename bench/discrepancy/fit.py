@@ -18,6 +18,7 @@ from bench.physics.effect import Effect, Parameter
 Floats = NDArray[np.float64]
 FIT_MEMBERS = 4
 STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null to the bound
+RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
 EVALUATIONS = 60
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
 FLAG = "0 or 1"
@@ -105,7 +106,8 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
     for amplitude in amplitudes:
         null = float(amplitude.null or 0.0)
         for bound in {amplitude.low, amplitude.high} - {null}:
-            at = [_between(amplitude, null, bound, step) for step in STEPS]
+            steps = RATIO_STEPS if by_ratio(amplitude) else STEPS
+            at = [_between(amplitude, null, bound, step) for step in steps]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
     if not amplitudes:
         rng = np.random.default_rng(0)
@@ -201,7 +203,12 @@ def _plain(item: Parameter, scaled: float) -> float:
 
 
 def _step(item: Parameter, value: float) -> float:
-    """Return a first step: a third of the way from null, or a tenth of the bounds."""
+    """Return a first step: a third of the way from null, or a tenth of the bounds.
+
+    A factor of 1.6 for a parameter that spans decades.
+    """
+    if by_ratio(item):
+        return 0.5 if value < item.high / 2 else -0.5
     low, high, value = (_scaled(item, v) for v in (item.low, item.high, value))
     null = None if item.null is None else _scaled(item, item.null)
     if null is not None and value != null:
