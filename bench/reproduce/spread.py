@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from threading import Lock
+from threading import Lock, Thread
 from typing import Any
 
 from bench.errors import BenchError
@@ -70,10 +70,19 @@ _INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
 
 def _install(shared: Any) -> None:
     """Begin a worker: one thread, since there are as many workers as were asked for."""
+    Thread(target=_end_with_parent, daemon=True).start()
     os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
     if (torch := sys.modules.get("torch")) is not None:
         torch.set_num_threads(1)
     _INSTALLED[:] = [shared]
+
+
+def _end_with_parent() -> None:
+    """End this worker as soon as the process that started it is gone, killed included."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _call(work: Work, task: Any) -> Any:

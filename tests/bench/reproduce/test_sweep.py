@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 
 from bench.errors import BenchError
@@ -155,9 +156,12 @@ def test_no_scheduler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.slow
 def test_a_killed_sweep_continues_with_the_same_numbers(deepuwb: Path, tmp_path: Path) -> None:
     out, whole = tmp_path / "out", tmp_path / "whole"
-    with started(out) as process:
+    with started(out, "--jobs", "2") as process:
         wait_for_a_point(out, process)
+        workers = psutil.Process(process.pid).children(recursive=True)
         process.send_signal(signal.SIGKILL)
+    assert len(workers) >= 2
+    assert psutil.wait_procs(workers, timeout=BATCH_HANGS_S)[1] == [], "workers end with it"
     first = points(out)
     assert not list(out.rglob("cir-size.json")), "killed before it was done"
     assert all(json.loads(content)["result"] for content in first.values())
@@ -169,11 +173,11 @@ def test_a_killed_sweep_continues_with_the_same_numbers(deepuwb: Path, tmp_path:
     assert tables[0] == tables[1]
 
 
-def started(out: Path) -> subprocess.Popen[bytes]:
+def started(out: Path, *more: str) -> subprocess.Popen[bytes]:
     command = ("reproduce", "cir-size", "--data", "deepuwb", "--quick", "--out", str(out))
     code = "from bench.cli.main import main; main()"
     return subprocess.Popen(
-        [sys.executable, "-c", code, *command, "--json"],
+        [sys.executable, "-c", code, *command, *more, "--json"],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=dict(os.environ),
     )  # fmt: skip
 
