@@ -11,6 +11,7 @@ from bench.discrepancy.gain import Tally, gain_interval, tally
 from bench.discrepancy.latent import latent_effects
 from bench.discrepancy.nuisance import corrected
 from bench.discrepancy.score import Estimate
+from bench.discrepancy.workers import in_threads
 from bench.discrepancy.world import Added, View, World
 from bench.errors import BenchError
 from bench.physics.effect import Effect
@@ -97,13 +98,21 @@ def explain(
     found = [e for e in latent_effects(world, fit, added) if physics_name(e) not in have]
     terms = [Fitted(effect, 0.0, 0) for effect in found]
     contenders = [contender(world, held, added, one, reference, seed) for one in terms]
-    for name in _promising(screened, contenders):
+
+    def refined(name: str) -> Contender | BenchError:
         objective, start = screened[name]
         try:
             fitted = refine(objective, start)
-            contenders.append(contender(world, held, added, fitted, reference, seed))
+            return contender(world, held, added, fitted, reference, seed)
         except BenchError as problem:
-            skipped[name] = str(problem)
+            return problem
+
+    names = _promising(screened, contenders)
+    for name, one in zip(names, in_threads(refined, names), strict=True):
+        if isinstance(one, BenchError):
+            skipped[name] = str(one)
+        else:
+            contenders.append(one)
     contenders = _best_of_each(contenders)
     contenders.sort(key=lambda one: -one.gain.value)
     nuisance = tally(_nuisance(world, fit, held, added, before, focus))
@@ -140,16 +149,23 @@ def _screened(
     tell: Tell,
 ) -> tuple[dict[str, tuple[Objective, Fitted]], dict[str, str]]:
     """Return the line search of every effect, and why others were skipped."""
+    able = [name for name, kind in kinds.items() if fit.waveform or kind.without_cir]
+
+    def searched(name: str) -> tuple[Objective, Fitted] | BenchError:
+        tell(f"trying {name}")
+        objective = Objective(kinds[name], world, fit, added, base)
+        try:
+            return objective, screen(objective)
+        except BenchError as problem:
+            return problem
+
     found: dict[str, tuple[Objective, Fitted]] = {}
     skipped: dict[str, str] = {}
-    able = {name: kind for name, kind in kinds.items() if fit.waveform or kind.without_cir}
-    for name, kind in able.items():
-        tell(f"trying {name}")
-        objective = Objective(kind, world, fit, added, base)
-        try:
-            found[name] = (objective, screen(objective))
-        except BenchError as problem:
-            skipped[name] = str(problem)
+    for name, one in zip(able, in_threads(searched, able), strict=True):
+        if isinstance(one, BenchError):
+            skipped[name] = str(one)
+        else:
+            found[name] = one
     return found, skipped
 
 

@@ -6,7 +6,6 @@ NaN and takes no part in any comparison.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -179,23 +178,25 @@ def shape_observables(
     accumulated symbols and `noise_std` the logged noise [n], NaN where unknown.
     """
     symbols = np.where(count > 0, count, 1.0 if np.isnan(count).all() else np.nan)
-    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):
-        warnings.simplefilter("ignore", RuntimeWarning)  # rows that are all NaN stay NaN
+    with np.errstate(divide="ignore", invalid="ignore"):  # rows that are all NaN stay NaN
         noise = _noise(noise_std, magnitude, delay) / symbols
-        peak = {"peak_counts_db": 20 * np.log10(np.nanmax(magnitude, axis=1))}
         levels = (RISE_HIGH, RISE_LOW, LEAD_LEVEL)
         scaled = magnitude / symbols[:, None]
         figures, power = shape_figures(scaled, delay, noise, PROFILE_EDGES_NS, levels)
         bins = _profile_db(power, figures["total"])
         features = _features(figures)
+        peak = {"peak_counts_db": 20 * np.log10(np.nan_to_num(magnitude).max(axis=1))}
     every = bins | features | peak
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
 
 
 def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:
     """Return the noise std [n]: as logged, else from the samples well before the path."""
-    early = np.sqrt(np.nanmean(np.where(delay < -3.5, magnitude, np.nan) ** 2, axis=1) / 2)
-    return np.where(np.isfinite(logged), logged, early)
+    if np.isfinite(logged).all():
+        return logged
+    before = (delay < -3.5) & np.isfinite(magnitude)
+    power = np.where(before, magnitude, 0.0) ** 2
+    return np.where(np.isfinite(logged), logged, np.sqrt(power.sum(1) / before.sum(1) / 2))
 
 
 def _profile_db(power: Floats, total: Floats) -> dict[str, Floats]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
+from threading import Lock
 
 import numpy as np
 
@@ -21,8 +22,11 @@ from bench.physics.effect import Effect
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
+from bench.physics.units import Complexes
 
 KEPT = 24  # detected replicates that are remembered
+KEPT_PATHS = 256  # of those from paths alone, which are small
+KEPT_NOISE = 48  # blocks of noise that are remembered, up to 2 MB each
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,17 @@ class Detected:
     shape: dict[str, Floats]
 
 
+@dataclass(frozen=True)
+class _SameNoise(Draws):
+    """Draws whose noise is remembered: the same for every simulator tried on the same rows."""
+
+    stages: Stages
+
+    def complex_normal(self, *shape: int) -> Complexes:
+        """Return what `Draws` returns, without drawing it again."""
+        return self.stages.noise(self, shape)
+
+
 class Stages:
     """Simulates replicates; remembers everything before the ranging stage.
 
@@ -46,6 +61,8 @@ class Stages:
     def __init__(self, window: Window) -> None:
         self.window = window
         self._kept: OrderedDict[tuple[object, ...], Detected] = OrderedDict()
+        self._noise: OrderedDict[tuple[object, ...], Complexes] = OrderedDict()
+        self._lock = Lock()
 
     def observables(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
@@ -53,11 +70,15 @@ class Stages:
         """Return what the simulator gives for `rows` in one replicate."""
         early = tuple(e for e in simulator.effects if e.stage != "ranging")
         key = (id(rows), simulator.base, early, simulator.seed, replicate, cir)
-        if key not in self._kept:
-            self._kept[key] = self._detected(simulator, rows, replicate, cir)
-            while len(self._kept) > KEPT:
+        with self._lock:
+            found = self._kept.get(key)
+        if found is None:
+            found = self._detected(simulator, rows, replicate, cir)
+        with self._lock:
+            self._kept[key] = found
+            self._kept.move_to_end(key)
+            while len(self._kept) > (KEPT if cir else KEPT_PATHS):
                 self._kept.popitem(last=False)
-        found = self._kept[key]
         batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
         columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
         scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
@@ -68,12 +89,34 @@ class Stages:
         blocks, shapes = [], []
         for start in range(0, len(rows), BLOCK):
             draws = Draws(simulator.seed, replicate, "base", start // BLOCK)
-            batch = _received(simulator, rows.slice(start, start + BLOCK), draws, cir)
+            batch = self._received(simulator, rows.slice(start, start + BLOCK), draws, cir)
             shapes.append(self._shape(simulator, batch))
             blocks.append(replace(batch, waveform=None, noise=None))
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
         return Detected(rows, tuple(blocks), shape)
+
+    def _received(self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool) -> Batch:
+        """Return a block of rows after detection, before the ranging stage."""
+        base = simulator.base
+        batch = _applied(simulator.at_stage("propagation"), base.paths(rows), draws)
+        same = _SameNoise(draws.seed, draws.replicate, draws.name, draws.block, self)
+        batch = base.received(batch, same) if cir else base.counted(batch)
+        late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
+        return base.detected(_applied(tuple(late), batch, draws))
+
+    def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
+        """Return a copy of the noise that `draws` gives first after its alignments."""
+        key = (draws.seed, draws.replicate, draws.name, draws.block, shape)
+        with self._lock:
+            kept = self._noise.get(key)
+        if kept is None:
+            kept = Draws.complex_normal(draws, *shape)
+            with self._lock:
+                self._noise[key] = kept
+                while len(self._noise) > KEPT_NOISE:
+                    self._noise.popitem(last=False)
+        return kept.copy()
 
     def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
         """Return the CIR figures of a detected batch, none without a waveform."""
@@ -86,15 +129,6 @@ class Stages:
         return shape_observables(
             magnitude, delay, _column(batch, "preamble_count"), _column(batch, "noise_std")
         )
-
-
-def _received(simulator: Simulator, rows: Scene, draws: Draws, cir: bool) -> Batch:
-    """Return a block of rows after detection, before the ranging stage."""
-    base = simulator.base
-    batch = _applied(simulator.at_stage("propagation"), base.paths(rows), draws)
-    batch = base.received(batch, draws) if cir else base.counted(batch)
-    late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
-    return base.detected(_applied(tuple(late), batch, draws))
 
 
 def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
