@@ -161,7 +161,7 @@ def _reason(gain: Estimate, others: list[Estimate]) -> str:
     """Return why a step came when it did."""
     if all(gain.value >= other.value for other in others):
         return "gains most"
-    return "common to all links, as good where it acts"
+    return "simpler than what gains more, and as good where it acts"
 
 
 def _missed(found: Study, name: str, window: Window) -> str:

@@ -30,6 +30,7 @@ PASSES = 3
 POLISH = 30  # evaluations per effect and pass
 AHEAD = 4  # contenders that are tried with all others fitted again
 TOUCHED = 0.01  # nats of gain in an observable from which on an effect is said to act on it
+HALF = 0.5  # of the gain of a more flexible effect, that a simpler one must reach to go first
 ENOUGH = 0.01  # nats of gain on the fitted rows below which another pass is not worth it
 
 
@@ -37,23 +38,23 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
     """Return the explanation with the contender to add in front: best first, but simple before.
 
     An effect that draws every link anew can stand in for one that all links share (a detour in
-    all links for a constant delay), and a curve for a constant. So where such an effect gains
-    most, a simpler one that does about as well on the observables it touches - half of the gain
-    there at least, and not significantly behind - goes before it.
+    all links for a constant delay). So where such an effect gains most, a common one that does
+    about as well on the observables it touches - half of the gain there at least, and not
+    significantly behind - goes before it. And a curve comes only after the constant it contains,
+    where that alone brings half of its gain: then it has to show what it adds.
     """
     every = explanation.contenders
-    for other in every[1:]:
-        sure = other.gain.likely_above_zero and other.gain.value > margin
-        if sure and _simpler(other, every[0]) and _matches(explanation, other, every[0], seed):
-            rest = tuple(one for one in every if one is not other)
-            return replace(explanation, contenders=(other, *rest))
-    return explanation
-
-
-def _simpler(one: Contender, best: Contender) -> bool:
-    """Return whether `best` could stand in for `one`, which is simpler."""
-    general = type(best.effect)
-    return one.name in general.contains or (general.per_link and not type(one.effect).per_link)
+    if not every:
+        return explanation
+    sure = [one for one in every if one.gain.likely_above_zero and one.gain.value > margin]
+    first = every[0]
+    if type(first.effect).per_link:
+        common = [one for one in sure if not type(one.effect).per_link]
+        alike = [one for one in common if _matches(explanation, one, first, seed)]
+        first = alike[0] if alike else first
+    inside = [one for one in sure if one.name in type(first.effect).contains]
+    first = next((one for one in inside if one.gain.value >= HALF * first.gain.value), first)
+    return replace(explanation, contenders=(first, *(one for one in every if one is not first)))
 
 
 def refitted(
@@ -84,7 +85,7 @@ def _matches(explanation: Explanation, one: Contender, best: Contender, seed: in
     names = tuple(name for name, value in mine.items() if value > TOUCHED)
     reached = sum(mine[name] for name in names)
     ahead = gain_interval(one.tally, best.tally, seed, names)
-    return reached >= 0.5 * sum(its.get(name, 0.0) for name in names) and not ahead.above_zero
+    return reached >= HALF * sum(its.get(name, 0.0) for name in names) and not ahead.above_zero
 
 
 def without(added: Added, effect: Effect) -> Added:

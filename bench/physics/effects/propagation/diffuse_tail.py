@@ -24,9 +24,10 @@ class DiffuseTail(Effect):
 
     Clusters arrive with rate `cluster_rate` and decay with `cluster_decay_ns`; the rays in each
     decay with `ray_decay_ns`, one complex Gaussian tap per sample. Total power is `level_db` over
-    the free-space level at 1 m and falls as distance^-`distance_exponent` (0: a reverberant
-    room, 2: follows the straight path). Clusters are drawn per link; `static` of a tap's power is
-    the same in all rows of a link, the rest changes from row to row as the tag moves.
+    the free-space level at 1 m (of a reverberant room: 16 pi over its absorbing area in m2, 1 dB
+    where that is 40) and falls as distance^-`distance_exponent` (0: a reverberant room, 2: follows
+    the straight path). Clusters are drawn per link; `static` of a tap's power is the same in all
+    rows of a link, the rest changes from row to row as the tag moves.
     `room_scaling` 1 scales both decays with the mean free path of the row's room; rows in the
     open (room columns there, but empty) have `open_space_db` more.
     """
@@ -38,8 +39,8 @@ class DiffuseTail(Effect):
     source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27"
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
 
-    level_db: float = parameter(-14, "dB", -60, 10, "total power over free space at 1 m")
-    distance_exponent: float = parameter(0.5, "1", -1, 6, "how the level falls with distance")
+    level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m")
+    distance_exponent: float = parameter(0.5, "1", 0, 6, "how the level falls with distance")
     ray_decay_ns: float = parameter(9, "ns", 1, 120, "of the rays in a cluster (gamma)")
     cluster_decay_ns: float = parameter(12, "ns", 1, 200, "of the clusters (Gamma)")
     cluster_rate: float = parameter(0.05, "1/ns", 0.001, 1, "arrivals of clusters (Lambda)")
