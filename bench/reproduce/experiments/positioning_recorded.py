@@ -87,7 +87,7 @@ def _epochs(context: Context) -> int:
 
 def _table(title: str, tags: Sequence[Tag], notes: Sequence[str]) -> Table:
     rows = [row for tag in tags for row in _rows(tag)]
-    refused = [f"{tag.name}: {reason}" for tag in tags if (reason := tag.refusal())]
+    refused = _refusals(tags)
     poor = [tag.name for tag in tags if not tag.refusal() and tag.dop > POOR_DOP]
     rows += _summary([tag for tag in tags if not tag.refusal() and tag.dop <= POOR_DOP])
     if poor:
@@ -95,6 +95,15 @@ def _table(title: str, tags: Sequence[Tag], notes: Sequence[str]) -> Table:
     if refused:
         notes = [*notes, "No position: " + "; ".join(refused)]
     return Table(title, ("tag", "ranges"), rows, digits=3, notes=notes)
+
+
+def _refusals(tags: Sequence[Tag]) -> list[str]:
+    """Return every reason why there is no position, with the tags it holds for."""
+    found: dict[str, list[str]] = {}
+    for tag in tags:
+        if reason := tag.refusal():
+            found.setdefault(reason, []).append(tag.name)
+    return [f"{reason} ({', '.join(names)})" for reason, names in found.items()]
 
 
 def _map(name: str, title: str, tags: Sequence[Tag]) -> Figure | None:

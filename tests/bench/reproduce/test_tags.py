@@ -57,6 +57,7 @@ def test_geometry_that_fixes_nothing_is_reported_and_not_averaged(
     table = _table("made", [bad, good], [])
     assert reason in str(bad.refusal())
     assert reason in table.notes[-1]
+    assert bad.name in table.notes[-1]
     figures = {(row.label[0], row.quantity) for row in table.rows if row.label[0] == bad.name}
     assert (bad.name, "dilution of precision") in figures
     summary = [row for row in table.rows if row.label[0].startswith("median of 1 tags")]
