@@ -12,6 +12,7 @@ from typing import Any
 from bench.challenge.cases import make_case
 from bench.challenge.generator.conceal import Hidden, draw_case
 from bench.challenge.scoring import Outcome, removed_m, scored
+from bench.challenge.truths import compared
 from bench.discrepancy.study import Options, study
 from bench.errors import BenchError
 from bench.files import write_atomically
@@ -26,6 +27,7 @@ def run_case(number: int, seed: int) -> Outcome:
     found = study(case.recorded, case.simulated, options)
     located = found.diagnosis.rounds[0].located
     removed, oracle = removed_m(case, found, seed)
+    beside = compared(case, found)
     return Outcome(
         number=number,
         way=case.way,
@@ -39,8 +41,8 @@ def run_case(number: int, seed: int) -> Outcome:
         alarm_z=located.z / located.threshold,
         removed=removed,
         oracle=oracle,
-        covered=[],
-        parameter_errors=[],
+        covered=[one.covered for one in beside],
+        parameter_errors=[one.error for one in beside],
     )
 
 

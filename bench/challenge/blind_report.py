@@ -7,10 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.challenge.blind import seal
-from bench.challenge.cases import LIMIT_Z
+from bench.challenge.cases import LIMIT_Z, WAYS
+from bench.challenge.generator.conceal import CONCEALS
 from bench.challenge.generator.geometry import LINKS, ROWS
-from bench.challenge.generator.shapes import OUTSIDE
+from bench.challenge.generator.shapes import LIBRARY, OUTSIDE
 from bench.challenge.scoring import RIGHT, Outcome
+
+ORACLE_SHARE = 0.8
+COVERAGE = (0.85, 0.95)
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,48 @@ def roc(outcomes: list[Outcome]) -> list[tuple[float, ...]]:
     ]
 
 
+def figures(outcomes: list[Outcome]) -> list[Rate]:
+    """Return interval coverage, and how many cases remove at least 0.8 of the oracle's."""
+    covered = [c for o in outcomes for c in o.covered]
+    share = sum(covered) / len(covered) if covered else float("nan")
+    named = [o for o in outcomes if o.above_limit and o.score in RIGHT]
+    enough = [o for o in named if o.fraction >= ORACLE_SHARE]
+    return [
+        Rate(
+            "90 % intervals that hold the true parameter",
+            sum(covered),
+            len(covered),
+            "85 to 95 %",
+            COVERAGE[0] <= share <= COVERAGE[1] if covered else None,
+        ),
+        Rate("rightly named cases that remove 0.8 of the oracle's", len(enough), len(named)),
+    ]
+
+
+def median_fraction(outcomes: list[Outcome]) -> float:
+    """Return the median share of the oracle's removed mismatch, of library cases above the limit.
+
+    Cases that were missed or called unknown count with what they removed.
+    """
+    ours = [o for o in outcomes if o.above_limit and not set(o.hidden.names) & set(OUTSIDE)]
+    known = [o.fraction for o in ours if np.isfinite(o.fraction)]
+    return float(np.median(known)) if known else float("nan")
+
+
+def _figure_lines(outcomes: list[Outcome]) -> list[str]:
+    """Return the figures that are no rates of cases, as rows of the table of scores."""
+    middle = median_fraction(outcomes)
+    errors = [e for o in outcomes for e in o.parameter_errors]
+    met = "yes" if middle >= ORACLE_SHARE else "**no**"
+    out = [
+        "| held-out mismatch removed, median share of the true effect's, above the limit "
+        f"| {middle:.2f} | at least {ORACLE_SHARE} | {met} |"
+    ]
+    if errors:
+        out.append(f"| relative error of parameters, median | {np.median(errors):.2f} | | |")
+    return out
+
+
 def blind_markdown(outcomes: list[Outcome], seed: int) -> list[str]:
     """Return the blind part of the report."""
     lines = [
@@ -104,11 +150,30 @@ def blind_markdown(outcomes: list[Outcome], seed: int) -> list[str]:
         "| score | value | bar | met |",
         "| --- | --- | --- | --- |",
     ]
-    for rate in rates(outcomes):
+    for rate in [*rates(outcomes), *figures(outcomes)]:
         met = {True: "yes", False: "**no**", None: ""}[rate.met]
         share = f"{rate.hits}/{rate.cases}" + (f" = {rate.value:.0%}" if rate.cases else "")
         lines.append(f"| {rate.words} | {share} | {rate.bar} | {met} |")
-    return [*lines, *_roc_lines(outcomes), *_case_lines(outcomes)]
+    lines += _figure_lines(outcomes)
+    return [*lines, *_roc_lines(outcomes), *_group_lines(outcomes), *_case_lines(outcomes)]
+
+
+def _group_lines(outcomes: list[Outcome]) -> list[str]:
+    """Return the right names by way, concealment, effect and strength, as a Markdown table."""
+    lines = ["", "| library cases | right or in the class | wrong |", "| --- | --- | --- |"]
+    ours = [o for o in outcomes if o.hidden.names and not set(o.hidden.names) & set(OUTSIDE)]
+    above = [o for o in ours if o.above_limit]
+    groups = [(f"{way}, above", [o for o in above if o.way == way]) for way in sorted(set(WAYS))]
+    groups += [(f"{c}, above", [o for o in above if o.hidden.conceal == c]) for c in CONCEALS]
+    groups += [(f"{n}, above", [o for o in above if n in o.hidden.names]) for n in LIBRARY]
+    for low, high in ((0, 4), (4, 8), (8, 16), (16, 32), (32, np.inf)):
+        some = [o for o in ours if low <= o.strength_z < high]
+        groups.append((f"strength z {low:g} to {high:g}", some))
+    for words, among in groups:
+        right = sum(o.score in RIGHT for o in among)
+        wrong = sum(o.score == "wrong" for o in among)
+        lines.append(f"| {words} | {right}/{len(among)} | {wrong} |")
+    return lines
 
 
 def _roc_lines(outcomes: list[Outcome]) -> list[str]:

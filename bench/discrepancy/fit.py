@@ -21,6 +21,7 @@ STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null 
 RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
 EVALUATIONS = 60
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
+STRENGTHS = (None, 0.05, 0.2, 0.5)  # amplitudes tried there: as found so far, shares of the bound
 FLAG = "0 or 1"
 DECADES = 1e3  # a parameter whose bounds are this far apart, both positive, is searched by ratio
 NOTHING = -1e6  # the gain of parameter values that leave nothing to compare
@@ -92,7 +93,8 @@ def screen(objective: Objective) -> Fitted:
         objective(values)
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
-    for values in _elsewhere(objective.kind, objective.best[1]):
+    thorough = not objective.view.waveform  # paths alone cost next to nothing
+    for values in _elsewhere(objective.kind, objective.best[1], thorough):
         objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
@@ -115,10 +117,11 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
     return out
 
 
-def _elsewhere(kind: type[Effect], best: Effect) -> list[dict[str, float]]:
+def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str, float]]:
     """Return points with the other parameters (delays, phases) spread over their bounds.
 
-    A line search along an amplitude sees nothing where an echo's delay is wrong.
+    A line search along an amplitude sees nothing where an echo's delay is wrong. Each point is
+    tried at one strength in turn, or, where `thorough`, at all.
     """
     free = free_parameters(kind)
     others = [p for p in free if p.null is None]
@@ -129,18 +132,17 @@ def _elsewhere(kind: type[Effect], best: Effect) -> list[dict[str, float]]:
     points = qmc.Sobol(len(others), seed=0).random(ELSEWHERE)
     out = []
     for number, point in enumerate(points):
-        strong = {p.name: _strength(p, now[p.name], number) for p in amplitudes[:1]}
         spread = {p.name: _between(p, p.low, p.high, u) for p, u in zip(others, point, strict=True)}
-        out.append(now | strong | spread)
+        for share in STRENGTHS if thorough else (STRENGTHS[number % len(STRENGTHS)],):
+            strong = {p.name: _strength(p, now[p.name], share) for p in amplitudes[:1]}
+            out.append(now | strong | spread)
     return out
 
 
-def _strength(item: Parameter, now: float, number: int) -> float:
-    """Return the amplitude found so far, or a fifth, half or three quarters of its bound."""
+def _strength(item: Parameter, now: float, share: float | None) -> float:
+    """Return the amplitude found so far, or some share of its bound."""
     null = float(item.null or 0.0)
     bound = item.high if item.high - null >= null - item.low else item.low
-    shares = (None, 0.2, 0.5, 0.75)
-    share = shares[number % len(shares)]
     return now if share is None else _between(item, null, bound, share)
 
 

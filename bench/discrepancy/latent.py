@@ -72,7 +72,7 @@ def _curve(view: View, residual: Floats, budget: float, spread: float) -> tuple[
     """Return the curve for one trust in the budget, and the mean |residual| it leaves."""
     start = PowerCurve(level_at_1m_dbm=budget, spread_db=spread)
     level = start.level_dbm(view.scene)
-    bias = _bounded(_smooth_curve(level, residual), level)
+    bias = _bounded(curve_at_knots(level, residual), level)
     left = float(np.nanmean(np.abs(residual - np.interp(level, KNOTS_DBM, bias))))
     return replace(start, levels_dbm=tuple(KNOTS_DBM.tolist()), bias_m=tuple(bias.tolist())), left
 
@@ -83,7 +83,7 @@ def _bounded(bias: Floats, level: Floats) -> Floats:
     return np.clip(bias, middle - MAX_BIAS_M, middle + MAX_BIAS_M)
 
 
-def _smooth_curve(level: Floats, residual: Floats, smooth: float = 0.1) -> Floats:
+def curve_at_knots(level: Floats, residual: Floats, smooth: float = 0.1) -> Floats:
     """Return the bias at KNOTS_DBM: it only falls as the level rises, by `STEEPEST_M` per knot.
 
     A late threshold crossing of a weaker pulse is why there is a bias at all (APS011), so a curve
@@ -103,9 +103,14 @@ def _smooth_curve(level: Floats, residual: Floats, smooth: float = 0.1) -> Float
 
 def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
     """Return delays per device that fit residual ranges [n], None where no delay could."""
-    names, tx, rx = ends(view)
-    design = incidence(tx, rx, 1.0, len(names)) * (C_M_PER_NS / 2)
-    found = robust(csr_array(design), residual_m, np.full(len(names), DELAY_PRIOR_NS))
+    found = delays_of(view, residual_m, np.arange(len(residual_m)))
     if np.abs(found).max() > 20:
         return None  # metres are not a delay
-    return DeviceDelay(names, tuple(found.tolist()))
+    return DeviceDelay(ends(view)[0], tuple(found.tolist()))
+
+
+def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Return the delay of every device in ns from the residual ranges of some rows."""
+    names, tx, rx = ends(view)
+    design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2)
+    return robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))

@@ -143,11 +143,24 @@ def contradicted(added: Added, located: Located) -> Effect | None:
 
 
 def _best(explanation: Explanation | None) -> Contender | None:
-    """Return the contender to add: a gain beyond the margin, its one-sided bound above zero."""
-    if explanation is None or not explanation.contenders:
+    """Return the contender to add: a gain beyond the margin, its one-sided bound above zero.
+
+    Independent scatter stands for what cannot be predicted, so it is no answer where a regression
+    removes much more than it.
+    """
+    if explanation is None:
         return None
-    best = explanation.contenders[0]
-    return best if best.gain.likely_above_zero and best.gain.value > MARGIN else None
+    structure = SHARE * explanation.removable.value
+    able = (c for c in explanation.contenders if not _only_scatter(c) or c.gain.value > structure)
+    best = next(able, None)
+    if best is None or not best.gain.likely_above_zero or best.gain.value <= MARGIN:
+        return None
+    return best
+
+
+def _only_scatter(contender: Contender) -> bool:
+    """Return whether a contender is scatter, independent from row to row."""
+    return type(contender.effect).independent
 
 
 def _with(added: Added, effect: Effect) -> Added:

@@ -16,6 +16,7 @@ from scipy.stats import t as student
 
 from bench.discrepancy.fit import free_parameters, valued
 from bench.discrepancy.gain import Tally, tally, weight_of
+from bench.discrepancy.resampled import latent_intervals
 from bench.discrepancy.verdict import ParameterEstimate
 from bench.discrepancy.world import Added, View, World
 from bench.physics.effect import Effect, Parameter
@@ -24,6 +25,8 @@ Floats = NDArray[np.float64]
 PerLink = Callable[[Floats], Tally]
 MEMBERS = 8
 LEVEL = 0.90
+FLAT = 1e-4  # of the largest curvature: a direction in which the score hardly changes
+LOADING = 0.05  # share of a parameter in flat directions from which on it is not determined
 
 
 def parameter_intervals(
@@ -31,7 +34,7 @@ def parameter_intervals(
 ) -> tuple[ParameterEstimate, ...]:
     """Return every fitted parameter with its 90 % interval, from the rows it was fitted on."""
     if not getattr(type(effect), "fitted", True):
-        return ()
+        return latent_intervals(world, view, added, effect)
     free = free_parameters(type(effect))
     moving = [p for p in free if p.high > p.low]
     values = np.array([float(getattr(effect, p.name)) for p in moving])
@@ -109,17 +112,15 @@ def _moved(
 def _sandwich(hessian: Floats, gradient: Floats) -> Floats:
     """Return the square roots of the diagonal of H^-1 G H^-1, in steps."""
     rooted = np.linalg.eigh((hessian + hessian.T) / 2)
-    if rooted.eigenvalues.min() <= 1e-9 * max(rooted.eigenvalues.max(), 1e-12):
-        return _one_by_one(hessian, gradient)
-    inverse = np.linalg.inv(hessian)
+    flat = rooted.eigenvalues <= FLAT * max(rooted.eigenvalues.max(), 1e-12)
+    if flat.all():
+        return np.full(len(hessian), np.inf)
+    # Parameters along which the score is flat together are not determined one by one.
+    loose = (rooted.eigenvectors[:, flat] ** 2).sum(axis=1) > LOADING
+    stiff = rooted.eigenvectors[:, ~flat]
+    inverse = (stiff / rooted.eigenvalues[~flat]) @ stiff.T
     centred = gradient - gradient.mean(axis=0)
     links = len(gradient)
     spread = centred.T @ centred * links / max(links - 1, 1)
-    return np.sqrt(np.maximum(np.diag(inverse @ spread @ inverse), 0))
-
-
-def _one_by_one(hessian: Floats, gradient: Floats) -> Floats:
-    """Return errors parameter by parameter, where together they are not determined."""
-    curve = np.diag(hessian)
-    spread = np.sqrt(((gradient - gradient.mean(axis=0)) ** 2).sum(axis=0))
-    return np.where(curve > 0, spread / np.where(curve > 0, curve, 1.0), np.inf)
+    errors = np.sqrt(np.maximum(np.diag(inverse @ spread @ inverse), 0))
+    return np.where(loose, np.inf, errors)
