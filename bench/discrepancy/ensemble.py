@@ -19,6 +19,10 @@ Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> s
 LARGE_M = 0.1  # several times the scatter of a range in line of sight
 
 
+class NothingSharedError(BenchError):
+    """No observable is known on both sides."""
+
+
 @dataclass(frozen=True)
 class Ensemble:
     """One recorded version and m simulated versions of n rows.
@@ -96,7 +100,9 @@ def stack(recorded: Observables, replicas: list[Observables], links: NDArray[np.
     shared = [n for n in recorded.names if all(n in replica.names for replica in replicas)]
     names = tuple(name for name in shared if _usable(name, recorded, replicas))
     if not names:
-        raise BenchError("the recorded and the simulated table have no observable in common")
+        raise NothingSharedError(
+            "the recorded and the simulated table have no observable in common"
+        )
     versions = np.stack([table.keep(names).values for table in (recorded, *replicas)])
     unknown = np.isnan(versions).any(axis=0)
     versions[:, unknown] = np.nan

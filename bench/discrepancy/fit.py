@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
+from bench.discrepancy.ensemble import NothingSharedError
 from bench.discrepancy.gain import Tally, gain, tally
 from bench.discrepancy.world import Added, View, World
 from bench.errors import BenchError
@@ -56,6 +57,10 @@ class Objective:
         effect = valued(self.kind, values)
         try:
             made = self.world.ensemble(self.view, (*self.added, effect), FIT_MEMBERS)
+        except NothingSharedError as problem:
+            raise BenchError(
+                f"effect {self.kind.name!r} gives values that are not finite"
+            ) from problem
         except BenchError:
             raise
         except Exception as problem:

@@ -17,6 +17,7 @@ from bench.discrepancy.observables import (
     collect,
     shape_observables,
 )
+from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
 from bench.physics.randomness import BLOCK, Draws
@@ -70,6 +71,21 @@ class Stages:
         """Return what the simulator gives for `rows` in one replicate."""
         early = tuple(e for e in simulator.effects if e.stage != "ranging")
         key = (id(rows), simulator.base, early, simulator.seed, replicate, cir)
+        try:
+            found = self._remembered(key, simulator, rows, replicate, cir)
+            batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
+        except BenchError:
+            raise
+        except Exception as problem:
+            raise self._blamed(simulator, rows, replicate, cir, problem) from problem
+        columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
+        scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
+        return collect(scalars, found.shape)
+
+    def _remembered(
+        self, key: tuple[object, ...], simulator: Simulator, rows: Scene, replicate: int, cir: bool
+    ) -> Detected:
+        """Return a detected replicate, simulated where it is not remembered."""
         with self._lock:
             found = self._kept.get(key)
         if found is None:
@@ -79,10 +95,7 @@ class Stages:
             self._kept.move_to_end(key)
             while len(self._kept) > (KEPT if cir else KEPT_PATHS):
                 self._kept.popitem(last=False)
-        batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
-        columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
-        scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
-        return collect(scalars, found.shape)
+        return found
 
     def _detected(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> Detected:
         """Simulate up to detection; the waveform is reduced to its figures and dropped."""
@@ -95,6 +108,32 @@ class Stages:
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
         return Detected(rows, tuple(blocks), shape)
+
+    def _blamed(
+        self, simulator: Simulator, rows: Scene, replicate: int, cir: bool, problem: Exception
+    ) -> BenchError:
+        """Return an error that names the first row that fails on its own, and why."""
+        low, high = 0, len(rows)
+        while high - low > 1:
+            middle = (low + high) // 2
+            part = rows.slice(low, middle)
+            low, high = (
+                (low, middle) if self._fails(simulator, part, replicate, cir) else (middle, high)
+            )
+        reason = f"{problem}".splitlines()[0] if f"{problem}" else type(problem).__name__
+        return BenchError(
+            f"simulator {simulator.name!r} fails on row {low} of the {len(rows)} it was given "
+            f"(true range {rows.true_range_m[low]:.4g} m): {reason}"
+        )
+
+    def _fails(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> bool:
+        """Return whether a simulator cannot simulate some rows."""
+        try:
+            draws = Draws(simulator.seed, replicate, "base", 0)
+            _ranged(simulator, self._received(simulator, rows, draws, cir), replicate, 0)
+        except Exception:
+            return True
+        return False
 
     def _received(self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool) -> Batch:
         """Return a block of rows after detection, before the ranging stage."""
@@ -138,9 +177,14 @@ def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> B
 
 
 def _applied(effects: tuple[Effect, ...], batch: Batch, draws: Draws) -> Batch:
+    """Return the batch after some effects. Raises RuntimeError naming the one that fails."""
     for effect in effects:
-        with np.errstate(all="ignore"):
-            batch = effect.apply(batch, replace(draws, name=effect.name))
+        try:
+            with np.errstate(all="ignore"):
+                batch = effect.apply(batch, replace(draws, name=effect.name))
+        except Exception as problem:
+            why = f"effect {effect.name!r}: {type(problem).__name__}: {problem}"
+            raise RuntimeError(why) from problem
     return batch
 
 
