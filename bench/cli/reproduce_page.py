@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
 from bench.reproduce.api import Reproduction
+from bench.reproduce.catalogue import experiments
 from bench.reproduce.provenance import commit
 
 
@@ -30,7 +33,8 @@ def write_page(page: Path, done: Reproduction) -> None:
             if name.endswith(".png"):
                 with atomic_path(page.with_suffix("") / Path(name).name) as scratch:
                     save(scratch)
-    document = full_page(outcomes, done.impossible, _facts(), page.stem)
+    facts = [*_facts(), *_left_out(done)]
+    document = full_page(outcomes, done.impossible, facts, page.stem)
     write_atomically(page, to_markdown(document))
 
 
@@ -41,9 +45,22 @@ def check_page(page: Path) -> None:
 
 
 def _facts() -> list[str]:
-    words = " ".join(word for word in sys.argv[1:])
     return [
-        f"Made by: bench {words}",
+        f"Made by: bench {' '.join(_typed(sys.argv[1:]))}",
         f"Source: commit {commit()}; every outcome was made by this source, or by one that does "
         "not differ in what decides it.",
     ]
+
+
+def _left_out(done: Reproduction) -> list[str]:
+    """Return a line on the experiments that were not asked for, nothing where there are none."""
+    asked = {path.stem for path in done.files} | {name for name, _ in done.impossible}
+    left_out = [one.name for one in experiments() if one.name not in asked]
+    return [f"Not on this page: {', '.join(left_out)}."] if left_out else []
+
+
+def _typed(words: Sequence[str]) -> Iterator[str]:
+    """Yield the words of the command without its result folder, which decides nothing."""
+    for before, word in pairwise(["", *words]):
+        if "--out" not in (before, word) and not word.startswith("--out="):
+            yield word

@@ -61,7 +61,7 @@ def _dress(axes: Any, one: FigureFile, data: str, handles: list[Any] | None) -> 
             _make_logarithmic(axes, axis)
     if one.equal_axes:
         axes.set_aspect("equal", adjustable="datalim")
-    place = (1.05, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
+    place = (1.12, 0.5) if one.kind == "scatter3d" else (1.01, 0.5)
     scale = 3 if one.kind == "scatter3d" else 1
     axes.legend(
         handles=handles, fontsize=8, loc="center left", bbox_to_anchor=place, markerscale=scale
@@ -72,7 +72,7 @@ def _make_room(axes: Any) -> None:
     """Keep the labels of a 3-D picture inside it and off its ticks."""
     from matplotlib.ticker import MaxNLocator
 
-    axes.set_box_aspect(None, zoom=0.95)
+    axes.set_box_aspect(None, zoom=0.8)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(MaxNLocator(5))
         axis.labelpad = 6

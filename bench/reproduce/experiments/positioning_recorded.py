@@ -117,10 +117,22 @@ def _map(name: str, title: str, tags: Sequence[Tag]) -> Figure | None:
         found[f"median fix, {kind}"] = np.array(fixes)
     found["anchors"] = np.unique(np.concatenate([tag.anchors_m for tag in fixed]), axis=0)
     series = [_seen(label, points) for label, points in found.items()]
+    series.append(_ties(list(found.values())[:-1]))
     return Figure(
-        name, f"{title}: robust fixes from above", "scatter", "x (m)", "y (m)", series,
+        name, f"{title.replace(', real ranges', '')}: robust fixes from above", "scatter",
+        "x (m)", "y (m)", series,
         equal_axes=True, data="real ranges",
     )  # fmt: skip
+
+
+def _ties(places: Sequence[Floats]) -> Series:
+    """Return a line from every tag to each of its fixes, with gaps between them."""
+    truth, *fixes = places
+    gap = np.full_like(truth, np.nan)
+    path = np.concatenate([np.stack([truth, one, gap], axis=1).reshape(-1, truth.shape[1])
+                           for one in fixes])  # fmt: skip
+    x, y = (np.round(path[:, axis], 3).tolist() for axis in (0, 1))
+    return Series("a tag and its fixes", x, y, style="line")
 
 
 def _seen(label: str, points: Floats) -> Series:

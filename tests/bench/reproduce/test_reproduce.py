@@ -75,6 +75,7 @@ def test_a_page_stands_alone_with_its_pictures(deepuwb: Path, tmp_path: Path) ->
     assert "Recordings: deepuwb." in text
     assert "Source: commit" in text
     assert "Measured time:" in text
+    assert "Not on this page: optimisation, rooms," in text
     pictures = sorted(path.name for path in (tmp_path / "docs" / "reproduce").iterdir())
     assert pictures == ["pca-materials.png", "pca-rooms.png"]
     assert all(f"](reproduce/{name})" in text for name in pictures)

@@ -107,6 +107,7 @@ def test_the_map_shows_tags_fixes_and_anchors_of_those_with_a_position() -> None
     where = {series.name: (series.x, series.y) for series in drawn.series}
     assert where["where the tags are"] == where["median fix, raw"] == ([2.0], [1.0])
     assert len(where["anchors"][0]) == 3
+    assert where["a tag and its fixes"][0][:2] == [2.0, 2.0]
     assert _map("made", "Made", [bad]) is None
 
 
