@@ -129,6 +129,21 @@ def _again(
     return fitted.effect, fitted.gain - before
 
 
+def settled(world: World, rows: View, added: Added) -> Added:
+    """Return every added effect fitted once more on all working rows, parameters where they were.
+
+    The choice of effects rests on held-out links; once made, more rows only sharpen it.
+    """
+    for effect in added:
+        if getattr(type(effect), "fitted", True):
+            better, _ = _again(world, rows, added, effect, False)
+        else:
+            again = latent_effects(world, rows, without(added, effect))
+            better = next((e for e in again if e.name == effect.name), effect)
+        added = tuple(better if known.name == effect.name else known for known in added)
+    return added
+
+
 def pruned(world: World, held: View, added: Added, seed: int, margin: float) -> Added:
     """Return the effects without those that held-out links do not miss.
 

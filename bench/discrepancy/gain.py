@@ -44,6 +44,16 @@ class Tally:
         which = [self.names.index(name) for name in names]
         return Tally(names, self.sums[:, which], self.counts[:, which])
 
+    def beside(self, other: Tally) -> Tally:
+        """Return the tally of the links of both, of the observables that both have."""
+        names = tuple(name for name in self.names if name in other.names)
+        ours, theirs = self.keep(names), other.keep(names)
+        return Tally(
+            names,
+            np.concatenate([ours.sums, theirs.sums]),
+            np.concatenate([ours.counts, theirs.counts]),
+        )
+
 
 def tally(ensemble: Ensemble) -> Tally:
     """Return CRPS + resolution of an ensemble, summed over the rows of each link."""
@@ -85,20 +95,32 @@ def gain_interval(
 ) -> Estimate:
     """Return the gain with a 95 % interval, both scored on the same bootstrapped links.
 
-    `names` restricts it to some observables.
+    `names` restricts it to some observables. The interval of a gain of less than a nat comes from
+    the differences of the scores, not of their logarithms: where few links carry most of the
+    score, the logarithm of their resampled mean is so skewed that it hides a difference of sign.
     """
     shared = tuple(n for n in reference.names if n in candidate.names)
     chosen = shared if names is None else tuple(n for n in shared if n in names)
     links = len(reference.sums)
     pick = np.random.default_rng(seed).multinomial(links, np.full(links, 1 / links), size=DRAWS)
-    one = np.ones((1, links), np.int64)
-    draws = np.concatenate([one, pick])
-    left = _weighted_logs(reference.keep(chosen), draws)
-    right = _weighted_logs(candidate.keep(chosen), draws)
-    total = (left - right).sum(axis=1)
-    if links < 2:
-        return Estimate(float(total[0]), -np.inf, np.inf, "nats")
-    wide = np.sqrt(links / (links - 1))
-    low, high = np.percentile(total[1:], [2.5, 97.5]) - total[0]
+    draws = np.concatenate([np.ones((1, links), np.int64), pick])
+    left, right = reference.keep(chosen), candidate.keep(chosen)
+    total = (_weighted_logs(left, draws) - _weighted_logs(right, draws)).sum(axis=1)
     value = float(total[0])
+    if links < 2:
+        return Estimate(value, -np.inf, np.inf, "nats")
+    linear = _weighted_differences(left, right, draws)
+    if abs(value) < 1 and linear[0] * value > 0:
+        total = linear * (value / linear[0])
+    wide = np.sqrt(links / (links - 1))
+    low, high = np.percentile(total[1:], [2.5, 97.5]) - value
     return Estimate(value, float(value + wide * low), float(value + wide * high), "nats")
+
+
+def _weighted_differences(left: Tally, right: Tally, draws: NDArray[np.int64]) -> Floats:
+    """Return the weighted sum of (mean CRPS of left - of right) / mean of left, per draw."""
+    rows = np.maximum(draws @ left.counts, 1)
+    change = (draws @ left.sums) / rows - (draws @ right.sums) / np.maximum(draws @ right.counts, 1)
+    typical = np.maximum(left.sums.sum(axis=0) / np.maximum(left.counts.sum(axis=0), 1), 1e-9)
+    weights = np.array([weight_of(name) for name in left.names])
+    return np.asarray((weights * change / typical).sum(axis=1))

@@ -8,7 +8,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.discrepancy.cells import Cell
-from bench.discrepancy.context import chosen_first, polished, pruned, refitted, rivals, without
+from bench.discrepancy.context import (
+    chosen_first,
+    polished,
+    pruned,
+    refitted,
+    rivals,
+    settled,
+    without,
+)
 from bench.discrepancy.explain import (
     SCORE_FIRST,
     SCORE_MEMBERS,
@@ -62,7 +70,11 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class Search:
-    """What every step shares: the simulated world, the two working views, the library, the seed."""
+    """What every step shares: the simulated world, the two working views, the library, the seed.
+
+    `work` are the rows of both views, on which the chosen effects are fitted at the end; None
+    where that would cost too much.
+    """
 
     world: World
     discover: View
@@ -70,6 +82,12 @@ class Search:
     kinds: Mapping[str, type[Effect]]
     seed: int
     tell: Tell = lambda _: None
+    work: View | None = None
+
+    @property
+    def sharpest(self) -> View:
+        """The rows that the final parameters are fitted on."""
+        return self.fit if self.work is None else self.work
 
     def locate(self, added: Added, turn: int) -> Located:
         """Search the discover links for what is left."""
@@ -127,6 +145,8 @@ def diagnose(search: Search) -> Diagnosis:
             added = pruned(search.world, search.discover, added, search.seed, MARGIN)
         if {e.name for e in added} <= {e.name for e in before}:
             break  # what was added was taken out again
+    if search.work is not None and added:
+        added = settled(search.world, search.work, added)
     verdicts = _verdicts(search, rounds, added)
     kept = tuple(e for e in added if any(physics_name(e) in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
@@ -211,8 +231,11 @@ def _share(search: Search, first: Explanation, added: Added) -> float:
     """Return the gain of all added effects as a fraction of the flexible regression's."""
     if not added:
         return 0.0
-    made = search.world.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
-    reached = gain_interval(first.base, tally(made), search.seed).value
+    before, after = (
+        tally(search.world.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
+        for effects in ((), added)
+    )
+    reached = gain_interval(before, after, search.seed).value
     return float(reached / max(first.removable.value, reached, 1e-9))
 
 
@@ -244,7 +267,7 @@ def _left_out(
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""
     others = tuple(e for e in added if turn.added is None or e.name != turn.added.name)
-    intervals = parameter_intervals(search.world, search.fit, others, effect)
+    intervals = parameter_intervals(search.world, search.sharpest, others, effect)
     control = negative_control(search, others, effect, turn.located.findings[0])
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
 

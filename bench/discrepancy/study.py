@@ -110,7 +110,8 @@ def study(
 
     library_, skipped = library()
     discover, fit = look(split.discover, asked.search_rows), look(split.fit, asked.fit_rows)
-    search = Search(world, discover, fit, kinds or library_, asked.seed, tell)
+    work = None if asked.waveform else look(split.work, asked.search_rows)
+    search = Search(world, discover, fit, kinds or library_, asked.seed, tell, work)
     found = diagnose(search)
     found = Diagnosis(found.verdicts, found.added, found.rounds, {**skipped, **found.skipped})
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
