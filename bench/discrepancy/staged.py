@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from threading import Lock
 
@@ -17,6 +18,7 @@ from bench.discrepancy.observables import (
     collect,
     shape_observables,
 )
+from bench.discrepancy.prefixes import Prefixes, Step
 from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
@@ -27,6 +29,7 @@ from bench.physics.units import Complexes
 
 KEPT = 24  # detected replicates that are remembered
 KEPT_PATHS = 256  # of those from paths alone, which are small
+KEPT_STEPS = 96  # batches after a step of the chain that are remembered, up to 5 MB each
 KEPT_NOISE = 48  # blocks of noise that are remembered, up to 2 MB each
 
 
@@ -63,6 +66,8 @@ class Stages:
         self.window = window
         self._kept: OrderedDict[tuple[object, ...], Detected] = OrderedDict()
         self._noise: OrderedDict[tuple[object, ...], Complexes] = OrderedDict()
+        self._prefixes = Prefixes(KEPT_STEPS)
+        self._rows: dict[int, Scene] = {}
         self._lock = Lock()
 
     def observables(
@@ -102,12 +107,18 @@ class Stages:
         blocks, shapes = [], []
         for start in range(0, len(rows), BLOCK):
             draws = Draws(simulator.seed, replicate, "base", start // BLOCK)
-            batch = self._received(simulator, rows.slice(start, start + BLOCK), draws, cir)
+            part = rows.slice(start, start + BLOCK)
+            batch = self._received(simulator, part, draws, cir, self._place(rows))
             shapes.append(self._shape(simulator, batch))
             blocks.append(replace(batch, waveform=None, noise=None))
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
         return Detected(rows, tuple(blocks), shape)
+
+    def _place(self, rows: Scene) -> Hashable:
+        """Return a name for these rows; they are held, so that it stays theirs."""
+        self._rows[id(rows)] = rows
+        return id(rows)
 
     def _blamed(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool, problem: Exception
@@ -135,14 +146,25 @@ class Stages:
             return True
         return False
 
-    def _received(self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool) -> Batch:
-        """Return a block of rows after detection, before the ranging stage."""
+    def _received(
+        self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool, place: Hashable = None
+    ) -> Batch:
+        """Return a block of rows after detection, before the ranging stage.
+
+        `place` says which rows they are, so that the same beginnings are not simulated again.
+        """
         base = simulator.base
-        batch = _applied(simulator.at_stage("propagation"), base.paths(rows), draws)
         same = _SameNoise(draws.seed, draws.replicate, draws.name, draws.block, self)
-        batch = base.received(batch, same) if cir else base.counted(batch)
         late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
-        return base.detected(_applied(tuple(late), batch, draws))
+
+        def received(batch: Batch) -> Batch:
+            return base.received(batch, same) if cir else base.counted(batch)
+
+        steps: list[Step] = [_step(e, draws) for e in simulator.at_stage("propagation")]
+        steps += [("received", received), *(_step(e, draws) for e in late)]
+        key = (place, base, draws.seed, draws.replicate, draws.block, cir)
+        chain = self._prefixes if place is not None else Prefixes(1)
+        return base.detected(chain.run(key, lambda: base.paths(rows), steps))
 
     def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
         """Return a copy of the noise that `draws` gives first after its alignments."""
@@ -177,15 +199,24 @@ def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> B
 
 
 def _applied(effects: tuple[Effect, ...], batch: Batch, draws: Draws) -> Batch:
-    """Return the batch after some effects. Raises RuntimeError naming the one that fails."""
+    """Return the batch after some effects."""
     for effect in effects:
+        batch = _step(effect, draws)[1](batch)
+    return batch
+
+
+def _step(effect: Effect, draws: Draws) -> Step:
+    """Return an effect as a step. The step raises RuntimeError naming an effect that fails."""
+
+    def apply(batch: Batch) -> Batch:
         try:
             with np.errstate(all="ignore"):
-                batch = effect.apply(batch, replace(draws, name=effect.name))
+                return effect.apply(batch, replace(draws, name=effect.name))
         except Exception as problem:
             why = f"effect {effect.name!r}: {type(problem).__name__}: {problem}"
             raise RuntimeError(why) from problem
-    return batch
+
+    return (type(effect), effect), apply
 
 
 def _column(batch: Batch, name: str) -> Floats:
