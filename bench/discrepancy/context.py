@@ -20,15 +20,15 @@ from bench.discrepancy.explain import (
     physics_name,
 )
 from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, refine, screen
-from bench.discrepancy.gain import gain_interval, gains, tally
+from bench.discrepancy.gain import gain, gain_interval, gains, tally
 from bench.discrepancy.latent import latent_effects
 from bench.discrepancy.world import Added, View, World
 from bench.errors import BenchError
 from bench.physics.effect import Effect
 
-PASSES = 3
+PASSES = 2
 POLISH = 30  # evaluations per effect and pass
-AHEAD = 4  # contenders that are tried with all others fitted again
+AHEAD = 3  # contenders that are tried with all others fitted again
 TOUCHED = 0.01  # nats of gain in an observable from which on an effect is said to act on it
 HALF = 0.5  # of the gain of a more flexible effect, that a simpler one must reach to go first
 ENOUGH = 0.01  # nats of gain on the fitted rows below which another pass is not worth it
@@ -40,8 +40,9 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
     An effect that draws every link anew can stand in for one that all links share (a detour in
     all links for a constant delay). So where such an effect gains most, a common one that does
     about as well on the observables it touches - half of the gain there at least, and not
-    significantly behind - goes before it. And a curve comes only after the constant it contains,
-    where that alone brings half of its gain: then it has to show what it adds.
+    significantly behind - goes before it (a curve is not common in this sense). And a curve comes
+    only after the constant it contains, where that alone brings half of its gain: then it has to
+    show what it adds.
     """
     every = explanation.contenders
     if not every:
@@ -49,7 +50,8 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
     sure = [one for one in every if one.gain.likely_above_zero and one.gain.value > margin]
     first = every[0]
     if type(first.effect).per_link:
-        common = [one for one in sure if not type(one.effect).per_link]
+        kinds = ((one, type(one.effect)) for one in sure if one.gain.above_zero)
+        common = [one for one, kind in kinds if not kind.per_link and not kind.contains]
         alike = [one for one in common if _matches(explanation, one, first, seed)]
         first = alike[0] if alike else first
     inside = [one for one in sure if one.name in type(first.effect).contains]
@@ -58,25 +60,32 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
 
 
 def refitted(
-    world: World, views: tuple[View, View], added: Added, explanation: Explanation, seed: int
+    world: World,
+    views: tuple[View, View],
+    added: Added,
+    explanation: Explanation,
+    kinds: Mapping[str, type[Effect]],
+    seed: int,
 ) -> Explanation:
     """Return the explanation with the first contenders scored after all effects were fitted again.
 
     An effect added earlier may hold what belongs to a contender, and lets go of it only when both
-    are fitted. `views` are the fit and the held-out rows.
+    are fitted. Effects that draw every link anew are tried from their defaults too: what they do
+    is easily held by the others. `views` are the fit and the held-out rows.
     """
-    fit, held = views
     likely = [one for one in explanation.contenders[:AHEAD] if one.gain.likely_above_zero]
-    made = []
-    for one in likely:
-        whole = polished(world, fit, (*added, one.effect), 1, False)
-        scored = tally(world.ensemble(held, whole, SCORE_MEMBERS, SCORE_FIRST))
+    have = {physics_name(effect) for effect in added}
+    fresh = [kind() for kind in kinds.values() if kind.per_link and kind.name not in have]
+    tries = [(one.effect, 1) for one in likely] + [(effect, 2) for effect in fresh]
+    made = [*explanation.contenders]
+    for effect, passes in tries:
+        whole = polished(world, views[0], (*added, effect), passes, False)
+        scored = tally(world.ensemble(views[1], whole, SCORE_MEMBERS, SCORE_FIRST))
         gained = gain_interval(explanation.base, scored, seed)
-        better = replace(one, effect=whole[-1], tally=scored, gain=gained)
-        made.append(better if gained.value > one.gain.value else one)
-    rest = [one for one in explanation.contenders if one not in likely]
-    every = sorted((*made, *rest), key=lambda one: -one.gain.value)
-    return replace(explanation, contenders=tuple(every))
+        made.append(Contender(whole[-1], scored, gained, whole))
+    made.sort(key=lambda one: -one.gain.value)
+    best = {one.name: one for one in reversed(made)}
+    return replace(explanation, contenders=tuple(one for one in made if best[one.name] is one))
 
 
 def _matches(explanation: Explanation, one: Contender, best: Contender, seed: int) -> bool:
@@ -138,10 +147,19 @@ def settled(world: World, rows: View, added: Added) -> Added:
         if getattr(type(effect), "fitted", True):
             better, _ = _again(world, rows, added, effect, False)
         else:
-            again = latent_effects(world, rows, without(added, effect))
-            better = next((e for e in again if e.name == effect.name), effect)
+            better = _relearnt(world, rows, added, effect)
         added = tuple(better if known.name == effect.name else known for known in added)
     return added
+
+
+def _relearnt(world: World, rows: View, added: Added, effect: Effect) -> Effect:
+    """Return an effect with values per device or level learnt from these rows, if it scores."""
+    rest = without(added, effect)
+    again = [e for e in latent_effects(world, rows, rest) if e.name == effect.name]
+    if not again:
+        return effect
+    now, then = (tally(world.ensemble(rows, (*rest, e), FIT_MEMBERS)) for e in (effect, again[0]))
+    return again[0] if gain(now, then) > 0 else effect
 
 
 def pruned(world: World, held: View, added: Added, seed: int, margin: float) -> Added:

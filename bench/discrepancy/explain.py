@@ -27,11 +27,15 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Contender:
-    """A fitted effect on held-out links: its tally, and its gain over the current simulator."""
+    """A fitted effect on held-out links: its tally, and its gain over the current simulator.
+
+    `company`: all effects, itself the last, where they were fitted again together with it.
+    """
 
     effect: Effect
     tally: Tally
     gain: Estimate
+    company: Added = ()
 
     @property
     def name(self) -> str:

@@ -116,7 +116,7 @@ class Search:
             return explanation
         if added:
             views = (self.fit, self.discover)
-            explanation = refitted(self.world, views, added, explanation, self.seed)
+            explanation = refitted(self.world, views, added, explanation, self.kinds, self.seed)
         return chosen_first(explanation, self.seed, MARGIN)
 
 
@@ -139,12 +139,14 @@ def diagnose(search: Search) -> Diagnosis:
         skipped |= dict(explanation.skipped) if explanation else {}
         if best is None:
             break
-        before, added = added, _with(added, best.effect)
+        before, added = added, best.company or _with(added, best.effect)
         if len(added) > 1:
             added = polished(search.world, search.fit, added)
             added = pruned(search.world, search.discover, added, search.seed, MARGIN)
         if {e.name for e in added} <= {e.name for e in before}:
-            break  # what was added was taken out again
+            if best.effect.name not in search.kinds:
+                break
+            search = search.without(best.effect)  # what was added was taken out again
     if search.work is not None and added:
         added = settled(search.world, search.work, added)
     verdicts = _verdicts(search, rounds, added)

@@ -118,8 +118,12 @@ def test_contenders_are_scored_after_all_were_fitted_again() -> None:
     scored = tally(WORLD.ensemble(views[1], (*added, drift), 8))
     one = Contender(drift, scored, replace(gain_interval(reference, scored, 0), low=0.01))
     known = Explanation((one,), reference, Estimate(0, 0, 0), reference, {}, {})
-    better = refitted(WORLD, views, added, known, 0)
+    better = refitted(WORLD, views, added, known, {}, 0)
     assert better.contenders[0].gain.value >= one.gain.value
+    assert [effect.name for effect in better.contenders[0].company] in (
+        [],
+        ["antenna-delay", "temperature-drift"],
+    )
 
 
 def test_a_rival_that_falls_behind_in_company_is_no_alternative() -> None:

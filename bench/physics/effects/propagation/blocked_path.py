@@ -31,7 +31,7 @@ class BlockedPath(Effect):
     per_link = True
 
     share: float = parameter(0.3, "ratio", 0, 1, "of the links without line of sight", null=0)
-    detour_m: float = parameter(1.0, "m", 0, 30, "mean extra length of the first reflection")
+    detour_m: float = parameter(1.0, "m", 0, 5, "mean extra length of the first reflection")
     reflection_db: float = parameter(-12, "dB", -60, 0, "over the free straight path")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
