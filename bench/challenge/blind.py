@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import multiprocessing
+import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -14,8 +16,11 @@ from bench.challenge.generator.conceal import Hidden, draw_case
 from bench.challenge.scoring import Outcome, removed_m, scored
 from bench.challenge.truths import compared
 from bench.discrepancy.study import Options, study
+from bench.discrepancy.workers import VARIABLE
 from bench.errors import BenchError
 from bench.files import write_atomically
+from bench.reproduce.spread import Spread
+from bench.runner.hashes import packages_code_hash
 
 Tell = Callable[[str], None]
 
@@ -52,27 +57,58 @@ def seal(cases: int, seed: int) -> str:
     return hashlib.sha256(json.dumps(answers, sort_keys=True).encode()).hexdigest()
 
 
-def run_blind(cases: int, seed: int, folder: Path, tell: Tell) -> list[Outcome]:
+def code() -> str:
+    """Return the hash of every source file that decides an answer or its score."""
+    return packages_code_hash("bench/challenge", "bench/discrepancy", "bench/physics")
+
+
+def run_blind(
+    cases: int, seed: int, folder: Path, tell: Tell, spread: Spread | None = None
+) -> list[Outcome]:
     """Run (or resume) the blind challenge; one JSON file per case in `folder`/cases.
 
-    Raises BenchError where the folder holds a challenge of another seed.
+    Finished cases are kept if the same code made them, else run again. Raises BenchError where
+    the folder holds a challenge of another seed.
     """
-    seal_path = folder / "sealed.json"
-    sealed = {"seed": seed, "cases": cases, "sha256": seal(cases, seed)}
-    if seal_path.exists():
-        before = json.loads(seal_path.read_text())
-        if before["seed"] != seed:
-            raise BenchError(f"{folder} holds a challenge of seed {before['seed']}, not {seed}")
-    write_atomically(seal_path, json.dumps(sealed, indent=1) + "\n")
-    out = []
-    for number in range(cases):
-        path = folder / "cases" / f"{number:04d}.json"
-        if not path.exists():
-            tell(f"case {number + 1} of {cases}")
-            made = run_case(number, seed)
-            write_atomically(path, json.dumps(asdict(made), indent=1, default=float) + "\n")
-        out.append(_read(json.loads(path.read_text())))
-    return out
+    _publish(cases, seed, folder)
+    missing = [number for number in range(cases) if not _path(folder, number).exists()]
+    tell(f"{cases - len(missing)} of {cases} cases")
+    finished = cases - len(missing)
+    for _, made in (spread or Spread()).map(_work, seed, missing):
+        write_atomically(_path(folder, made.number), _text(made))
+        finished += 1
+        tell(f"{finished} of {cases} cases")
+    return [_read(json.loads(_path(folder, number).read_text())) for number in range(cases)]
+
+
+def _publish(cases: int, seed: int, folder: Path) -> None:
+    """Write the seal before anything is run; drop cases that other code finished."""
+    path = folder / "sealed.json"
+    before = json.loads(path.read_text()) if path.exists() else {"seed": seed, "code": code()}
+    if before["seed"] != seed:
+        raise BenchError(f"{folder} holds a challenge of seed {before['seed']}, not {seed}")
+    if before.get("code") != code():
+        for old in (folder / "cases").glob("*.json"):
+            old.unlink()
+    sealed = {"seed": seed, "cases": cases, "sha256": seal(cases, seed), "code": code()}
+    write_atomically(path, json.dumps(sealed, indent=1) + "\n")
+
+
+def _path(folder: Path, number: int) -> Path:
+    """Return the file of one case."""
+    return folder / "cases" / f"{number:04d}.json"
+
+
+def _work(seed: int, number: int) -> Outcome:
+    """Run one case in whatever process; there are as many processes as cores."""
+    if multiprocessing.parent_process() is not None:
+        os.environ[VARIABLE] = "1"
+    return run_case(number, seed)
+
+
+def _text(outcome: Outcome) -> str:
+    """Return an outcome as the text of its file."""
+    return json.dumps(asdict(outcome), indent=1, default=float) + "\n"
 
 
 def _read(data: dict[str, Any]) -> Outcome:

@@ -62,8 +62,8 @@ def scored(hidden: Hidden, found: Study) -> str:
     truth = set(hidden.names)
     if truth & set(OUTSIDE):
         return "wrong"
-    # Equal histograms make the recorded scatter really smaller than the simulator's.
-    side = {"timestamp-jitter"} if hidden.conceal == "aggregate" else set()
+    # To cancel every aggregate, a constant was really taken off and the scatter made smaller.
+    side = {"timestamp-jitter", "antenna-delay"} if hidden.conceal == "aggregate" else set()
     if any(not (truth | side) & set(group) for group in found.diagnosis.names):
         return "wrong"
     if not truth <= said or len(found.diagnosis.names) < len(truth):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 EPILOG = """\b
 Examples:
-  bench challenge --cases 40 -o challenge
+  bench challenge --cases 240 --jobs 2 -o challenge
   bench challenge --real -o challenge
   bench challenge --case apartment -o challenge
 """
@@ -25,6 +25,7 @@ REAL = ("ghent", "outdoor", "apartment")
 @click.command(epilog=EPILOG)
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
+@click.option("--jobs", default=1, show_default=True, type=click.IntRange(1), help="Processes.")
 @click.option("--real", is_flag=True, help="The real cases instead of blind ones.")
 @click.option("--case", "only", type=click.Choice(REAL), help="Only this real case.")
 @click.option(
@@ -32,7 +33,9 @@ REAL = ("ghent", "outdoor", "apartment")
     help="Folder; finished blind cases found there are kept.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
-def command(cases: int, seed: int, real: bool, only: str | None, out: Path, as_json: bool) -> None:
+def command(
+    cases: int, seed: int, jobs: int, real: bool, only: str | None, out: Path, as_json: bool
+) -> None:
     """Hide physics from the diagnosis and score what it says.
 
     Blind cases come from a generator that shares no code with the effect library; answers are
@@ -50,7 +53,7 @@ def command(cases: int, seed: int, real: bool, only: str | None, out: Path, as_j
         if real or only:
             lines, scores = _real(wanted, seed, out, status.update)
         else:
-            lines, scores = _blind(cases, seed, out, status.update)
+            lines, scores = _blind(cases, seed, jobs, out, status.update)
     path = out / (f"{only or 'real'}.md" if real or only else "blind.md")
     write_atomically(path, "\n".join(lines) + "\n")
     if as_json:
@@ -60,13 +63,14 @@ def command(cases: int, seed: int, real: bool, only: str | None, out: Path, as_j
         click.echo(f"report: {path}", err=True)
 
 
-def _blind(cases: int, seed: int, out: Path, tell: Tell) -> tuple[list[str], object]:
+def _blind(cases: int, seed: int, jobs: int, out: Path, tell: Tell) -> tuple[list[str], object]:
     """Run the blind cases; return report lines and scores."""
     from bench.challenge.blind import run_blind, seal
     from bench.challenge.blind_report import blind_markdown, rates
+    from bench.reproduce.spread import Spread
 
     click.echo(f"sealed answers: sha256 {seal(cases, seed)}", err=True)
-    outcomes = run_blind(cases, seed, out, tell)
+    outcomes = run_blind(cases, seed, out, tell, Spread(jobs))
     scores = [
         {"score": r.words, "hits": r.hits, "cases": r.cases, "bar": r.bar, "met": r.met}
         for r in rates(outcomes)
