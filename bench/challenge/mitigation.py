@@ -34,7 +34,7 @@ class Effort:
     """
 
     seeds: tuple[int, ...] = (0, 1, 2)
-    links: int = 400
+    links: int = 600
     epochs: int | None = None
 
 

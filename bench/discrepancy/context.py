@@ -51,7 +51,8 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
     first = every[0]
     if type(first.effect).per_link:
         kinds = ((one, type(one.effect)) for one in sure if one.gain.above_zero)
-        common = [one for one, kind in kinds if not kind.per_link and not kind.contains]
+        common = [one for one, kind in kinds if not (kind.per_link or kind.contains)]
+        common = [one for one in common if not type(one.effect).independent]
         alike = [one for one in common if _matches(explanation, one, first, seed)]
         first = alike[0] if alike else first
     inside = [one for one in sure if one.name in type(first.effect).contains]

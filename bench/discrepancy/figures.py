@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.ensemble import Ensemble
+from bench.discrepancy.explain import Contender, physics_name
 from bench.discrepancy.study import Confirmed, Study
 from bench.files import atomic_path
+from bench.physics.effect import Effect
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -90,7 +92,8 @@ def responsible(study: Study) -> str:
     seen = study.confirmed
     every = [f for turn in study.diagnosis.rounds for f in turn.located.findings]
     findings = [f for f in every if f.cell.observable == "error_m"] or every
-    names = dict.fromkeys(f.cell.place.covariate for f in findings if f.cell.place.covariate)
+    places = [f.cell.place.covariate for f in findings]
+    names = dict.fromkeys(name for name in places if name and name != "time_s")
     known = {name: _covariate(seen, name) for name in names}
     share = {n: _explained(v, _residual(seen.before)) for n, v in known.items() if v is not None}
     return max(share, key=lambda name: share[name]) if share else "true_range_m"
@@ -132,7 +135,7 @@ def ladder_figure(axes: Axes, study: Study) -> None:
     Small marks: what the others would have gained in its place.
     """
     steps = [
-        turn.explanation.contenders
+        added_first(turn.explanation.contenders, turn.added)
         for turn in study.diagnosis.rounds
         if turn.added is not None and turn.explanation is not None
     ]
@@ -149,6 +152,12 @@ def ladder_figure(axes: Axes, study: Study) -> None:
     axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
     if not steps:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
+
+
+def added_first(every: tuple[Contender, ...], added: Effect) -> tuple[Contender, ...]:
+    """Return the contenders of a step, the one that was added in front."""
+    name = physics_name(added)
+    return tuple(sorted(every, key=lambda one: one.name != name))
 
 
 def _mark(axes: Axes, value: float, place: int, name: str) -> None:

@@ -102,7 +102,13 @@ def curve_at_knots(level: Floats, residual: Floats, smooth: float = 0.1) -> Floa
 
 
 def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
-    """Return delays per device that fit residual ranges [n], None where no delay could."""
+    """Return delays per device that fit residual ranges [n], None where no delay could.
+
+    Nor where all rows are of one pair of devices: that is the constant of `antenna-delay`.
+    """
+    _, tx, rx = ends(view)
+    if len({tuple(sorted(pair)) for pair in zip(tx.tolist(), rx.tolist(), strict=True)}) < 2:
+        return None
     found = delays_of(view, residual_m, np.arange(len(residual_m)))
     if np.abs(found).max() > 20:
         return None  # metres are not a delay
