@@ -69,7 +69,7 @@ def _truth(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
     latent = latent_values(whole, option.effect)
     if latent is not None:
         names, _, values = latent
-        return dict(zip(names, values(np.arange(len(shift)), shift).tolist(), strict=True))
+        return dict(zip(names, values(np.arange(len(shift)), shift, True).tolist(), strict=True))
     return _nearest(whole, option, shift)
 
 

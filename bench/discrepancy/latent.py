@@ -83,8 +83,12 @@ def _bounded(bias: Floats, level: Floats) -> Floats:
     return np.clip(bias, middle - MAX_BIAS_M, middle + MAX_BIAS_M)
 
 
-def curve_at_knots(level: Floats, residual: Floats, smooth: float = 0.1) -> Floats:
+def curve_at_knots(
+    level: Floats, residual: Floats, smooth: float = 0.1, falling: bool = True
+) -> Floats:
     """Return the bias at KNOTS_DBM: it only falls as the level rises, by `STEEPEST_M` per knot.
+
+    Where not `falling`, it may do anything: for its scatter, which a bound would hide.
 
     A late threshold crossing of a weaker pulse is why there is a bias at all (APS011), so a curve
     that rises and falls again is something else.
@@ -97,6 +101,8 @@ def curve_at_knots(level: Floats, residual: Floats, smooth: float = 0.1) -> Floa
     bounds = np.full(len(KNOTS_DBM), STEEPEST_M)
     bounds[-1] = np.inf
     lowest = np.where(np.isinf(bounds), -np.inf, 0.0)
+    if not falling:
+        lowest, bounds = np.full(len(bounds), -np.inf), np.full(len(bounds), np.inf)
     made = lsq_linear(np.vstack([hats, bend]) @ falls, target, (lowest, bounds))
     return np.asarray(falls @ made.x)
 

@@ -21,8 +21,8 @@ from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
-Values = Callable[[Rows, Floats], Floats]
-DRAWS = 40
+Values = Callable[[Rows, Floats, bool], Floats]
+DRAWS = 60
 LEVEL = 0.90
 MEMBERS = 4
 SEED = 0
@@ -32,22 +32,23 @@ LEAST_ROWS = 10  # within a knot's reach: below it a level is not determined
 def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Values] | None:
     """Return names, unit and estimator of the values an effect holds, None where it holds none.
 
-    The estimator maps rows of the view and the residual range of all rows [n] to the values.
+    The estimator maps rows of the view, the residual range of all rows [n] and whether physical
+    bounds hold to the values.
     Offsets of clocks are relative to their mean: only differences act. Clocks that wander have
     curves instead of values.
     """
     if isinstance(effect, DeviceClock) and effect.offsets_ppm:
         names = tuple(f"offset_ppm[{device}]" for device in effect.devices)
-        return names, "ppm", lambda rows, left: _offsets(view, left, rows)
+        return names, "ppm", lambda rows, left, _: _offsets(view, left, rows)
     if isinstance(effect, DeviceDelay):
         names = tuple(f"delay_ns[{device}]" for device in effect.devices)
-        return names, "ns", lambda rows, left: delays_of(view, left, rows)
+        return names, "ns", lambda rows, left, _: delays_of(view, left, rows)
     if isinstance(effect, PowerCurve):
         level = effect.level_dbm(view.scene)
         return (
             tuple(f"bias_m[{knot:g} dBm]" for knot in KNOTS_DBM),
             "m",
-            lambda rows, left: _bias(level, left, rows),
+            lambda rows, left, bounded: _bias(level, left, rows, bounded),
         )
     return None
 
@@ -58,10 +59,11 @@ def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:
     return np.asarray(found - found.mean())
 
 
-def _bias(level: Floats, residual_m: Floats, rows: Rows) -> Floats:
+def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Floats:
     """Return the bias at every knot in metres, NaN where hardly a row is near it."""
     near = (np.abs(level[rows][:, None] - KNOTS_DBM) < 3.0).sum(axis=0)
-    return np.where(near >= LEAST_ROWS, curve_at_knots(level[rows], residual_m[rows]), np.nan)
+    curve = curve_at_knots(level[rows], residual_m[rows], falling=bounded)
+    return np.where(near >= LEAST_ROWS, curve, np.nan)
 
 
 def latent_intervals(
@@ -74,10 +76,11 @@ def latent_intervals(
         return ()
     names, unit, values = found
     residual = ensemble.residual[:, ensemble.names.index("error_m")]
-    centre = values(np.arange(len(residual)), residual)
+    centre = values(np.arange(len(residual)), residual, True)
     links = np.unique(view.links)
-    draws = np.stack([values(rows, residual) for rows in _resampled(view.links, links)])
+    draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
     wide = float(student.ppf((1 + LEVEL) / 2, max(len(links) - 1, 1)))
+    wide *= np.sqrt(1 + 1 / (MEMBERS * view.rich))
     half = wide * np.nanstd(draws, axis=0, ddof=1) * np.sqrt(len(links) / max(len(links) - 1, 1))
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
