@@ -13,8 +13,10 @@ from typing import Any
 
 from bench.challenge.cases import make_case
 from bench.challenge.generator.conceal import Hidden, draw_case
+from bench.challenge.generator.waveforms import draw_wave
 from bench.challenge.scoring import Outcome, removed_m, scored
 from bench.challenge.truths import compared
+from bench.challenge.waves import FIRST, run_wave
 from bench.discrepancy.study import Options, study
 from bench.discrepancy.workers import VARIABLE
 from bench.errors import BenchError
@@ -51,9 +53,10 @@ def run_case(number: int, seed: int) -> Outcome:
     )
 
 
-def seal(cases: int, seed: int) -> str:
+def seal(cases: int, seed: int, waves: int = 0) -> str:
     """Return the hash of every answer, to be published before the run."""
     answers = [asdict(draw_case(number, seed)) for number in range(cases)]
+    answers += [asdict(draw_wave(number, seed)) for number in range(waves)]
     return hashlib.sha256(json.dumps(answers, sort_keys=True).encode()).hexdigest()
 
 
@@ -63,25 +66,27 @@ def code() -> str:
 
 
 def run_blind(
-    cases: int, seed: int, folder: Path, tell: Tell, spread: Spread | None = None
+    cases: int, seed: int, folder: Path, tell: Tell, spread: Spread | None = None, waves: int = 0
 ) -> list[Outcome]:
     """Run (or resume) the blind challenge; one JSON file per case in `folder`/cases.
 
-    Finished cases are kept if the same code made them, else run again. Raises BenchError where
-    the folder holds a challenge of another seed.
+    `waves` more cases hide effects of the waveform; they are numbered from `FIRST`. Finished cases
+    are kept if the same code made them, else run again. Raises BenchError where the folder holds a
+    challenge of another seed.
     """
-    _publish(cases, seed, folder)
-    missing = [number for number in range(cases) if not _path(folder, number).exists()]
-    tell(f"{cases - len(missing)} of {cases} cases")
-    finished = cases - len(missing)
+    _publish(cases, seed, folder, waves)
+    every = [*range(cases), *range(FIRST, FIRST + waves)]
+    missing = [number for number in every if not _path(folder, number).exists()]
+    finished = len(every) - len(missing)
+    tell(f"{finished} of {len(every)} cases")
     for _, made in (spread or Spread()).map(_work, seed, missing):
         write_atomically(_path(folder, made.number), _text(made))
         finished += 1
-        tell(f"{finished} of {cases} cases")
-    return [_read(json.loads(_path(folder, number).read_text())) for number in range(cases)]
+        tell(f"{finished} of {len(every)} cases")
+    return [_read(json.loads(_path(folder, number).read_text())) for number in every]
 
 
-def _publish(cases: int, seed: int, folder: Path) -> None:
+def _publish(cases: int, seed: int, folder: Path, waves: int) -> None:
     """Write the seal before anything is run; drop cases that other code finished."""
     path = folder / "sealed.json"
     before = json.loads(path.read_text()) if path.exists() else {"seed": seed, "code": code()}
@@ -90,7 +95,8 @@ def _publish(cases: int, seed: int, folder: Path) -> None:
     if before.get("code") != code():
         for old in (folder / "cases").glob("*.json"):
             old.unlink()
-    sealed = {"seed": seed, "cases": cases, "sha256": seal(cases, seed), "code": code()}
+    answers = {"cases": cases, "waves": waves, "sha256": seal(cases, seed, waves)}
+    sealed = {"seed": seed, **answers, "code": code()}
     write_atomically(path, json.dumps(sealed, indent=1) + "\n")
 
 
@@ -103,7 +109,7 @@ def _work(seed: int, number: int) -> Outcome:
     """Run one case in whatever process; there are as many processes as cores."""
     if multiprocessing.parent_process() is not None:
         os.environ[VARIABLE] = "1"
-    return run_case(number, seed)
+    return run_case(number, seed) if number < FIRST else run_wave(number - FIRST, seed)
 
 
 def _text(outcome: Outcome) -> str:

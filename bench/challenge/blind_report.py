@@ -10,8 +10,8 @@ from bench.challenge.blind import seal
 from bench.challenge.cases import LIMIT_Z, WAYS
 from bench.challenge.generator.conceal import CONCEALS
 from bench.challenge.generator.geometry import LINKS, ROWS
-from bench.challenge.generator.shapes import LIBRARY, OUTSIDE
-from bench.challenge.scoring import RIGHT, Outcome
+from bench.challenge.generator.shapes import LIBRARY
+from bench.challenge.scoring import OUTSIDE, RIGHT, Outcome
 
 ORACLE_SHARE = 0.8
 COVERAGE = (0.85, 0.95)
@@ -137,25 +137,45 @@ def _figure_lines(outcomes: list[Outcome]) -> list[str]:
     return out
 
 
-def blind_markdown(outcomes: list[Outcome], seed: int) -> list[str]:
+def blind_markdown(every: list[Outcome], seed: int) -> list[str]:
     """Return the blind part of the report."""
+    outcomes = [o for o in every if o.hidden.conceal != "waveform"]
+    waves = [o for o in every if o.hidden.conceal == "waveform"]
     lines = [
         "## Blind cases",
         "",
         f"{len(outcomes)} cases (SIMULATED), seed {seed}, {LINKS} links x {ROWS} rows each; ranges "
-        f"only, no CIR. Answers sealed before the run: sha256 `{seal(len(outcomes), seed)}`.",
+        "only, no CIR. Answers sealed before the run: sha256 "
+        f"`{seal(len(outcomes), seed, len(waves))}`.",
         f"The detection limit is a matched-filter signal-to-noise ratio of {LIMIT_Z:g} on the "
         "links the search sees: a test that knows the exact shape of the effect.",
         "",
-        "| score | value | bar | met |",
-        "| --- | --- | --- | --- |",
+        *_score_lines([*rates(outcomes), *figures(outcomes)]),
+        *_figure_lines(outcomes),
     ]
-    for rate in [*rates(outcomes), *figures(outcomes)]:
+    lines += [*_roc_lines(outcomes), *_group_lines(outcomes)]
+    return [*lines, *_wave_lines(waves), *_case_lines([*outcomes, *waves])]
+
+
+def _score_lines(found: list[Rate]) -> list[str]:
+    """Return rates as a Markdown table with their bars."""
+    lines = ["| score | value | bar | met |", "| --- | --- | --- | --- |"]
+    for rate in found:
         met = {True: "yes", False: "**no**", None: ""}[rate.met]
         share = f"{rate.hits}/{rate.cases}" + (f" = {rate.value:.0%}" if rate.cases else "")
         lines.append(f"| {rate.words} | {share} | {rate.bar} | {met} |")
-    lines += _figure_lines(outcomes)
-    return [*lines, *_roc_lines(outcomes), *_group_lines(outcomes), *_case_lines(outcomes)]
+    return lines
+
+
+def _wave_lines(waves: list[Outcome]) -> list[str]:
+    """Return the scores of effects hidden in the waveform, apart from those in the range."""
+    if not waves:
+        return []
+    words = (
+        f"{len(waves)} more cases (SIMULATED) hide an effect in the impulse responses and powers, "
+        "not in the range; the simulator is run again at each row. Strengths are ratios."
+    )
+    return ["", "### Effects of the waveform", "", words, "", *_score_lines(rates(waves))]
 
 
 def _group_lines(outcomes: list[Outcome]) -> list[str]:
@@ -185,7 +205,10 @@ def _roc_lines(outcomes: list[Outcome]) -> list[str]:
 
 def _case_lines(outcomes: list[Outcome]) -> list[str]:
     """Return every case as a Markdown table."""
-    lines = ["", "| case | way | hidden | rms (mm) | z | concealed | said | score |"]
+    lines = [
+        "",
+        "| case | way | hidden | mm or 1/1000 | z | concealed | said | score |",
+    ]
     lines.append("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for one in outcomes:
         said = "; ".join(" or ".join(group) for group in one.names) or one.verdict[:60]

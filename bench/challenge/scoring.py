@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from bench.challenge.cases import Case
 from bench.challenge.generator.conceal import Hidden
-from bench.challenge.generator.shapes import OUTSIDE
+from bench.challenge.generator.shapes import OUTSIDE as OUTSIDE_RANGES
+from bench.challenge.generator.waveforms import WAVES_OUTSIDE
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.score import crps
 from bench.discrepancy.study import Study
@@ -17,6 +18,7 @@ from bench.discrepancy.verdict import NoMismatch, Unknown
 
 Floats = NDArray[np.float64]
 RIGHT = ("right", "ambiguous")
+OUTSIDE = (*OUTSIDE_RANGES, *WAVES_OUTSIDE)
 
 
 @dataclass(frozen=True)

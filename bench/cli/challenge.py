@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 EPILOG = """\b
 Examples:
-  bench challenge --cases 240 --jobs 2 -o challenge
+  bench challenge --cases 240 --waves 40 --jobs 2 -o challenge
   bench challenge --real -o challenge
   bench challenge --case apartment -o challenge
 """
@@ -24,6 +24,10 @@ REAL = ("ghent", "outdoor", "apartment")
 
 @click.command(epilog=EPILOG)
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
+@click.option(
+    "--waves", default=0, show_default=True, type=click.IntRange(0),
+    help="More blind cases, with effects in the waveform (about 40 s each).",
+)  # fmt: skip
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option("--jobs", default=1, show_default=True, type=click.IntRange(1), help="Processes.")
 @click.option("--real", is_flag=True, help="The real cases instead of blind ones.")
@@ -34,7 +38,14 @@ REAL = ("ghent", "outdoor", "apartment")
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
 def command(
-    cases: int, seed: int, jobs: int, real: bool, only: str | None, out: Path, as_json: bool
+    cases: int,
+    waves: int,
+    seed: int,
+    jobs: int,
+    real: bool,
+    only: str | None,
+    out: Path,
+    as_json: bool,
 ) -> None:
     """Hide physics from the diagnosis and score what it says.
 
@@ -53,7 +64,7 @@ def command(
         if real or only:
             lines, scores = _real(wanted, seed, out, status.update)
         else:
-            lines, scores = _blind(cases, seed, jobs, out, status.update)
+            lines, scores = _blind(cases, waves, seed, jobs, out, status.update)
     path = out / (f"{only or 'real'}.md" if real or only else "blind.md")
     write_atomically(path, "\n".join(lines) + "\n")
     if as_json:
@@ -63,14 +74,16 @@ def command(
         click.echo(f"report: {path}", err=True)
 
 
-def _blind(cases: int, seed: int, jobs: int, out: Path, tell: Tell) -> tuple[list[str], object]:
+def _blind(
+    cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell
+) -> tuple[list[str], object]:
     """Run the blind cases; return report lines and scores."""
     from bench.challenge.blind import run_blind, seal
     from bench.challenge.blind_report import blind_markdown, rates
     from bench.reproduce.spread import Spread
 
-    click.echo(f"sealed answers: sha256 {seal(cases, seed)}", err=True)
-    outcomes = run_blind(cases, seed, out, tell, Spread(jobs))
+    click.echo(f"sealed answers: sha256 {seal(cases, seed, waves)}", err=True)
+    outcomes = run_blind(cases, seed, out, tell, Spread(jobs), waves)
     scores = [
         {"score": r.words, "hits": r.hits, "cases": r.cases, "bar": r.bar, "met": r.met}
         for r in rates(outcomes)

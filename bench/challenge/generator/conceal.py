@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bench.challenge.generator.shapes import LIBRARY, OUTSIDE, RESPONSIBLE, SHAPES
 
 Floats = NDArray[np.float64]
-Conceal = Literal["plain", "aggregate", "decoy", "sparse", "scatter"]
+Conceal = Literal["plain", "aggregate", "decoy", "sparse", "scatter", "waveform"]
 CONCEALS: tuple[Conceal, ...] = ("plain", "aggregate", "decoy", "sparse", "scatter")
 IN_METRES = ("material-delay", "blocked-path")  # have a size of their own: never enlarged
 RANDOM = ("blocked-path",)  # strike links at random

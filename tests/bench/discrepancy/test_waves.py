@@ -1,0 +1,65 @@
+"""Effects hidden in the waveform: each moves what it should, and nothing tells the answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.challenge.blind import seal
+from bench.challenge.generator.waveforms import (
+    WAVES,
+    WAVES_OUTSIDE,
+    HiddenWave,
+    conceal_wave,
+    draw_wave,
+)
+from bench.challenge.waves import make_wave
+from bench.discrepancy.observables import observe
+
+MOVED = {
+    "diffuse-tail": ("profile_db[22.5..32.5ns]", 1),
+    "pulse-ringing": ("profile_db[6.5..10.5ns]", 1),
+    "narrowband-interference": ("noise_std", 1),
+    "noise-floor": ("noise_std", 1),
+    "path-loss": ("rx_power_dbm", -1),
+    "level-control": ("preamble_count", -1),
+    "pre-echo": ("rise_time_ns", 1),
+    "warm-gain": ("rx_power_dbm", 0),
+}
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return make_wave(0, 5).clean
+
+
+@pytest.mark.parametrize("name", sorted(WAVES))
+def test_every_wave_moves_its_observable_and_leaves_the_range(clean, name):
+    column, sign = MOVED[name]
+    out = conceal_wave(clean, HiddenWave(name, 0.3), 3)
+    assert np.array_equal(out["error_m"], clean["error_m"])
+    moved = observe(out).column(column) - observe(clean).column(column)
+    if sign:
+        assert np.nanmean(moved) * sign > 0
+    else:
+        warm = clean["temperature_c"].to_numpy() > 25
+        assert np.nanmean(moved[warm]) < 0 < np.nanmean(moved[~warm])
+
+
+def test_a_case_without_an_effect_is_the_simulators_own(clean):
+    case = make_wave(0, 5)
+    assert case.hidden.names == ()
+    assert case.strength_z == 0
+    assert np.array_equal(np.stack(case.recorded.frame["cir"]), np.stack(clean["cir"]))
+
+
+def test_strength_is_counted_in_standard_errors():
+    number = next(n for n in range(1, 20) if draw_wave(n, 5).name == "noise-floor")
+    assert make_wave(number, 5).strength_z > 3
+
+
+def test_shares_of_empty_and_outside_cases_and_their_seal():
+    drawn = [draw_wave(number, 1) for number in range(40)]
+    assert sum(one.name is None for one in drawn) == 10
+    assert sum(one.name in WAVES_OUTSIDE for one in drawn) == 6
+    assert seal(4, 1, 3) != seal(4, 1, 4)
