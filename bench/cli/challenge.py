@@ -18,7 +18,9 @@ Examples:
   bench challenge --cases 240 --waves 40 --jobs 2 -o challenge
   bench challenge --real -o challenge
   bench challenge --case apartment -o challenge
+  bench challenge --cases 240 --waves 40 --jobs 2 -o challenge --page challenge.md
 """
+Scored = tuple[list[str], list[dict[str, object]]]
 REAL = ("ghent", "outdoor", "apartment")
 
 
@@ -36,6 +38,10 @@ REAL = ("ghent", "outdoor", "apartment")
     "-o", "--out", default="challenge", show_default=True, type=click.Path(path_type=Path),
     help="Folder; finished blind cases found there are kept.",
 )  # fmt: skip
+@click.option(
+    "--page", type=click.Path(path_type=Path, dir_okay=False),
+    help="Blind and real cases both, on one Markdown page.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
 def command(
     cases: int,
@@ -45,6 +51,7 @@ def command(
     real: bool,
     only: str | None,
     out: Path,
+    page: Path | None,
     as_json: bool,
 ) -> None:
     """Hide physics from the diagnosis and score what it says.
@@ -60,13 +67,16 @@ def command(
     from bench.files import write_atomically
 
     wanted = REAL if only is None else (only,)
+    lines: list[str] = []
+    scores: list[dict[str, object]] = []
     with Console(stderr=True).status("challenging ...") as status:
-        if real or only:
-            lines, scores = _real(wanted, seed, out, status.update)
-        else:
+        if page or not (real or only):
             lines, scores = _blind(cases, waves, seed, jobs, out, status.update)
-    path = out / (f"{only or 'real'}.md" if real or only else "blind.md")
-    write_atomically(path, "\n".join(lines) + "\n")
+        if page or real or only:
+            more, others = _real(wanted, seed, out, status.update)
+            lines, scores = [*lines, *([""] if lines else []), *more], [*scores, *others]
+    path = page or out / (f"{only or 'real'}.md" if real or only else "blind.md")
+    write_atomically(path, "\n".join(_headed(lines, page)) + "\n")
     if as_json:
         click.echo(json.dumps(scores, indent=1))
     else:
@@ -74,9 +84,30 @@ def command(
         click.echo(f"report: {path}", err=True)
 
 
-def _blind(
-    cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell
-) -> tuple[list[str], object]:
+def _headed(lines: list[str], page: Path | None) -> list[str]:
+    """Return the lines of a page that holds everything under one head, with how it was made."""
+    if page is None:
+        return lines
+    from bench.measure.machine import describe_machine
+
+    machine = describe_machine()
+    words = (
+        "Made by `bench challenge --page`: physics hidden from `bench diagnose`, in simulated "
+        "recordings by a generator that shares no code with the effect library, and in public "
+        "recordings by hiding the columns that would reveal it. Bars that are missed say **no**."
+    )
+    return [
+        "# Challenge",
+        "",
+        words,
+        "",
+        f"Machine: {machine['cpu']}, {machine['cores']} cores.",
+        "",
+        *lines,
+    ]
+
+
+def _blind(cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell) -> Scored:
     """Run the blind cases; return report lines and scores."""
     from bench.challenge.blind import run_blind, seal
     from bench.challenge.blind_report import blind_markdown, rates
@@ -84,14 +115,14 @@ def _blind(
 
     click.echo(f"sealed answers: sha256 {seal(cases, seed, waves)}", err=True)
     outcomes = run_blind(cases, seed, out, tell, Spread(jobs), waves)
-    scores = [
+    scores: list[dict[str, object]] = [
         {"score": r.words, "hits": r.hits, "cases": r.cases, "bar": r.bar, "met": r.met}
         for r in rates(outcomes)
     ]
-    return ["# Challenge: blind cases", "", *blind_markdown(outcomes, seed)], scores
+    return blind_markdown(outcomes, seed), scores
 
 
-def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> tuple[list[str], object]:
+def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
     """Run real cases; return report lines and scores. Each case's figures go to `out`/<case>."""
     from bench.challenge.apartment import apartment
     from bench.challenge.real import ghent, outdoor
@@ -99,7 +130,8 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> tuple[li
     from bench.recordings.open import open_recordings
 
     cases = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment}
-    lines, scores = ["# Challenge: real recordings", ""], []
+    lines: list[str] = []
+    scores: list[dict[str, object]] = []
     for name in wanted:
         case = cases[name]
         try:

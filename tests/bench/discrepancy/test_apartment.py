@@ -177,6 +177,24 @@ def test_cli_blind_cases_seal_run_and_report(tmp_path, monkeypatch) -> None:
     assert (tmp_path / "blind.md").read_text().endswith("table\n")
 
 
+def test_cli_page_holds_blind_and_real_cases(small, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("bench.recordings.open.open_recordings", lambda _: (_flat(), None))
+    for name in ("ghent", "outdoor"):
+        monkeypatch.setattr(f"bench.challenge.real.{name}", _made(small))
+    monkeypatch.setattr(case, "apartment", _made(small))
+    monkeypatch.setattr("bench.challenge.blind.run_blind", lambda *_: [])
+    monkeypatch.setattr("bench.challenge.blind_report.rates", lambda _: [])
+    monkeypatch.setattr("bench.challenge.blind_report.blind_markdown", lambda *_: ["## Blind"])
+    page = tmp_path / "challenge.md"
+    asked = ["--cases", "2", "--page", str(page), "-o", str(tmp_path / "out")]
+    out = RUNNER.invoke(cli.command, asked)
+    assert out.exit_code == 0, out.output
+    text = page.read_text()
+    assert text.startswith("# Challenge\n")
+    assert "## Blind" in text
+    assert text.count("## apartment, labels hidden") == 3
+
+
 def test_cli_help_has_examples_and_bad_input_is_one_line() -> None:
     text = RUNNER.invoke(cli.command, ["--help"]).output
     assert "bench challenge --case apartment" in text

@@ -127,3 +127,17 @@ def test_finished_cases_are_kept_and_another_seed_is_refused(tmp_path, monkeypat
     assert again[:3] == first
     with pytest.raises(BenchError, match="seed 5"):
         run_blind(2, 6, tmp_path, lambda _: None)
+
+
+def test_cases_that_other_code_finished_are_run_again(tmp_path, monkeypatch):
+    ran: list[int] = []
+
+    def quick(number: int, seed: int) -> Outcome:
+        ran.append(number)
+        return replace(_outcome(number, (), "clean"), hidden=draw_case(number, seed))
+
+    monkeypatch.setattr(blind, "run_case", quick)
+    run_blind(2, 5, tmp_path, lambda _: None)
+    monkeypatch.setattr(blind, "code", lambda: "other")
+    run_blind(2, 5, tmp_path, lambda _: None)
+    assert ran == [0, 1, 0, 1]

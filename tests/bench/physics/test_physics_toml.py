@@ -42,7 +42,7 @@ def test_seed_of_rooms_can_be_set() -> None:
         ("[[effects]]\nscale = 1", 'needs effect = "NAME"'),
         ("[[effects]]\neffect = 'power-bas'", "did you mean 'power-bias'"),
         ("[[effects]]\neffect = 'power-bias'\nscal = 1", "did you mean 'scale'"),
-        ("[[effects]]\neffect = 'power-bias'\nscale = 9", "outside its physical bounds, -3 to 3"),
+        ("[[effects]]\neffect = 'power-bias'\nscale = 9", "outside its physical bounds, 0 to 3"),
         ("[[effects]]\neffect = 'power-bias'\nscale = nan", "expected a number in ratio"),
         ("[[effects]]\neffect = 'power-bias'\nscale = '1 m'", "expected a number in ratio"),
         ("[[effects]]\neffect = 'ground-bounce'\nground = 'gold'", "unknown material 'gold'"),
