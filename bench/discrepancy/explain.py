@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, refine, screen
+from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, members_for, refine, screen
 from bench.discrepancy.gain import Tally, gain_interval, tally
 from bench.discrepancy.latent import latent_effects
 from bench.discrepancy.nuisance import corrected
@@ -217,7 +217,8 @@ def contender(
     world: World, held: View, added: Added, fitted: Fitted, reference: Tally, seed: int
 ) -> Contender:
     """Score a fitted effect on held-out rows."""
-    made = world.ensemble(held, (*added, fitted.effect), SCORE_MEMBERS, SCORE_FIRST)
+    members = members_for(type(fitted.effect), held, SCORE_MEMBERS)
+    made = world.ensemble(held, (*added, fitted.effect), members, SCORE_FIRST)
     scored = tally(made)
     return Contender(fitted.effect, scored, gain_interval(reference, scored, seed))
 

@@ -55,8 +55,9 @@ class Objective:
         """
         self.evaluations += 1
         effect = valued(self.kind, values)
+        members = members_for(self.kind, self.view, FIT_MEMBERS)
         try:
-            made = self.world.ensemble(self.view, (*self.added, effect), FIT_MEMBERS)
+            made = self.world.ensemble(self.view, (*self.added, effect), members)
         except NothingSharedError as problem:
             raise BenchError(
                 f"effect {self.kind.name!r} gives values that are not finite"
@@ -71,6 +72,14 @@ class Objective:
         if self.best is None or found > self.best[0]:
             self.best = (found, effect)
         return found
+
+
+def members_for(kind: type[Effect], view: View, members: int) -> int:
+    """Return how many members an effect is judged by: more where it strikes links at random.
+
+    Few draws per link are few strikes, and parameters would be fitted to the draws.
+    """
+    return 3 * members if kind.per_link and not view.waveform else members
 
 
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:

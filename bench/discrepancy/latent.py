@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from bench.discrepancy.clocks import device_clock
 from bench.discrepancy.least_squares import ends, incidence, robust
 from bench.discrepancy.terms import LOGGED_DBM, TRUE_DBM, DeviceDelay, PowerCurve
-from bench.discrepancy.world import Added, View, World, measured
+from bench.discrepancy.world import Added, View, World, common, measured
 from bench.physics.effect import Effect
 from bench.physics.units import C_M_PER_NS
 
@@ -31,7 +31,7 @@ def device_terms(world: World, view: View, added: Added) -> list[Effect]:
     """Return the device effects that the residual range of the rows supports, none without ids."""
     if "tx" not in view.frame or "rx" not in view.frame:
         return []
-    ensemble = world.ensemble(view, added, MEMBERS)
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
     if "error_m" not in ensemble.names:
         return []
     residual = ensemble.residual[:, ensemble.names.index("error_m")]
@@ -54,7 +54,7 @@ def power_curve(world: World, view: View, added: Added) -> PowerCurve | None:
     The budget's level at 1 m and its scatter come from the logged levels that are not compressed.
     The curve is piecewise linear with small second differences. None where no level was logged.
     """
-    ensemble = world.ensemble(view, added, MEMBERS)
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
     logged = measured(view.frame, "rx_power_dbm")
     weak = logged < UNCOMPRESSED_DBM
     if "error_m" not in ensemble.names or np.isfinite(logged).mean() < 0.5 or weak.sum() < 10:

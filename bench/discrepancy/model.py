@@ -40,6 +40,7 @@ SEARCH_MEMBERS = 16
 SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
 ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
+SCATTER_MARGIN = 0.05  # of independent scatter: less is what misfitted effects leave
 SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
 SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
 
@@ -172,7 +173,7 @@ def _best(explanation: Explanation | None) -> Contender | None:
     """
     if explanation is None:
         return None
-    structure = SHARE * explanation.removable.value
+    structure = max(SHARE * explanation.removable.value, SCATTER_MARGIN)
     able = (c for c in explanation.contenders if not _only_scatter(c) or c.gain.value > structure)
     best = next(able, None)
     if best is None or not best.gain.likely_above_zero or best.gain.value <= MARGIN:

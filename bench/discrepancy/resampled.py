@@ -16,7 +16,7 @@ from bench.discrepancy.clocks import Heard, polynomial
 from bench.discrepancy.latent import KNOTS_DBM, curve_at_knots, delays_of
 from bench.discrepancy.terms import DeviceClock, DeviceDelay, PowerCurve
 from bench.discrepancy.verdict import ParameterEstimate
-from bench.discrepancy.world import Added, View, World
+from bench.discrepancy.world import Added, View, World, common
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -71,7 +71,7 @@ def latent_intervals(
 ) -> tuple[ParameterEstimate, ...]:
     """Return the values an effect holds with 90 % intervals, none where it holds none."""
     found = latent_values(view, effect)
-    ensemble = world.ensemble(view, added, MEMBERS)
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
     if found is None or "error_m" not in ensemble.names:
         return ()
     names, unit, values = found

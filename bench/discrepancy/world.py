@@ -63,6 +63,17 @@ class View:
         return covariates(self.frame)
 
 
+def common(added: Added, view: View) -> Added:
+    """Return the effects whose ensemble values of devices and levels are estimated from.
+
+    One that strikes links at random shifts the mean of all of them; struck links are better left
+    to the robust fit as outliers. With waveforms, where power tells which are struck, all stay.
+    """
+    if view.waveform:
+        return added
+    return tuple(effect for effect in added if not type(effect).per_link)
+
+
 class World(Protocol):
     """A simulated counterpart of recorded rows."""
 

@@ -30,6 +30,7 @@ class SpecularReflections(Effect):
     stage = "propagation"
     source = "Allen and Berkley 1979; Fresnel coefficients with ITU-R P.2040-3 permittivities"
     signature = "separate paths whose delay moves with the geometry"
+    without_cir = False  # a range alone does not show a second path
 
     strength_db: float = parameter(0, "dB", -40, 10, "over the Fresnel coefficient")
     wall_m: float = parameter(1.5, "m", 0, 50, "distance of the walls where no room is given")
