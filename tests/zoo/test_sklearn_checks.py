@@ -9,13 +9,19 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
-from sklearn.base import BaseEstimator
+from sklearn.base import BaseEstimator, clone
 from sklearn.utils.estimator_checks import check_regressors_train, parametrize_with_checks
 
 from zoo import CNN1D, FeatureMLP, FeatureSVM, NoMitigation, REMnet
 
 # one epoch keeps the checks fast; the fits below then show that training does reach the score
+ROUNDING = {
+    "check_methods_sample_order_invariance": (
+        "float32: sums in another order differ in the last place; held to 1e-6 m below"
+    )
+}
 BRIEF = {"check_regressors_train": "one epoch is too short to score R2 > 0.5; trained longer below"}
 MODELS = [
     NoMitigation(),
@@ -27,12 +33,23 @@ MODELS = [
 
 
 def expected_failures(model: Any) -> dict[str, str]:
-    return BRIEF if isinstance(model, REMnet | CNN1D) else {}
+    if isinstance(model, REMnet | CNN1D):
+        return BRIEF | ROUNDING
+    return ROUNDING if isinstance(model, FeatureMLP) else {}
 
 
 @parametrize_with_checks(MODELS, expected_failed_checks=expected_failures)
 def test_scikit_learn_check(estimator: BaseEstimator, check: Any) -> None:
     check(estimator)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
+def test_predictions_do_not_depend_on_the_order_of_rows(model: BaseEstimator) -> None:
+    rng = np.random.default_rng(0)
+    X = rng.normal(size=(40, 12)).astype(np.float32)
+    fitted = clone(model).fit(X, X[:, 0])
+    order = rng.permutation(len(X))
+    assert np.allclose(fitted.predict(X[order]), fitted.predict(X)[order], rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize(
