@@ -94,7 +94,8 @@ def _headed(lines: list[str], page: Path | None) -> list[str]:
     words = (
         "Made by `bench challenge --page`: physics hidden from `bench diagnose`, in simulated "
         "recordings by a generator that shares no code with the effect library, and in public "
-        "recordings by hiding the columns that would reveal it. Bars that are missed say **no**."
+        "recordings by hiding the columns that would reveal it. Bars that are missed say **no**; "
+        "why, says [How far to trust it](diagnose.md#how-far-to-trust-it)."
     )
     return [
         "# Challenge",
@@ -141,8 +142,8 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
             continue
         made = case(table, seed, tell)
         lines += _case_lines(made)
-        report = write_report(made.study, out / name)
-        lines += [f"The diagnosis in full, with its figures: {report}", ""]
+        report = write_report(made.study, out / name).relative_to(out)
+        lines += [f"The diagnosis in full, with its figures: {report} (seed {seed})", ""]
         scores += [
             {"case": made.title, "asked": c.asked, "measured": c.measured, "met": bool(c.met)}
             for c in made.checks
