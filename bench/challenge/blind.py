@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
-import os
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from bench.challenge.cases import make_case
 from bench.challenge.generator.conceal import Hidden, draw_case
 from bench.challenge.generator.waveforms import draw_wave
-from bench.challenge.scoring import Outcome, removed_m, scored
+from bench.challenge.scoring import Outcome, outcome, removed_m
 from bench.challenge.truths import compared
 from bench.challenge.waves import FIRST, run_wave
 from bench.discrepancy.study import Options, study
-from bench.discrepancy.workers import VARIABLE
 from bench.errors import BenchError
 from bench.files import write_atomically
 from bench.reproduce.spread import Spread
@@ -32,20 +29,11 @@ def run_case(number: int, seed: int) -> Outcome:
     case = make_case(number, seed)
     options = Options(seed, fit_rows=400, observables=("error_m",), waveform=False)
     found = study(case.recorded, case.simulated, options)
-    located = found.diagnosis.rounds[0].located
-    removed, oracle = removed_m(case, found, seed)
     beside = compared(case, found)
-    return Outcome(
-        number=number,
-        way=case.way,
-        hidden=case.hidden,
-        verdict=str(found.diagnosis.verdicts[0]),
-        names=[list(group) for group in found.diagnosis.names],
-        score=scored(case.hidden, found),
-        strength_z=case.strength_z,
-        above_limit=case.above_limit,
-        p=located.p,
-        alarm_z=located.z / located.threshold,
+    made = outcome(case.hidden, found, number, case.way, case.strength_z)
+    removed, oracle = removed_m(case, found, seed)
+    return replace(
+        made,
         removed=removed,
         oracle=oracle,
         covered=[one.covered for one in beside],
@@ -106,9 +94,7 @@ def _path(folder: Path, number: int) -> Path:
 
 
 def _work(seed: int, number: int) -> Outcome:
-    """Run one case in whatever process; there are as many processes as cores."""
-    if multiprocessing.parent_process() is not None:
-        os.environ[VARIABLE] = "1"
+    """Run one case, of the range or of the waveform by its number."""
     return run_case(number, seed) if number < FIRST else run_wave(number - FIRST, seed)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.challenge.cases import Case
+from bench.challenge.cases import LIMIT_Z, Case
 from bench.challenge.generator.conceal import Hidden
 from bench.challenge.generator.shapes import OUTSIDE as OUTSIDE_RANGES
 from bench.challenge.generator.waveforms import WAVES_OUTSIDE
@@ -39,15 +39,32 @@ class Outcome:
     above_limit: bool
     p: float
     alarm_z: float
-    removed: float
-    oracle: float
-    covered: list[bool]
-    parameter_errors: list[float]
+    removed: float = 0.0
+    oracle: float = 0.0
+    covered: list[bool] = field(default_factory=list)
+    parameter_errors: list[float] = field(default_factory=list)
 
     @property
     def fraction(self) -> float:
         """What was removed as a fraction of what the true effect removes."""
         return self.removed / self.oracle if self.oracle > 0 else float("nan")
+
+
+def outcome(hidden: Hidden, found: Study, number: int, way: str, strength_z: float) -> Outcome:
+    """Return what any case tells: what was said, how it scores, how loud the search was."""
+    located = found.diagnosis.rounds[0].located
+    return Outcome(
+        number=number,
+        way=way,
+        hidden=hidden,
+        verdict=str(found.diagnosis.verdicts[0]),
+        names=[list(group) for group in found.diagnosis.names],
+        score=scored(hidden, found),
+        strength_z=strength_z,
+        above_limit=strength_z >= LIMIT_Z,
+        p=located.p,
+        alarm_z=located.z / located.threshold,
+    )
 
 
 def scored(hidden: Hidden, found: Study) -> str:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from bench.challenge.cases import DISCOVER_SHARE, LIMIT_Z, simulator_of
+from bench.challenge.cases import DISCOVER_SHARE, simulator_of
 from bench.challenge.generator.conceal import Hidden
 from bench.challenge.generator.geometry import geometry
 from bench.challenge.generator.waveforms import conceal_wave, draw_wave
-from bench.challenge.scoring import Outcome, scored
+from bench.challenge.scoring import Outcome, outcome
 from bench.discrepancy.observables import observe
 from bench.discrepancy.study import Options, study
 from bench.physics.scene import scene
@@ -69,20 +69,5 @@ def run_wave(number: int, seed: int) -> Outcome:
     case = make_wave(number, seed)
     options = Options(seed, search_rows=400, fit_rows=200, confirm_rows=120)
     found = study(case.recorded, case.simulated, options)
-    located = found.diagnosis.rounds[0].located
-    return Outcome(
-        number=FIRST + number,
-        way="resimulated",
-        hidden=case.hidden,
-        verdict=str(found.diagnosis.verdicts[0]),
-        names=[list(group) for group in found.diagnosis.names],
-        score=scored(case.hidden, found),
-        strength_z=case.strength_z,
-        above_limit=case.strength_z >= LIMIT_Z,
-        p=located.p,
-        alarm_z=located.z / located.threshold,
-        removed=found.confirmed.gain.value,
-        oracle=0.0,
-        covered=[],
-        parameter_errors=[],
-    )
+    made = outcome(case.hidden, found, FIRST + number, "resimulated", case.strength_z)
+    return replace(made, removed=found.confirmed.gain.value)

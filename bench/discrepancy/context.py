@@ -17,12 +17,11 @@ from bench.discrepancy.explain import (
     Contender,
     Explanation,
     contender,
-    physics_name,
 )
 from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, refine, screen
 from bench.discrepancy.gain import gain, gain_interval, gains, tally
 from bench.discrepancy.latent import latent_effects
-from bench.discrepancy.world import Added, View, World
+from bench.discrepancy.world import Added, View, World, swapped, without
 from bench.errors import BenchError
 from bench.physics.effect import Effect
 
@@ -75,7 +74,7 @@ def refitted(
     is easily held by the others. `views` are the fit and the held-out rows.
     """
     likely = [one for one in explanation.contenders[:AHEAD] if one.gain.likely_above_zero]
-    have = {physics_name(effect) for effect in added}
+    have = {effect.physics for effect in added}
     fresh = [kind() for kind in kinds.values() if kind.per_link and kind.name not in have]
     tries = [(one.effect, 1) for one in likely] + [(effect, 2) for effect in fresh]
     made = [*explanation.contenders]
@@ -98,11 +97,6 @@ def _matches(explanation: Explanation, one: Contender, best: Contender, seed: in
     return reached >= HALF * sum(its.get(name, 0.0) for name in names) and not ahead.above_zero
 
 
-def without(added: Added, effect: Effect) -> Added:
-    """Return the effects but one, by name."""
-    return tuple(known for known in added if known.name != effect.name)
-
-
 def polished(
     world: World, fit: View, added: Added, passes: int = PASSES, anew: bool = True
 ) -> Added:
@@ -114,9 +108,9 @@ def polished(
     for number in range(passes):
         gained = 0.0
         for effect in added:
-            if getattr(type(effect), "fitted", True):
+            if effect.fitted:
                 better, more = _again(world, fit, added, effect, anew and number == 0)
-                added = tuple(better if known.name == effect.name else known for known in added)
+                added = swapped(added, better)
                 gained += more
         if gained < ENOUGH:
             break
@@ -145,11 +139,11 @@ def settled(world: World, rows: View, added: Added) -> Added:
     The choice of effects rests on held-out links; once made, more rows only sharpen it.
     """
     for effect in added:
-        if getattr(type(effect), "fitted", True):
+        if effect.fitted:
             better, _ = _again(world, rows, added, effect, False)
         else:
             better = _relearnt(world, rows, added, effect)
-        added = tuple(better if known.name == effect.name else known for known in added)
+        added = swapped(added, better)
     return added
 
 
@@ -202,7 +196,7 @@ def rivals(
     rest = without(added, effect)
     reference = tally(world.ensemble(held, rest, SCORE_MEMBERS, SCORE_FIRST))
     best = contender(world, held, rest, Fitted(effect, 0.0, 0), reference, seed)
-    have = {physics_name(known) for known in added}
+    have = {known.physics for known in added}
     out = []
     for other in others:
         if other.name in have:
@@ -222,7 +216,7 @@ def _fitted(
     world: World, fit: View, rest: Added, other: Contender, kinds: Mapping[str, type[Effect]]
 ) -> Fitted | None:
     """Return a rival fitted beside the rest, None where that fails."""
-    if not getattr(type(other.effect), "fitted", True):
+    if not other.effect.fitted:
         found = [e for e in latent_effects(world, fit, rest) if e.name == other.effect.name]
         return Fitted(found[0], 0.0, 0) if found else None
     kind = kinds.get(other.effect.name, type(other.effect))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, members_for, refine, screen
@@ -23,6 +24,7 @@ REFINED = 6  # best effects of the screening that are fitted fully
 FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
 LEAST = 0.002  # nats
 Tell = Callable[[str], None]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,7 @@ class Contender:
     @property
     def name(self) -> str:
         """The name of the physics: that of the library's effect."""
-        return physics_name(self.effect)
-
-
-def physics_name(effect: Effect) -> str:
-    """Return the library's name for what an effect does."""
-    return str(getattr(type(effect), "explains", effect.name))
+        return self.effect.physics
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,7 @@ def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
             kind = plugin.load()
             if not (isinstance(kind, type) and issubclass(kind, Effect)):
                 raise BenchError(f"effect {plugin.name!r} is no Effect")
-            if getattr(kind, "fitted", True):
+            if kind.fitted:
                 loaded[plugin.name] = kind
         except BenchError as problem:
             skipped[plugin.name] = str(problem)
@@ -138,26 +135,18 @@ def _one_way(
     screened, skipped = _screened(world, fit, added, kinds, base, tell)
     before = world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
     reference = tally(before)
-    have = {physics_name(effect) for effect in added}
-    found = [e for e in latent_effects(world, fit, added) if physics_name(e) not in have]
+    have = {effect.physics for effect in added}
+    found = [e for e in latent_effects(world, fit, added) if e.physics not in have]
     terms = [Fitted(effect, 0.0, 0) for effect in found]
     contenders = [contender(world, held, added, one, reference, seed) for one in terms]
 
-    def refined(name: str) -> Contender | BenchError:
+    def refined(name: str) -> Contender:
         objective, start = screened[name]
-        try:
-            fitted = refine(objective, start)
-            return contender(world, held, added, fitted, reference, seed)
-        except BenchError as problem:
-            return problem
+        return contender(world, held, added, refine(objective, start), reference, seed)
 
-    names = _promising(screened, contenders)
-    for name, one in zip(names, in_threads(refined, names), strict=True):
-        if isinstance(one, BenchError):
-            skipped[name] = str(one)
-        else:
-            contenders.append(one)
-    contenders = _best_of_each(contenders)
+    more, failed = _each(refined, _promising(screened, contenders))
+    skipped |= failed
+    contenders = _best_of_each([*contenders, *more.values()])
     contenders.sort(key=lambda one: -one.gain.value)
     nuisance = tally(_nuisance(world, fit, held, added, before, focus))
     removable = gain_interval(reference, nuisance, seed)
@@ -195,22 +184,31 @@ def _screened(
     """Return the line search of every effect, and why others were skipped."""
     able = [name for name, kind in kinds.items() if fit.waveform or kind.without_cir]
 
-    def searched(name: str) -> tuple[Objective, Fitted] | BenchError:
+    def searched(name: str) -> tuple[Objective, Fitted]:
         tell(f"trying {name}")
         objective = Objective(kinds[name], world, fit, added, base)
+        return objective, screen(objective)
+
+    return _each(searched, able)
+
+
+def _each(work: Callable[[str], T], names: list[str]) -> tuple[dict[str, T], dict[str, str]]:
+    """Return `work` of every effect by name, and why it failed for others (BenchError only)."""
+
+    def tried(name: str) -> T | BenchError:
         try:
-            return objective, screen(objective)
+            return work(name)
         except BenchError as problem:
             return problem
 
-    found: dict[str, tuple[Objective, Fitted]] = {}
-    skipped: dict[str, str] = {}
-    for name, one in zip(able, in_threads(searched, able), strict=True):
+    done: dict[str, T] = {}
+    failed: dict[str, str] = {}
+    for name, one in zip(names, in_threads(tried, names), strict=True):
         if isinstance(one, BenchError):
-            skipped[name] = str(one)
+            failed[name] = str(one)
         else:
-            found[name] = one
-    return found, skipped
+            done[name] = one
+    return done, failed
 
 
 def contender(

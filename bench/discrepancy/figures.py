@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.explain import Contender, physics_name
+from bench.discrepancy.explain import Contender
 from bench.discrepancy.study import Confirmed, Study
 from bench.files import atomic_path
 from bench.physics.effect import Effect
@@ -156,7 +156,7 @@ def ladder_figure(axes: Axes, study: Study) -> None:
 
 def added_first(every: tuple[Contender, ...], added: Effect) -> tuple[Contender, ...]:
     """Return the contenders of a step, the one that was added in front."""
-    name = physics_name(added)
+    name = added.physics
     return tuple(sorted(every, key=lambda one: one.name != name))
 
 

@@ -15,7 +15,6 @@ from bench.discrepancy.context import (
     refitted,
     rivals,
     settled,
-    without,
 )
 from bench.discrepancy.explain import (
     SCORE_FIRST,
@@ -25,14 +24,13 @@ from bench.discrepancy.explain import (
     Tell,
     equivalents,
     explain,
-    physics_name,
 )
 from bench.discrepancy.gain import gain_interval, tally
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
 from bench.discrepancy.uncertainty import parameter_intervals
 from bench.discrepancy.verdict import Ambiguous, Control, LeftOut, NoMismatch, Unknown, Verdict
-from bench.discrepancy.world import Added, View, World
+from bench.discrepancy.world import Added, View, World, without
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 
@@ -100,7 +98,7 @@ class Search:
     def explain(self, added: Added, located: Located) -> Explanation:
         """Fit the library on the fit links, score it on the discover links."""
         focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
-        have = {physics_name(effect) for effect in added}
+        have = {effect.physics for effect in added}
         world, kinds = self.world, {n: k for n, k in self.kinds.items() if n not in have}
         return explain(world, self.fit, self.discover, added, kinds, focus, self.seed, self.tell)
 
@@ -151,7 +149,7 @@ def diagnose(search: Search) -> Diagnosis:
     if search.work is not None and added:
         added = settled(search.world, search.work, added)
     verdicts = _verdicts(search, rounds, added)
-    kept = tuple(e for e in added if any(physics_name(e) in v.names for v in verdicts))
+    kept = tuple(e for e in added if any(e.physics in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
 
 
@@ -188,8 +186,8 @@ def _only_scatter(contender: Contender) -> bool:
 
 def _with(added: Added, effect: Effect) -> Added:
     """Return the effects with `effect` added, or in place of the one of its name."""
-    physics = physics_name(effect)
-    return (*(known for known in added if physics_name(known) != physics), effect)
+    physics = effect.physics
+    return (*(known for known in added if known.physics != physics), effect)
 
 
 def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
@@ -249,7 +247,7 @@ def _named(search: Search, rounds: list[Round], added: Added, share: float) -> t
         if turn.added is None or turn.explanation is None:
             continue
         effect = next((e for e in added if e.name == turn.added.name), None)
-        if effect is None or any(physics_name(effect) in v.names for v in out):
+        if effect is None or any(effect.physics in v.names for v in out):
             continue
         same = equivalents(turn.explanation, search.seed)
         if len(added) > 1:
@@ -269,7 +267,7 @@ def _left_out(
     search: Search, turn: Round, effect: Effect, gain: Estimate, added: Added, share: float
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""
-    others = tuple(e for e in added if turn.added is None or e.name != turn.added.name)
+    others = without(added, turn.added) if turn.added else added
     intervals = parameter_intervals(search.world, search.sharpest, others, effect)
     control = negative_control(search, others, effect, turn.located.findings[0])
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.world import Added, View, World
+from bench.discrepancy.world import Added, View, World, swapped
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -60,7 +60,7 @@ def link_log_odds(world: World, view: View, added: Added) -> pd.Series | None:
 def _with_share(added: Added, effect: Effect, share: float) -> Added:
     """Return the effects with the obstruction striking that share of the links."""
     changed: Any = replace(effect, **{"share": share})
-    return tuple(changed if known.name == effect.name else known for known in added)
+    return swapped(added, changed)
 
 
 def _figures(clear: Ensemble, struck: Ensemble) -> tuple[Floats, Floats, NDArray[np.int64]]:

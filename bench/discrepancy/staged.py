@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from threading import Lock
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from bench.discrepancy.observables import (
     collect,
     shape_observables,
 )
-from bench.discrepancy.prefixes import Prefixes, Step
+from bench.discrepancy.prefixes import Memory, Prefixes, Step
 from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
@@ -64,11 +62,13 @@ class Stages:
 
     def __init__(self, window: Window) -> None:
         self.window = window
-        self._kept: OrderedDict[tuple[object, ...], Detected] = OrderedDict()
-        self._noise: OrderedDict[tuple[object, ...], Complexes] = OrderedDict()
+        self._detections: dict[bool, Memory[Detected]] = {
+            True: Memory(KEPT),
+            False: Memory(KEPT_PATHS),
+        }
+        self._noise: Memory[Complexes] = Memory(KEPT_NOISE)
         self._prefixes = Prefixes(KEPT_STEPS)
         self._rows: dict[int, Scene] = {}
-        self._lock = Lock()
 
     def observables(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
@@ -77,7 +77,9 @@ class Stages:
         early = tuple(e for e in simulator.effects if e.stage != "ranging")
         key = (id(rows), simulator.base, early, simulator.seed, replicate, cir)
         try:
-            found = self._remembered(key, simulator, rows, replicate, cir)
+            found = self._detections[cir].get(
+                key, lambda: self._detected(simulator, rows, replicate, cir)
+            )
             batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
         except BenchError:
             raise
@@ -86,21 +88,6 @@ class Stages:
         columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
         scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
         return collect(scalars, found.shape)
-
-    def _remembered(
-        self, key: tuple[object, ...], simulator: Simulator, rows: Scene, replicate: int, cir: bool
-    ) -> Detected:
-        """Return a detected replicate, simulated where it is not remembered."""
-        with self._lock:
-            found = self._kept.get(key)
-        if found is None:
-            found = self._detected(simulator, rows, replicate, cir)
-        with self._lock:
-            self._kept[key] = found
-            self._kept.move_to_end(key)
-            while len(self._kept) > (KEPT if cir else KEPT_PATHS):
-                self._kept.popitem(last=False)
-        return found
 
     def _detected(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> Detected:
         """Simulate up to detection; the waveform is reduced to its figures and dropped."""
@@ -169,15 +156,7 @@ class Stages:
     def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
         """Return a copy of the noise that `draws` gives first after its alignments."""
         key = (draws.seed, draws.replicate, draws.name, draws.block, shape)
-        with self._lock:
-            kept = self._noise.get(key)
-        if kept is None:
-            kept = Draws.complex_normal(draws, *shape)
-            with self._lock:
-                self._noise[key] = kept
-                while len(self._noise) > KEPT_NOISE:
-                    self._noise.popitem(last=False)
-        return kept.copy()
+        return self._noise.get(key, lambda: Draws.complex_normal(draws, *shape)).copy()
 
     def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
         """Return the CIR figures of a detected batch, none without a waveform."""

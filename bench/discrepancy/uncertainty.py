@@ -33,7 +33,7 @@ def parameter_intervals(
     world: World, view: View, added: Added, effect: Effect
 ) -> tuple[ParameterEstimate, ...]:
     """Return every fitted parameter with its 90 % interval, from the rows it was fitted on."""
-    if not getattr(type(effect), "fitted", True):
+    if not effect.fitted:
         return latent_intervals(world, view, added, effect)
     free = free_parameters(type(effect))
     moving = [p for p in free if p.high > p.low]

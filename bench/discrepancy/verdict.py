@@ -55,7 +55,7 @@ class LeftOut:
     @property
     def names(self) -> tuple[str, ...]:
         """The name of the physics, as a tuple of one."""
-        return (str(getattr(type(self.effect), "explains", self.effect.name)),)
+        return (self.effect.physics,)
 
     def __str__(self) -> str:
         return f"left out: {self.names[0]} ({type(self.effect).signature})"

@@ -33,6 +33,16 @@ Added = tuple[Effect, ...]
 MANY = 1 << 16
 
 
+def without(added: Added, effect: Effect) -> Added:
+    """Return the effects but one, by name."""
+    return tuple(known for known in added if known.name != effect.name)
+
+
+def swapped(added: Added, effect: Effect) -> Added:
+    """Return the effects with this one in place of the one of its name."""
+    return tuple(effect if known.name == effect.name else known for known in added)
+
+
 @dataclass(frozen=True)
 class View:
     """Some recorded rows: `frame` as known to the simulator, what was recorded, link codes [n].

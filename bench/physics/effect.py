@@ -103,6 +103,8 @@ class Effect(ABC):
     `source` (where model and magnitudes come from), `signature` (what it does to recordings, in
     words), `control` (when it must vanish, in words, or "" where no such rows exist).
     `per_link`: it draws every link anew, so it can stand in for simpler effects.
+    `fitted`: its parameters are fitted by a search; `explains`: the physics it stands for, where
+    that is not its own name.
     `contains`: physics that it can do as well, as a special case.
     `last`: it acts on what the other effects of its stage made, so it comes behind them.
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
@@ -117,6 +119,8 @@ class Effect(ABC):
     signature: ClassVar[str] = ""
     control: ClassVar[str] = ""
     per_link: ClassVar[bool] = False
+    fitted: ClassVar[bool] = True
+    explains: ClassVar[str] = ""
     contains: ClassVar[tuple[str, ...]] = ()
     last: ClassVar[bool] = False
     independent: ClassVar[bool] = False
@@ -125,6 +129,11 @@ class Effect(ABC):
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)
+
+    @property
+    def physics(self) -> str:
+        """The library's name for what this effect does."""
+        return self.explains or self.name
 
     @abstractmethod
     def apply(self, batch: Batch, draws: Draws) -> Batch:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from threading import Lock, Thread
 from typing import Any
 
+from bench.discrepancy.workers import VARIABLE
 from bench.errors import BenchError
 
 Work = Callable[[Any, Any], Any]
@@ -72,6 +73,7 @@ def _install(shared: Any) -> None:
     """Begin a worker: one thread, since there are as many workers as were asked for."""
     Thread(target=_end_with_parent, daemon=True).start()
     os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
+    os.environ[VARIABLE] = "1"
     if (torch := sys.modules.get("torch")) is not None:
         torch.set_num_threads(1)
     _INSTALLED[:] = [shared]
