@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, Literal
+from itertools import pairwise, product
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from bench.discrepancy.covariates import Covariates
 from bench.discrepancy.ensemble import Ensemble
 
 Floats = NDArray[np.float64]
+Links = NDArray[np.intp]
 Moment = Literal["mean", "spread", "link", "slope"]
 BINS = (4, 12)  # coarse intervals for what is weak, fine ones for what changes sign
 CLIP = 8.0  # standardised values beyond this are clipped, so one wild row decides nothing
@@ -103,64 +104,89 @@ def standardised(ensemble: Ensemble) -> NDArray[np.float32]:
     return np.asarray(np.clip(np.nan_to_num(centred / scale), -CLIP, CLIP), np.float32)
 
 
-def link_sums(ensemble: Ensemble, covariates: Covariates) -> tuple[list[Cell], NDArray[np.float32]]:
+def link_sums(
+    ensemble: Ensemble, covariates: Covariates, clusters: Sequence[Links] | None = None
+) -> tuple[list[Cell], NDArray[np.float32]]:
     """Return the cells and their statistic per version and link, [1 + m, L, K].
 
-    Every statistic is centred over the versions, so its mean under the permutation is zero.
+    With `clusters` (numbers 0..L-1 of links) it is per version and cluster, [1 + m, C, K]: only one
+    cluster's links are held at a time, because those of thousands of links take gigabytes. Every
+    statistic is centred over the versions, so its mean under the permutation is zero.
     """
     found = list(places(covariates, ensemble))
     shared = [(place, weight) for place, weight in found if weight.ndim == 1]
     own = [(place, weight) for place, weight in found if weight.ndim == 2]
-    standard = standardised(ensemble)
-    cells: list[Cell] = []
-    blocks: list[NDArray[np.float32]] = []
-    for group in (shared, own):
-        if group:
-            where = [place for place, _ in group]
-            weight = np.stack([w for _, w in group], axis=-1).astype(np.float32)
-            more, sums = _moments(ensemble, standard, where, weight)
-            cells += more
-            blocks.append(sums)
-    return cells, np.concatenate(blocks, axis=2)
+    groups = [_group(ensemble, group) for group in (shared, own) if group]
+    cells = [cell for group in groups for cell in group.cells]
+
+    def sums(links: Links) -> NDArray[np.float32]:
+        return np.concatenate([group.sums(links) for group in groups], axis=2)
+
+    # The order in memory decides in which order sums over versions are rounded: keep it.
+    if clusters is None:
+        whole = np.ascontiguousarray(np.moveaxis(sums(np.arange(groups[0].links)), 2, 0))
+        return cells, np.moveaxis(whole, 0, 2)
+    added = [np.add.reduceat(sums(links), [0], axis=1)[:, 0] for links in clusters]
+    return cells, np.moveaxis(np.stack([np.ascontiguousarray(part.T) for part in added]), 2, 0)
 
 
-def _moments(
-    ensemble: Ensemble,
-    standard: NDArray[np.float32],
-    where: list[Place],
-    weight: NDArray[np.float32],
-) -> tuple[list[Cell], NDArray[np.float32]]:
-    """Return cells and centred link sums of every moment for one set of weights."""
-    mean = per_link(standard, weight, ensemble.links)
-    spread = per_link(np.abs(standard), weight, ensemble.links)
-    ones = np.ones((*standard.shape[:2], 1), np.float32)
-    count = per_link(ones, weight, ensemble.links)
-    # Offsets of either sign, constant within a link, cancel in the mean but not here.
-    offset = np.abs(mean) / np.sqrt(np.maximum(np.abs(count), np.float32(1)))
-    moments: dict[Moment, NDArray[Any]] = {"mean": mean, "spread": spread, "link": offset}
-    cells, blocks = [], []
-    for moment, sums in moments.items():
-        for k, place in enumerate(where):
-            if place.trend and moment != "mean":
-                continue
-            kind: Moment = "slope" if place.trend else moment
-            keep = [i for i, name in enumerate(ensemble.names) if name != place.covariate]
-            cells += [Cell(ensemble.names[i], kind, place) for i in keep]
-            blocks.append(sums[:, :, k, keep])
-    whole = np.concatenate(blocks, axis=2)
-    whole -= whole.mean(axis=0)
-    return cells, whole
+@dataclass(frozen=True)
+class _Group:
+    """Places whose weights have one shape, with their rows in the order of links.
 
-
-def per_link(
-    values: NDArray[np.float32], weight: NDArray[np.float32], links: NDArray[np.intp]
-) -> NDArray[np.float32]:
-    """Return sum of weight x values over the rows of each link, [v, L, K, p].
-
-    `values` [v, n, p], `weight` [n, K] or [v, n, K].
+    `values` [1 + m, n, p] and `weight` [n, k] or [1 + m, n, k]; link i has the rows `bounds[i]` to
+    `bounds[i + 1]`; `taken` [K] says which of moment x place x observable is a cell.
     """
-    order = np.argsort(links, kind="stable")
-    bounds = np.flatnonzero(np.diff(links[order], prepend=-1, append=-1))
-    values, weight = values[:, order], weight[..., order, :]
-    parts = [np.swapaxes(weight[..., a:b, :], -1, -2) @ values[:, a:b] for a, b in pairwise(bounds)]
-    return np.stack(parts, axis=1)
+
+    cells: list[Cell]
+    taken: NDArray[np.intp]
+    values: NDArray[np.float32]
+    weight: NDArray[np.float32]
+    bounds: NDArray[np.intp]
+
+    @property
+    def links(self) -> int:
+        """How many links there are."""
+        return len(self.bounds) - 1
+
+    def sums(self, links: Links) -> NDArray[np.float32]:
+        """Return the centred statistic of some links, [1 + m, l, K]."""
+        mean = self._per_link(self.values, links)
+        spread = self._per_link(np.abs(self.values), links)
+        count = self._per_link(np.ones((*self.values.shape[:2], 1), np.float32), links)
+        # Offsets of either sign, constant within a link, cancel in the mean but not here.
+        offset = np.abs(mean) / np.sqrt(np.maximum(np.abs(count), np.float32(1)))
+        moments = np.stack([mean, spread, offset], axis=2)
+        whole = np.take(moments.reshape(*moments.shape[:2], -1), self.taken, axis=2)
+        whole -= whole.mean(axis=0)
+        return np.asarray(whole, np.float32)
+
+    def _per_link(self, values: NDArray[np.float32], links: Links) -> NDArray[np.float32]:
+        """Return sum of weight x `values` [1 + m, n, q] over rows of links, [1 + m, l, k, q]."""
+        spans = zip(self.bounds[links], self.bounds[links + 1], strict=True)
+        parts = [np.swapaxes(self.weight[..., a:b, :], -1, -2) @ values[:, a:b] for a, b in spans]
+        return np.stack(parts, axis=1)
+
+
+def _group(ensemble: Ensemble, found: list[tuple[Place, Floats]]) -> _Group:
+    """Return places with their weights, rows sorted by link."""
+    order = np.argsort(ensemble.links, kind="stable")
+    bounds = np.flatnonzero(np.diff(ensemble.links[order], prepend=-1, append=-1))
+    weight = np.stack([w for _, w in found], axis=-1).astype(np.float32)
+    cells, taken = _cells(ensemble.names, [place for place, _ in found])
+    values = standardised(ensemble)[:, order]
+    return _Group(cells, taken, values, weight[..., order, :], bounds)
+
+
+def _cells(names: tuple[str, ...], where: list[Place]) -> tuple[list[Cell], NDArray[np.intp]]:
+    """Return the cells, and their positions in moment x place x observable."""
+    cells, taken = [], []
+    moments: tuple[Moment, ...] = ("mean", "spread", "link")
+    for number, (moment, place) in enumerate(product(moments, where)):
+        if place.trend and moment != "mean":
+            continue
+        kind: Moment = "slope" if place.trend else moment
+        keep = [i for i, name in enumerate(names) if name != place.covariate]
+        cells += [Cell(names[i], kind, place) for i in keep]
+        taken += [number * len(names) + i for i in keep]
+    return cells, np.array(taken, np.intp)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.cells import Cell, link_sums
+from bench.discrepancy.cells import Cell, Links, link_sums
 from bench.discrepancy.covariates import Covariates
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.score import Estimate, cluster_bootstrap
@@ -86,8 +86,9 @@ def locate(
     Deterministic from `seed`. Returns at most `top` findings with family-wise p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
-    cells, sums = link_sums(ensemble, covariates)
-    z, null = _permuted(_clustered(sums, rng), rng, permutations)
+    clusters = _clusters(len(np.unique(ensemble.links)), rng)
+    cells, sums = link_sums(ensemble, covariates, clusters)
+    z, null = _permuted(sums, rng, permutations)
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else 0.6 for cell in cells]
@@ -100,14 +101,13 @@ def locate(
     )
 
 
-def _clustered(sums: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return sums over random groups of links where there are many, [1 + m, C, K]."""
-    links = sums.shape[1]
+def _clusters(links: int, rng: np.random.Generator) -> list[Links] | None:
+    """Return random groups of links where there are many, else None."""
     if links <= MAX_CLUSTERS:
-        return sums
-    order = rng.permutation(links)
+        return None
+    order = np.asarray(rng.permutation(links), np.intp)
     starts = np.linspace(0, links, MAX_CLUSTERS, endpoint=False).astype(np.int64)
-    return np.asarray(np.add.reduceat(sums[:, order], starts, axis=1))
+    return np.split(order, starts[1:])
 
 
 def _permuted(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 
@@ -29,16 +30,13 @@ KEPT = 24  # detected replicates that are remembered
 KEPT_PATHS = 256  # of those from paths alone, which are small
 KEPT_STEPS = 96  # batches after a step of the chain that are remembered, up to 5 MB each
 KEPT_NOISE = 48  # blocks of noise that are remembered, up to 2 MB each
+KEPT_ROWS = 16  # tables of rows that are told apart without looking at their values
 
 
 @dataclass(frozen=True)
 class Detected:
-    """One replicate after detection: a batch per block without its waveform, and CIR figures.
+    """One replicate after detection: a batch per block without its waveform, and CIR figures."""
 
-    Holds its `rows`, so that their identity stays theirs while it is remembered.
-    """
-
-    rows: Scene
     blocks: tuple[Batch, ...]
     shape: dict[str, Floats]
 
@@ -68,14 +66,15 @@ class Stages:
         }
         self._noise: Memory[Complexes] = Memory(KEPT_NOISE)
         self._prefixes = Prefixes(KEPT_STEPS)
-        self._rows: dict[int, Scene] = {}
+        self._places: Memory[tuple[Scene, int]] = Memory(KEPT_ROWS)
+        self._numbers = count()
 
     def observables(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
     ) -> Observables:
         """Return what the simulator gives for `rows` in one replicate."""
         early = tuple(e for e in simulator.effects if e.stage != "ranging")
-        key = (id(rows), simulator.base, early, simulator.seed, replicate, cir)
+        key = (self._place(rows), simulator.base, early, simulator.seed, replicate, cir)
         try:
             found = self._detections[cir].get(
                 key, lambda: self._detected(simulator, rows, replicate, cir)
@@ -100,12 +99,14 @@ class Stages:
             blocks.append(replace(batch, waveform=None, noise=None))
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
-        return Detected(rows, tuple(blocks), shape)
+        return Detected(tuple(blocks), shape)
 
     def _place(self, rows: Scene) -> Hashable:
-        """Return a name for these rows; they are held, so that it stays theirs."""
-        self._rows[id(rows)] = rows
-        return id(rows)
+        """Return a number for these rows, theirs for good: forgotten rows come back as new ones.
+
+        Rows are held while they are remembered, so that no others have their identity.
+        """
+        return self._places.get(id(rows), lambda: (rows, next(self._numbers)))[1]
 
     def _blamed(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool, problem: Exception

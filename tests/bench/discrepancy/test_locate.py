@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.cells import link_sums
 from bench.discrepancy.covariates import Covariates, covariates
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.locate import locate
@@ -66,6 +67,17 @@ def test_same_seed_same_answer_and_smallest_detectable_is_in_units():
     assert 0.05 < first.detectable["error_m"] < 1.5
     shifted = _world(6, lambda c: 2 * first.detectable["error_m"])
     assert locate(*shifted, seed=1).significant
+
+
+def test_links_are_summed_cluster_by_cluster_as_if_all_were_held_at_once():
+    ensemble, known = _world(7)
+    cells, each = link_sums(ensemble, known)
+    clusters = np.split(np.random.default_rng(0).permutation(LINKS), [1, 5, 16])
+    same, sums = link_sums(ensemble, known, clusters)
+    assert same == cells
+    for i, links in enumerate(clusters):
+        assert np.allclose(sums[:, i], each[:, links].sum(axis=1), atol=1e-4)
+    assert np.abs(each.mean(axis=0)).max() < 1e-4
 
 
 def test_covariates_take_numbers_groups_obstacles_and_unknown_extras():

@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.observables import Window
 from bench.discrepancy.prefixes import Prefixes
-from bench.discrepancy.staged import Stages
+from bench.discrepancy.staged import KEPT_ROWS, Stages
 from bench.discrepancy.workers import in_threads, threads
 from bench.physics.base import Base
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
@@ -40,6 +40,16 @@ def test_shared_beginnings_give_the_numbers_of_fresh_ones():
             kept = shared.observables(simulator, ROWS, replicate, True)
             assert kept.names == fresh.names
             assert np.array_equal(kept.values, fresh.values, equal_nan=True)
+
+
+def test_rows_that_were_forgotten_are_simulated_again_and_no_others_take_their_place():
+    stages, simulator = Stages(WINDOW), _simulators()[0]
+    fresh = Stages(WINDOW).observables(simulator, ROWS, 0, True)
+    stages.observables(simulator, ROWS, 0, True)
+    for size in range(1, KEPT_ROWS + 2):
+        assert len(stages.observables(simulator, ROWS.slice(0, size), 0, True).values) == size
+    kept = stages.observables(simulator, ROWS, 0, True)
+    assert np.array_equal(kept.values, fresh.values, equal_nan=True)
 
 
 def test_ranges_are_those_of_the_simulator_itself():
