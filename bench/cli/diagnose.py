@@ -10,7 +10,8 @@ import click
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
-    from bench.discrepancy.study import Study
+    from bench.discrepancy.journal import Kept
+    from bench.discrepancy.study import Options, Study
     from bench.physics.simulator import Simulator
     from bench.recordings.table import Recordings
 
@@ -35,7 +36,10 @@ Examples:
 @click.option("--environment", metavar="NAME", help="Only the rows of this environment.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), help="Folder for report, TOML and figures."
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for report, TOML and figures. A diagnosis that was stopped resumes from it.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON, nothing else.")
 def command(
@@ -53,17 +57,22 @@ def command(
 
     The simulator is run again at each recorded row's own geometry and settings (or its table is
     compared); differences are located, every known effect is fitted on some links and scored on
-    others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB.
+    others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB. With
+    -o, a diagnosis that was stopped goes on where it was when the same command is run again.
     """
     from bench.discrepancy.report import summary, write_report
     from bench.discrepancy.study import Options
 
     seen = _names(observe) or None
     options = Options(seed, hide=_names(hide), observables=seen, waveform=not paths_only)
-    study = _run(_recorded(recorded, environment, options.hide), _simulated(simulated), options)
+    table, against = _recorded(recorded, environment, options.hide), _simulated(simulated)
+    kept = None if out is None else _kept(out, table, against, options)
+    study = _run(table, against, options, kept)
     if out is not None:
         path = write_report(study, out)
         click.echo(f"report: {path}", err=True)
+    if kept is not None:
+        kept.clear()
     if as_json:
         import json
 
@@ -117,16 +126,30 @@ def _simulated(name: str | None) -> Simulator | Recordings:
     return found
 
 
-def _run(recorded: Recordings, simulated: Simulator | Recordings, options: object) -> Study:
+def _kept(
+    out: Path, recorded: Recordings, simulated: Simulator | Recordings, options: Options
+) -> Kept:
+    """Return what an earlier run left in the folder, and say so where there is something."""
+    from bench.discrepancy.journal import Kept
+    from bench.runner.diagnosis import fingerprint
+
+    kept = Kept(out, fingerprint(recorded, simulated, options))
+    if kept.started:
+        click.echo(f"resuming after round {kept.finished}", err=True)
+    return kept
+
+
+def _run(
+    recorded: Recordings, simulated: Simulator | Recordings, options: Options, kept: Kept | None
+) -> Study:
     """Run the diagnosis with a progress line on stderr."""
     from rich.console import Console
 
-    from bench.discrepancy.study import Options, study
+    from bench.discrepancy.study import study
 
-    assert isinstance(options, Options)
     console = Console(stderr=True)
     with console.status("diagnosing ...") as status:
-        return study(recorded, simulated, options, status.update)
+        return study(recorded, simulated, options, status.update, journal=kept)
 
 
 def _print(study: Study) -> None:

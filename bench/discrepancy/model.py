@@ -26,6 +26,7 @@ from bench.discrepancy.explain import (
     explain,
 )
 from bench.discrepancy.gain import gain_interval, tally
+from bench.discrepancy.journal import Journal
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
 from bench.discrepancy.uncertainty import parameter_intervals
@@ -72,7 +73,7 @@ class Search:
     """What every step shares: the simulated world, the two working views, the library, the seed.
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
-    where that would cost too much.
+    where that would cost too much. `journal` keeps the results of steps that take long.
     """
 
     world: World
@@ -82,6 +83,7 @@ class Search:
     seed: int
     tell: Tell = lambda _: None
     work: View | None = None
+    journal: Journal = field(default_factory=Journal)
 
     @property
     def sharpest(self) -> View:
@@ -124,15 +126,16 @@ def diagnose(search: Search) -> Diagnosis:
     rounds: list[Round] = []
     added: Added = ()
     skipped: dict[str, str] = {}
-    for turn in range(ROUNDS):
+    step = search.journal.step
+    for turn in search.journal.rounds(ROUNDS):
         search.tell(f"searching (round {turn + 1})")
-        located = search.locate(added, turn)
+        located = step(search.locate, added, turn)
         refuted = contradicted(added, located)
         if refuted:
             search, added = search.without(refuted), without(added, refuted)
-            located = search.locate(added, turn)
-        explanation = search.explain(added, located) if located.significant else None
-        explanation = search.order(added, explanation) if explanation else None
+            located = step(search.locate, added, turn)
+        explanation = step(search.explain, added, located) if located.significant else None
+        explanation = step(search.order, added, explanation) if explanation else None
         best = _best(explanation)
         rounds.append(Round(located, explanation, best.effect if best else None))
         skipped |= dict(explanation.skipped) if explanation else {}
@@ -140,15 +143,15 @@ def diagnose(search: Search) -> Diagnosis:
             break
         before, added = added, best.company or _with(added, best.effect)
         if len(added) > 1:
-            added = polished(search.world, search.fit, added)
-            added = pruned(search.world, search.discover, added, search.seed, MARGIN)
+            added = step(polished, search.world, search.fit, added)
+            added = step(pruned, search.world, search.discover, added, search.seed, MARGIN)
         if {e.name for e in added} <= {e.name for e in before}:
             if best.effect.name not in search.kinds:
                 break
             search = search.without(best.effect)  # what was added was taken out again
     if search.work is not None and added:
-        added = settled(search.world, search.work, added)
-    verdicts = _verdicts(search, rounds, added)
+        added = step(settled, search.world, search.work, added)
+    verdicts = step(_verdicts, search, rounds, added)
     kept = tuple(e for e in added if any(e.physics in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
 

@@ -13,6 +13,7 @@ from bench.discrepancy.checks import check_recorded
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.explain import library
 from bench.discrepancy.gain import gain_interval, tally
+from bench.discrepancy.journal import Journal
 from bench.discrepancy.model import Diagnosis, Search, diagnose
 from bench.discrepancy.observables import Window, window_of
 from bench.discrepancy.score import Estimate, cluster_bootstrap
@@ -91,10 +92,12 @@ def study(
     options: Options | None = None,
     tell: Tell = lambda _: None,
     kinds: dict[str, type[Effect]] | None = None,
+    journal: Journal | None = None,
 ) -> Study:
     """Diagnose `recorded` against a simulator or a table. Raises BenchError on bad input.
 
-    `kinds` restricts the library. Deterministic from `options.seed`.
+    `kinds` restricts the library. Deterministic from `options.seed`. What a `journal` keeps of an
+    earlier, unfinished diagnosis of the same input is not done again.
     """
     asked = options or Options()
     check_recorded(recorded)
@@ -111,7 +114,9 @@ def study(
     library_, skipped = library()
     discover, fit = look(split.discover, asked.search_rows), look(split.fit, asked.fit_rows)
     work = None if asked.waveform else look(split.work, asked.search_rows)
-    search = Search(world, discover, fit, kinds or library_, asked.seed, tell, work)
+    kept = journal or Journal()
+    kept.know(kinds or library_)
+    search = Search(world, discover, fit, kinds or library_, asked.seed, tell, work, kept)
     found = diagnose(search)
     found = Diagnosis(found.verdicts, found.added, found.rounds, {**skipped, **found.skipped})
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))

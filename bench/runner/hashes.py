@@ -50,6 +50,11 @@ def packages_code_hash(*places: str) -> str:
     return _hash_sources(root.parent / place for place, root in roots.items())
 
 
+def effects_code_hash(effects: Iterable[Plugin]) -> str:
+    """Hash the source of every package that brings effects but ours."""
+    return _hash_sources({_package_root(plugin) for plugin in effects if not plugin.built_in})
+
+
 def file_sha256(path: Path) -> str:
     """Return the SHA-256 of a file, in hex."""
     with path.open("rb") as stream:
