@@ -19,6 +19,7 @@ from bench.physics.effect import Effect, Parameter
 Floats = NDArray[np.float64]
 FIT_MEMBERS = 4
 STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null to the bound
+FINE_STEPS = (0.0025, 0.001, 0.0004)  # besides, where paths alone are simulated, which is cheap
 RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
 EVALUATIONS = 60
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
@@ -103,18 +104,19 @@ def screen(objective: Objective) -> Fitted:
     An amplitude is a parameter with a value at which the effect does nothing; the others stay at
     their defaults. Effects without one are tried at points spread over their bounds.
     """
-    for values in _starts(objective.kind):
+    thorough = not objective.view.waveform  # paths alone cost next to nothing
+    for values in _starts(objective.kind, thorough):
         objective(values)
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
-    thorough = not objective.view.waveform  # paths alone cost next to nothing
     for values in _elsewhere(objective.kind, objective.best[1], thorough):
         objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 
-def _starts(kind: type[Effect]) -> list[dict[str, float]]:
+def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
     """Return the points of the screening."""
+    plain = STEPS + FINE_STEPS if thorough else STEPS
     free = free_parameters(kind)
     amplitudes = [p for p in free if p.null is not None]
     defaults = {p.name: p.default for p in free}
@@ -122,7 +124,7 @@ def _starts(kind: type[Effect]) -> list[dict[str, float]]:
     for amplitude in amplitudes:
         null = float(amplitude.null or 0.0)
         for bound in {amplitude.low, amplitude.high} - {null}:
-            steps = RATIO_STEPS if by_ratio(amplitude) else STEPS
+            steps = RATIO_STEPS if by_ratio(amplitude) else plain
             at = [_between(amplitude, null, bound, step) for step in steps]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
     if not amplitudes:

@@ -29,6 +29,7 @@ from bench.discrepancy.gain import gain_interval, tally
 from bench.discrepancy.journal import Journal
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
+from bench.discrepancy.strikes import Strike, strikable, strike
 from bench.discrepancy.uncertainty import parameter_intervals
 from bench.discrepancy.verdict import Ambiguous, Control, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.world import Added, View, World, without
@@ -46,11 +47,16 @@ SHARE = 0.6  # of what a flexible regression removes, that named effects must re
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of the loop: what was located, who competed, what was added."""
+    """One turn of the loop: what was located, who competed, what was added.
+
+    `strike` is set where that strikes links at random (see `strikes`): what follows is judged on
+    the links it did not strike.
+    """
 
     located: Located
     explanation: Explanation | None
     added: Effect | None
+    strike: Strike | None = None
 
 
 @dataclass(frozen=True)
@@ -101,8 +107,27 @@ class Search:
         """Fit the library on the fit links, score it on the discover links."""
         focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
         have = {effect.physics for effect in added}
-        world, kinds = self.world, {n: k for n, k in self.kinds.items() if n not in have}
+        world = self.world
+        kinds = {
+            n: k for n, k in self.kinds.items() if n not in have and not strikable(k, self.fit)
+        }
         return explain(world, self.fit, self.discover, added, kinds, focus, self.seed, self.tell)
+
+    def strike(self, added: Added, best: Contender | None) -> Strike | None:
+        """Return what strikes links at random, if that explains them better than `best` does."""
+        if self.work is None:
+            return None
+        rival = (best.company or _with(added, best.effect)) if best else added
+        return strike(self.world, self.work, added, rival, self.kinds)
+
+    def calm(self, found: Strike) -> Search:
+        """Return a search on the links that were not struck, by other effects."""
+        views = (self.discover, self.fit, self.work)
+        kept = [view.leaving(found.struck) if view else None for view in views]
+        assert kept[0] is not None
+        assert kept[1] is not None
+        calm = replace(self, discover=kept[0], fit=kept[1], work=kept[2])
+        return calm.without(found.effect)
 
     def without(self, effect: Effect) -> Search:
         """Return a search that leaves this effect out of the library."""
@@ -137,8 +162,13 @@ def diagnose(search: Search) -> Diagnosis:
         explanation = step(search.explain, added, located) if located.significant else None
         explanation = step(search.order, added, explanation) if explanation else None
         best = _best(explanation)
-        rounds.append(Round(located, explanation, best.effect if best else None))
         skipped |= dict(explanation.skipped) if explanation else {}
+        found = step(search.strike, added, best) if explanation else None
+        if found and explanation:
+            rounds.append(_struck_round(located, explanation, found))
+            search = search.calm(found)
+            continue
+        rounds.append(Round(located, explanation, best.effect if best else None))
         if best is None:
             break
         before, added = added, best.company or _with(added, best.effect)
@@ -151,9 +181,17 @@ def diagnose(search: Search) -> Diagnosis:
             search = search.without(best.effect)  # what was added was taken out again
     if search.work is not None and added:
         added = step(settled, search.world, search.work, added)
+    struck = tuple(turn.strike.effect for turn in rounds if turn.strike)
     verdicts = step(_verdicts, search, rounds, added)
-    kept = tuple(e for e in added if any(e.physics in v.names for v in verdicts))
+    kept = tuple(e for e in (*struck, *added) if any(e.physics in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
+
+
+def _struck_round(located: Located, explanation: Explanation, found: Strike) -> Round:
+    """Return a round in which an effect that strikes links at random was found."""
+    first = Contender(found.effect, explanation.base, found.evidence)
+    shown = replace(explanation, contenders=(first, *explanation.contenders))
+    return Round(located, shown, found.effect, found)
 
 
 def contradicted(added: Added, located: Located) -> Effect | None:
@@ -196,11 +234,10 @@ def _with(added: Added, effect: Effect) -> Added:
 def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
     """Return what can be said: names that hold, and what is left."""
     last = rounds[-1]
+    struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
     if not added and not _real(last):
-        return (NoMismatch(last.located.detectable, last.located.p),)
-    first = rounds[0].explanation
-    assert first is not None
-    share = _share(search, first, added)
+        return struck or (NoMismatch(last.located.detectable, last.located.p),)
+    share = _share(search, _since_struck(rounds), added)
     unexplained = last.located.significant and last.added is None
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     # Once effects are fitted, their parameters are only known so well: what that leaves is small.
@@ -208,9 +245,22 @@ def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdic
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and _real(last))
     if worth and share < SHARE:
-        return (_unknown(last, "the best known effects remove too little of what is removable"),)
-    named = _named(search, rounds, added, share)
+        return (*struck, _unknown(last, "the best known effects remove too little of it"))
+    named = (*struck, *_named(search, rounds, added, share))
     return (*named, _unknown(last, "left after the named effects")) if worth else named
+
+
+def _since_struck(rounds: list[Round]) -> Explanation:
+    """Return the first explanation on the links that are judged at the end."""
+    start = max((i + 1 for i, turn in enumerate(rounds) if turn.strike), default=0)
+    return next(turn.explanation for turn in (*rounds[start:], *rounds) if turn.explanation)
+
+
+def _struck_out(search: Search, turn: Round, found: Strike) -> LeftOut:
+    """Return the verdict on an effect that strikes links at random."""
+    control = negative_control(search, (), found.effect, turn.located.findings[0])
+    findings = turn.located.findings
+    return LeftOut(found.effect, found.parameters, found.evidence, 1.0, control, findings)
 
 
 def _real(last: Round) -> bool:
@@ -247,7 +297,7 @@ def _named(search: Search, rounds: list[Round], added: Added, share: float) -> t
     """Return one verdict per added effect: named alone, or with those that do as well."""
     out: list[Verdict] = []
     for turn in rounds:
-        if turn.added is None or turn.explanation is None:
+        if turn.added is None or turn.explanation is None or turn.strike:
             continue
         effect = next((e for e in added if e.name == turn.added.name), None)
         if effect is None or any(effect.physics in v.names for v in out):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -16,6 +17,7 @@ Rows = NDArray[np.intp]
 MIN_LINKS = 4
 FEW_LINKS = 8  # below this, discover and fit share links (in stretches of rows), confirm does not
 STRETCH = 20  # rows
+RARE_LINKS = 8  # a device of fewer links is spread over both working parts
 
 
 class Sealed(Generic[T]):
@@ -95,11 +97,28 @@ def split_links(
     if count < FEW_LINKS:
         return _shared(codes, held, count)
     rest = [link for link in order.tolist() if link not in held]
-    cut = max(1, round(len(rest) * shares[0] / sum(shares)))
     part = np.full(count, 1)
-    part[rest[:cut]], part[list(held)] = 0, 2
+    part[_discover(rest, shares[0] / sum(shares), _devices(frame, codes, count))] = 0
+    part[list(held)] = 2
     rows = [np.flatnonzero(part[codes] == which) for which in range(3)]
     return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
+
+
+def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> list[int]:
+    """Return the links, of `rest` in random order, that are searched.
+
+    A device of few links has `share` of them here and the others among those that are fitted:
+    what is fitted on the one side has to be there on the other.
+    """
+    seen = Counter(name for link in rest for name in set(devices[link]))
+    few = {name for name, links in seen.items() if name and links < RARE_LINKS}
+    rare = sorted(
+        (link for link in rest if few & set(devices[link])),
+        key=lambda link: sorted(few & set(devices[link]))[0],
+    )
+    chosen = [link for i, link in enumerate(rare) if int((i + 1) * share) > int(i * share)]
+    plain = [link for link in rest if link not in rare]
+    return chosen + plain[: max(1, round(len(rest) * share) - len(chosen))]
 
 
 def _shared(codes: NDArray[np.intp], held: set[int], count: int) -> LinkSplit:

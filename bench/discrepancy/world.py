@@ -57,6 +57,13 @@ class View:
     rows: Rows
     waveform: bool = True
 
+    def leaving(self, links: NDArray[np.intp]) -> View:
+        """Return the view without some links, by code."""
+        keep = np.flatnonzero(~np.isin(self.links, links))
+        recorded = replace(self.recorded, values=self.recorded.values[keep])
+        frame = self.frame.iloc[keep].reset_index(drop=True)
+        return View(frame, recorded, self.links[keep], self.rows[keep], self.waveform)
+
     @property
     def rich(self) -> int:
         """How many times the members asked for are made: paths alone cost next to nothing."""
