@@ -172,7 +172,8 @@ def test_table_with_cirs_takes_effects_on_the_waveform():
     rows = _rows(0, links=24)
     hidden = BASE.with_effect(PulseRinging(ring_db=-9.0, ring_delay_ns=8.0))
     recorded = Recordings(hidden.simulate(rows, 1).frame, "test")
-    other = Recordings(BASE.simulate(rows, 2).frame, "other", simulator="theirs")
+    frames = [BASE.simulate(rows, seed).frame for seed in (2, 3)]
+    other = Recordings(pd.concat(frames, ignore_index=True), "other", simulator="theirs")
     options = Options(search_rows=60, fit_rows=24)
     found = study(recorded, other, options, kinds={"pulse-ringing": PulseRinging})
     assert "pulse-ringing" in {name for group in found.diagnosis.names for name in group}
