@@ -10,7 +10,13 @@ import pandas as pd
 from bench.challenge.cases import DISCOVER_SHARE, simulator_of
 from bench.challenge.generator.conceal import Hidden
 from bench.challenge.generator.geometry import geometry
-from bench.challenge.generator.waveforms import conceal_wave, draw_wave
+from bench.challenge.generator.waveforms import (
+    WIDE_LEAD,
+    WIDE_SAMPLES,
+    conceal_wave,
+    draw_wave,
+    recorded,
+)
 from bench.challenge.scoring import Outcome, outcome
 from bench.discrepancy.observables import observe
 from bench.discrepancy.study import Options, study
@@ -53,15 +59,29 @@ def make_wave(number: int, seed: int) -> WaveCase:
     """Return waveform case `number`; deterministic from both."""
     drawn = draw_wave(number, seed)
     names, sizes = ((drawn.name,), (drawn.strength,)) if drawn.name else ((), ())
-    hidden = Hidden(names, sizes, "waveform")
-    own = seed * 10_000 + number
-    base = simulator_of(Hidden((), (), "plain"), 7)
-    frame = geometry(own).drop(columns="_rare")
+    wide, simulated = wide_table(number, seed)
+    shown = recorded(conceal_wave(wide, drawn, seed * 10_000 + number))
+    table = Recordings(shown, f"waveform case {number}")
+    return WaveCase(Hidden(names, sizes, "waveform"), recorded(wide), table, simulated)
+
+
+def wide_table(number: int, seed: int) -> tuple[pd.DataFrame, Simulator]:
+    """Return a case's rows with complex impulse responses, wider than shown; and the simulator."""
+    frame = geometry(seed * 10_000 + number).drop(columns="_rare")
     frame = frame[frame.groupby("link").cumcount() < ROWS].reset_index(drop=True)
-    clean = base.observe(scene(frame), 1000 + number).table(frame)
-    clean = clean.drop(columns="clock_offset_ppm", errors="ignore")
-    recorded = Recordings(conceal_wave(clean, drawn, own), f"waveform case {number}")
-    return WaveCase(hidden, clean, recorded, base)
+    simulated = _uncounted(simulator_of(Hidden((), (), "plain"), 7))
+    crop = {"cir_lead": WIDE_LEAD, "cir_samples": WIDE_SAMPLES}
+    wide = replace(simulated, base=replace(simulated.base, **crop))
+    made = wide.observe(scene(frame), 1000 + number, complex_cir=True).table(frame)
+    return made.drop(columns="clock_offset_ppm", errors="ignore"), simulated
+
+
+def _uncounted(simulator: Simulator) -> Simulator:
+    """Return the simulator that does not read from the rows how many symbols were accumulated.
+
+    The count is something to be explained here, not a setting.
+    """
+    return replace(simulator, base=replace(simulator.base, keep_count=0))
 
 
 def run_wave(number: int, seed: int) -> Outcome:

@@ -71,9 +71,12 @@ def refitted(
 
     An effect added earlier may hold what belongs to a contender, and lets go of it only when both
     are fitted. Effects that draw every link anew are tried from their defaults too: what they do
-    is easily held by the others. `views` are the fit and the held-out rows.
+    is easily held by the others. `views` are the fit and the held-out rows. All gains are counted
+    from what the effects added so far reach when they are fitted again without anything new: what
+    they gain by that is no merit of a contender.
     """
     likely = [one for one in explanation.contenders[:AHEAD] if one.gain.likely_above_zero]
+    explanation = _from_refitted(world, views, added, explanation, seed)
     have = {effect.physics for effect in added}
     fresh = [kind() for kind in kinds.values() if kind.per_link and kind.name not in have]
     tries = [(one.effect, 1) for one in likely] + [(effect, 2) for effect in fresh]
@@ -86,6 +89,28 @@ def refitted(
     made.sort(key=lambda one: -one.gain.value)
     best = {one.name: one for one in reversed(made)}
     return replace(explanation, contenders=tuple(one for one in made if best[one.name] is one))
+
+
+def _from_refitted(
+    world: World, views: tuple[View, View], added: Added, explanation: Explanation, seed: int
+) -> Explanation:
+    """Return the explanation with gains over the effects added so far, fitted again if better."""
+    alone = polished(world, views[0], added, 2, False)
+    again = tally(world.ensemble(views[1], alone, SCORE_MEMBERS, SCORE_FIRST))
+    if gain(explanation.base, again) <= 0:
+        return explanation
+    made = [
+        replace(one, gain=gain_interval(again, one.tally, seed)) for one in explanation.contenders
+    ]
+    made.sort(key=lambda one: -one.gain.value)
+    removable = gain_interval(again, explanation.nuisance, seed)
+    return replace(explanation, contenders=tuple(made), base=again, removable=removable)
+
+
+def beyond(explanation: Explanation, least: float) -> Explanation:
+    """Return the explanation with only those contenders that gain more than `least` nats."""
+    able = tuple(one for one in explanation.contenders if one.gain.value > least)
+    return replace(explanation, contenders=able)
 
 
 def _matches(explanation: Explanation, one: Contender, best: Contender, seed: int) -> bool:

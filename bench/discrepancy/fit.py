@@ -22,8 +22,15 @@ STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null 
 FINE_STEPS = (0.0025, 0.001, 0.0004)  # besides, where paths alone are simulated, which is cheap
 RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
 EVALUATIONS = 60
+PER_PARAMETER = 15  # of these at least, where there are waveforms and so much to fit
+SIMPLICES = 3  # searches there, each from where the last one ended
+STALLED = 0.01  # of the gain, or nats: less than this and another search is not worth it
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
 STRENGTHS = (None, 0.05, 0.2, 0.5)  # amplitudes tried there: as found so far, shares of the bound
+LEVELS = (None, 0.85, 0.7, 0.5)  # the same where the way is in decibels
+DECIBEL_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
+LOUD_DB = 30.0  # a level that may be this far above "nothing" is searched evenly in decibels
+DELAYS = 16  # of those points where a delay is among the other parameters: echoes are short
 FLAG = "0 or 1"
 DECADES = 1e3  # a parameter whose bounds are this far apart, both positive, is searched by ratio
 NOTHING = -1e6  # the gain of parameter values that leave nothing to compare
@@ -86,11 +93,11 @@ def members_for(kind: type[Effect], view: View, members: int) -> int:
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
     """Return the parameters that are fitted.
 
-    Not switches, not where a tail is cut or what it is where there is no room, and not spreads
-    over devices: the devices of recordings are few and have values of their own, which
-    `bench.discrepancy.latent` finds.
+    Not switches, not where a tail is cut or what it is where there is no room, not the width of
+    the base's own pulse, and not spreads over devices: the devices of recordings are few and have
+    values of their own, which `bench.discrepancy.latent` finds.
     """
-    skip = ("device_spread", "open_space", "length_ns")
+    skip = ("device_spread", "open_space", "length_ns", "pulse_fwhm")
     return tuple(
         p
         for p in kind.parameters()
@@ -124,8 +131,7 @@ def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
     for amplitude in amplitudes:
         null = float(amplitude.null or 0.0)
         for bound in {amplitude.low, amplitude.high} - {null}:
-            steps = RATIO_STEPS if by_ratio(amplitude) else plain
-            at = [_between(amplitude, null, bound, step) for step in steps]
+            at = [_between(amplitude, null, bound, step) for step in _steps(amplitude, plain)]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
     if not amplitudes:
         rng = np.random.default_rng(0)
@@ -133,11 +139,18 @@ def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
     return out
 
 
+def _steps(item: Parameter, plain: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the shares of the way from null to the bound that the line search tries."""
+    if by_level(item):
+        return DECIBEL_STEPS
+    return RATIO_STEPS if by_ratio(item) else plain
+
+
 def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str, float]]:
     """Return points with the other parameters (delays, phases) spread over their bounds.
 
     A line search along an amplitude sees nothing where an echo's delay is wrong. Each point is
-    tried at one strength in turn, or, where `thorough`, at all.
+    tried at one strength in turn, or, where `thorough` or for an echo, at all.
     """
     free = free_parameters(kind)
     others = [p for p in free if p.null is None]
@@ -145,11 +158,13 @@ def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[st
     if not others or not amplitudes:
         return []
     now = {p.name: float(getattr(best, p.name)) for p in free}
-    points = qmc.Sobol(len(others), seed=0).random(ELSEWHERE)
+    echo = any(p.name.endswith("delay_ns") for p in others)
+    points = qmc.Sobol(len(others), seed=0).random(DELAYS if echo else ELSEWHERE)
+    shares = LEVELS if by_level(amplitudes[0]) else STRENGTHS
     out = []
     for number, point in enumerate(points):
         spread = {p.name: _between(p, p.low, p.high, u) for p, u in zip(others, point, strict=True)}
-        for share in STRENGTHS if thorough else (STRENGTHS[number % len(STRENGTHS)],):
+        for share in shares if thorough or echo else (shares[number % len(shares)],):
             strong = {p.name: _strength(p, now[p.name], share) for p in amplitudes[:1]}
             out.append(now | strong | spread)
     return out
@@ -165,6 +180,11 @@ def _strength(item: Parameter, now: float, share: float | None) -> float:
 def by_ratio(item: Parameter) -> bool:
     """Return whether a parameter spans decades, so that steps in it are ratios."""
     return item.low > 0 and item.high / item.low >= DECADES
+
+
+def by_level(item: Parameter) -> bool:
+    """Return whether a parameter is a level in decibels that starts from nothing."""
+    return item.unit == "dB" and item.null == item.low and item.high - item.low >= LOUD_DB
 
 
 def _between(item: Parameter, start: float, end: float, share: float) -> float:
@@ -186,10 +206,25 @@ def _inside(item: Parameter, value: float) -> float:
 
 
 def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) -> Fitted:
-    """Return the local optimum near `start` (bounded Nelder-Mead on scaled parameters)."""
-    free = objective.free
-    if not free:
+    """Return the local optimum near `start`; on waveforms searched from anew while that gains.
+
+    A simplex in many dimensions shrinks before it has arrived; a fresh one goes on.
+    """
+    if not objective.free:
         return start
+    if not objective.view.waveform:
+        return _descended(objective, start, evaluations)
+    evaluations = max(evaluations, PER_PARAMETER * len(objective.free))
+    for _ in range(SIMPLICES):
+        before, start = start.gain, _descended(objective, start, evaluations)
+        if start.gain - before < STALLED * max(abs(start.gain), 1.0):
+            break
+    return start
+
+
+def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
+    """Return the end of one bounded Nelder-Mead search on scaled parameters."""
+    free = objective.free
     low, high = (np.array([_scaled(p, end) for p, end in _ends(free, w)]) for w in (0, 1))
     now = np.array([_scaled(p, getattr(start.effect, p.name)) for p in free])
     scale = np.array([_step(p, getattr(start.effect, p.name)) for p in free])
@@ -223,8 +258,10 @@ def _plain(item: Parameter, scaled: float) -> float:
 def _step(item: Parameter, value: float) -> float:
     """Return a first step: a third of the way from null, or a tenth of the bounds.
 
-    A factor of 1.6 for a parameter that spans decades.
+    A factor of 1.6 for a parameter that spans decades, 3 dB for a level.
     """
+    if by_level(item):
+        return 3.0 if value + 3 <= item.high else -3.0
     if by_ratio(item):
         return 0.5 if value < item.high / 2 else -0.5
     low, high, value = (_scaled(item, v) for v in (item.low, item.high, value))

@@ -18,8 +18,9 @@ from bench.discrepancy.score import Estimate
 Floats = NDArray[np.float64]
 _POWERS = ("rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db")
 DRAWS = 400
-# Differences below these do not count, so a constant both sides share cannot drive the gain.
-RESOLUTION = {"m": 5e-4, "dB": 0.01, "counts": 0.2, "symbols": 0.5, "ns": 0.02, "1": 0.01}
+# Differences below these do not count, so a constant both sides share cannot drive the gain, nor
+# can the last tenth of a decibel of a curve that no library has quite right.
+RESOLUTION = {"m": 5e-4, "dB": 0.1, "counts": 1.0, "symbols": 4.0, "ns": 0.05, "1": 0.05}
 
 
 def weight_of(name: str) -> float:

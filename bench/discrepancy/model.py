@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.discrepancy.cells import Cell
 from bench.discrepancy.context import (
+    beyond,
     chosen_first,
     polished,
     pruned,
@@ -25,7 +26,7 @@ from bench.discrepancy.explain import (
     equivalents,
     explain,
 )
-from bench.discrepancy.gain import gain_interval, tally
+from bench.discrepancy.gain import gain, gain_interval, tally
 from bench.discrepancy.journal import Journal
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
@@ -40,6 +41,7 @@ SEARCH_MEMBERS = 16
 SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
 ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
+SHARE_MORE = 0.02  # of the gain reached so far, that another effect must gain on waveforms
 SCATTER_MARGIN = 0.05  # of independent scatter: less is what misfitted effects leave
 SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
 SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
@@ -143,7 +145,22 @@ class Search:
         if added:
             views = (self.fit, self.discover)
             explanation = refitted(self.world, views, added, explanation, self.kinds, self.seed)
+            explanation = beyond(explanation, self.margin(added))
         return chosen_first(explanation, self.seed, MARGIN)
+
+    def margin(self, added: Added) -> float:
+        """Return the nats that one effect among `added`, or on top of them, must be worth.
+
+        With waveforms, where much is compared, a share of what is reached already: an effect whose
+        curve is a little wrong leaves that much, and something else always fits it.
+        """
+        if not self.fit.waveform:
+            return MARGIN
+        before, after = (
+            tally(self.world.ensemble(self.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
+            for effects in ((), added)
+        )
+        return max(MARGIN, SHARE_MORE * gain(before, after))
 
 
 def diagnose(search: Search) -> Diagnosis:
@@ -172,9 +189,10 @@ def diagnose(search: Search) -> Diagnosis:
         if best is None:
             break
         before, added = added, best.company or _with(added, best.effect)
-        if len(added) > 1:
-            added = step(polished, search.world, search.fit, added)
-            added = step(pruned, search.world, search.discover, added, search.seed, MARGIN)
+        if len(added) > 1 or search.fit.waveform:
+            added = step(polished, search.world, search.fit, added, anew=len(added) > 1)
+            margin = step(search.margin, added)
+            added = step(pruned, search.world, search.discover, added, search.seed, margin)
         if {e.name for e in added} <= {e.name for e in before}:
             if best.effect.name not in search.kinds:
                 break

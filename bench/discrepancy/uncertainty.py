@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from bench.discrepancy.fit import free_parameters, valued
+from bench.discrepancy.fit import by_level, free_parameters, valued
 from bench.discrepancy.gain import Tally, tally, weight_of
 from bench.discrepancy.resampled import latent_intervals
 from bench.discrepancy.verdict import ParameterEstimate
@@ -44,7 +44,8 @@ def parameter_intervals(
     centre = np.clip(values, edges[:, 0] + steps, edges[:, 1] - steps)
 
     def per_link(theta: Floats) -> Tally:
-        given = {p.name: float(v) for p, v in zip(moving, theta, strict=True)}
+        inside = np.clip(theta, edges[:, 0], edges[:, 1])  # a sum may end just beyond a bound
+        given = {p.name: float(v) for p, v in zip(moving, inside, strict=True)}
         changed = valued(type(effect), given)
         return tally(world.ensemble(view, (*added, changed), MEMBERS))
 
@@ -58,6 +59,8 @@ def parameter_intervals(
 
 def _step(item: Parameter, value: float) -> float:
     """Return the step of the differences, inwards where a bound is near."""
+    if by_level(item):
+        return 1.0
     size = max(abs(value - (item.null or 0.0)) * 0.1, (item.high - item.low) * 0.002)
     size = min(size, (item.high - item.low) / 4)
     return float(size)

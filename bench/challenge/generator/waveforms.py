@@ -1,7 +1,7 @@
-"""Hidden effects of the waveform: they change impulse responses and powers, not the range.
+"""Hidden effects of the waveform: noise, echoes, losses and gains, put into complex samples.
 
-The recorded tables hold magnitudes, so what is added meets the old samples at random phases
-(or, at a fixed delay after the pulse, where it does not overlap). numpy only.
+What the chip reports follows from the changed samples: the first path and with it the range are
+found again, and the powers move by what the samples say. numpy only.
 """
 
 from __future__ import annotations
@@ -14,43 +14,58 @@ import pandas as pd
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+LEAD, SAMPLES = 5, 157  # of the impulse responses that are recorded
+WIDE_LEAD, WIDE_SAMPLES = 24, 208  # of those that effects are put into
+RAYLEIGH = 0.6551  # std of |n| over the std of its real part
+SAMPLE_M = 0.3003  # one accumulator sample of 1.0016 ns
+NTM = 12.5  # detection threshold in multiples of the noise std
+WIDTH = 2.5  # samples, of the pulse at half its height
 
 
 @dataclass
 class Waves:
-    """Impulse responses of n rows: `cir` [n, K] counts, first path [n] samples, noise [n] counts.
+    """Samples of n rows: `cir` [n, K] complex counts, first path [n] samples, `floor` [n] counts^2.
 
-    `noise` is the standard deviation of the real (or imaginary) part; powers in dBm, temperature
-    in degrees C, distance in metres, `symbols` accumulated.
+    `floor` is the mean |noise|^2, `noise` the standard deviation of |noise| as reported; powers in
+    dBm, temperature in degrees C, distance and range in metres, `symbols` accumulated.
     """
 
-    cir: Floats
+    cir: Complexes
     first: Floats
     noise: Floats
     rx_dbm: Floats
     first_dbm: Floats
     symbols: Floats
+    range_m: Floats
     distance: Floats
     temperature: Floats
+    floor: Floats
 
     @classmethod
     def of(cls, table: pd.DataFrame) -> Waves:
-        """Return the waves of a table with columns as in the exchange format."""
+        """Return the waves of a table with `cir_i`, `cir_q` and columns of the exchange format."""
         names = (
             *("first_path_index", "noise_std", "rx_power_dbm", "first_path_power_dbm"),
-            *("preamble_count", "true_range_m", "temperature_c"),
+            *("preamble_count", "range_m", "true_range_m", "temperature_c"),
         )
         columns = [table[name].to_numpy(np.float64).copy() for name in names]
-        return cls(np.stack(list(table["cir"])).astype(np.float64), *columns)
+        real, imaginary = (np.stack(list(table[name])) for name in ("cir_i", "cir_q"))
+        columns.append(np.full(len(table), 2 * (columns[1].mean() / RAYLEIGH) ** 2))
+        return cls((real + 1j * imaginary).astype(np.complex128), *columns)
 
     def into(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the table with these waves in it."""
         return table.assign(
-            cir=list(self.cir.astype(np.float32)),
+            cir_i=list(self.cir.real),
+            cir_q=list(self.cir.imag),
+            first_path_index=self.first,
             noise_std=self.noise,
             rx_power_dbm=self.rx_dbm,
             first_path_power_dbm=self.first_dbm,
             preamble_count=self.symbols,
+            range_m=self.range_m,
+            error_m=self.range_m - self.distance,
         )
 
     @property
@@ -61,22 +76,55 @@ class Waves:
     @property
     def peak(self) -> Floats:
         """Largest magnitude [n]."""
-        return np.asarray(self.cir.max(axis=1))
+        return np.asarray(np.abs(self.cir).max(axis=1))
 
-    def met(self, more: Floats, rng: np.random.Generator) -> None:
-        """Add magnitudes [n, K] at random phases; the receive level rises with the energy."""
-        before = (self.cir**2).sum(axis=1)
-        turn = np.cos(rng.uniform(0, 2 * np.pi, self.cir.shape))
-        power = self.cir**2 + more**2 + 2 * self.cir * more * turn
-        self.cir = np.sqrt(np.maximum(power, 0))
-        self.rx_dbm = self.rx_dbm + 10 * np.log10((self.cir**2).sum(axis=1) / before)
+    def noisy(self, power: Floats, rng: np.random.Generator) -> Complexes:
+        """Return white noise [n, K] of mean |n|^2 = `power` [n]."""
+        parts = rng.normal(size=(2, *self.cir.shape)) * np.sqrt(power / 2)[:, None]
+        return np.asarray(parts[0] + 1j * parts[1])
 
-    def amplified(self, gain_db: Floats) -> None:
-        """Scale the signal, not the noise, of every row by a gain [n] in dB."""
-        signal = np.maximum(self.cir**2 - 2 * self.noise[:, None] ** 2, 0)
-        more = 10 ** (gain_db / 10)[:, None]
-        self.cir = np.sqrt(self.cir**2 + (more - 1) * signal)
-        self.rx_dbm, self.first_dbm = self.rx_dbm + gain_db, self.first_dbm + gain_db
+    def attenuated(self, loss_db: Floats, rng: np.random.Generator) -> None:
+        """Weaken the signal, not the noise, of every row by a loss [n] >= 0 in dB."""
+        left = 10 ** (-loss_db / 20)
+        fresh = self.noisy(self.floor * (1 - left**2), rng)
+        self.cir = self.cir * left[:, None] + fresh
+
+    def accumulated(self, share: Floats, rng: np.random.Generator) -> None:
+        """Accumulate only a share [n] of the symbols: the noise falls as its root."""
+        fresh = self.noisy(self.floor * (share - share**2), rng)
+        self.cir = self.cir * share[:, None] + fresh
+        self.floor, self.noise = self.floor * share, self.noise * np.sqrt(share)
+        self.symbols = self.symbols * share
+
+    def seen(self) -> tuple[Floats, Floats, Floats]:
+        """Return what these samples say: first path [n] samples, energy and first power [n].
+
+        Per symbol squared; the energy is that above the noise.
+        """
+        size = np.abs(self.cir)
+        found = leading_edge(size, NTM * RAYLEIGH * np.sqrt(self.floor / 2))
+        energy = (size**2).sum(axis=1)
+        above = np.maximum(energy - size.shape[1] * self.floor, 0.05 * energy)
+        near = np.floor(found).astype(int)[:, None] + np.arange(1, 4)
+        early = (np.take_along_axis(size, near, axis=1) ** 2).sum(axis=1)
+        return found, above / self.symbols**2, early / self.symbols**2
+
+
+def leading_edge(size: Floats, threshold: Floats) -> Floats:
+    """Return where [n] the first edge above a threshold [n] crosses half its peak, in samples."""
+    over = size > threshold[:, None]
+    start = np.where(over.any(axis=1), over.argmax(axis=1), size.argmax(axis=1))
+    out = np.empty(len(size))
+    for row, begin in enumerate(start):
+        top = begin
+        while top < begin + 4 and size[row, top + 1] > size[row, top]:
+            top += 1
+        half, low = size[row, top] / 2, top
+        while low > 0 and size[row, low] > half:
+            low -= 1
+        rise = size[row, low + 1] - size[row, low]
+        out[row] = np.round(64 * (low + (half - size[row, low]) / rise)) / 64
+    return out
 
 
 Wave = Callable[[Waves, float, np.random.Generator], None]
@@ -85,64 +133,69 @@ Wave = Callable[[Waves, float, np.random.Generator], None]
 def tail(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Add a decaying random tail of diffuse paths whose start is `strength` of the peak."""
     decay = rng.uniform(12, 25)
-    after = np.maximum(waves.delay - 2, 0)
-    size = strength * waves.peak[:, None] * np.exp(-after / (2 * decay)) * (waves.delay > 2)
-    random = rng.normal(size=(2, *size.shape))
-    waves.met(size * np.hypot(random[0], random[1]) / np.sqrt(2), rng)
+    after = waves.delay - 1.2
+    size = strength * waves.peak[:, None] * np.exp(-np.maximum(after, 0) / (2 * decay))
+    paths = waves.noisy(np.ones(len(size)), rng) * size * (after > 0)
+    pulse = np.exp(-4 * np.log(2) * (np.arange(-5, 6) / WIDTH) ** 2)
+    pulse /= np.sqrt((pulse**2).sum())
+    waves.cir = waves.cir + np.stack([np.convolve(row, pulse, "same") for row in paths])
 
 
 def ringing(waves: Waves, strength: float, rng: np.random.Generator) -> None:
-    """Repeat the pulse inside the antenna: `strength` of it, always the same delay later."""
-    late = int(rng.integers(6, 11))
-    again = np.zeros_like(waves.cir)
-    again[:, late:] = waves.cir[:, :-late]
-    waves.met(strength * again * (waves.delay > late - 2), rng)
+    """Repeat the pulse inside the antenna: `strength` of it, always the same delay later.
+
+    The antenna is passive: what rings on is missing from the pulse.
+    """
+    late, turn = int(rng.integers(6, 11)), np.exp(1j * rng.uniform(0, 2 * np.pi))
+    again = np.roll(waves.cir, late, axis=1)
+    waves.cir = (waves.cir + strength * turn * again) / np.sqrt(1 + strength**2)
 
 
 def interference(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Add a narrowband emitter, `10 x strength` of the noise, with a slow beat over the window."""
-    size = 10 * strength * waves.noise
-    beat = 1 + 0.2 * np.sin(np.arange(waves.cir.shape[1]) / 9.0 + rng.uniform(0, 6))
-    waves.met(size[:, None] * beat, rng)
-    waves.noise = np.hypot(waves.noise, size / np.sqrt(2))
+    turns = rng.choice([-1, 1]) * rng.uniform(0.02, 0.2)  # per sample: 20 to 200 MHz off
+    loud = 10 ** (rng.normal(0, 2, len(waves.cir)) / 20)
+    size = 10 * strength * np.sqrt(waves.floor / 2) * loud
+    when = np.arange(waves.cir.shape[1])
+    beat = 1 + 0.2 * np.sin(when / 9.0 + rng.uniform(0, 6, (len(size), 1)))
+    phase = 2 * np.pi * (turns * when + rng.uniform(size=(len(size), 1)))
+    tone = size[:, None] * beat * np.exp(1j * phase)
+    alone = waves.noisy(waves.floor, rng)
+    waves.cir = waves.cir + tone
+    waves.noise = waves.noise * np.abs(alone + tone).std(axis=1) / np.abs(alone).std(axis=1)
+    waves.floor = waves.floor + size**2
 
 
 def noise(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Worsen the noise figure: the noise larger by `10 x strength` dB."""
-    more = waves.noise * np.sqrt(10**strength - 1)
-    random = rng.normal(size=(2, *waves.cir.shape))
-    waves.met(more[:, None] * np.hypot(random[0], random[1]), rng)
-    waves.noise = np.hypot(waves.noise, more)
+    more = 10**strength
+    waves.cir = waves.cir + waves.noisy(waves.floor * (more - 1), rng)
+    waves.floor, waves.noise = waves.floor * more, waves.noise * np.sqrt(more)
 
 
-def path_loss(waves: Waves, strength: float, _: np.random.Generator) -> None:
+def path_loss(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Steepen the law of distance, with a step every few metres."""
     steps = np.floor(waves.distance / 6.0) * 0.5
-    waves.amplified(-strength * (40 * np.log10(waves.distance) + steps))
+    waves.attenuated(strength * (40 * np.log10(waves.distance) + steps), rng)
 
 
-def level_control(waves: Waves, strength: float, _: np.random.Generator) -> None:
-    """Stop accumulating early when the signal is strong."""
+def level_control(waves: Waves, strength: float, rng: np.random.Generator) -> None:
+    """Hold the level: turn strong signals down and stop accumulating them early."""
     over = np.maximum(waves.rx_dbm + 90.0, 0) / 15.0
-    share = 1 / (1 + 8 * strength * over**1.5)
-    waves.symbols = np.round(waves.symbols * share)
-    signal = np.maximum(waves.cir**2 - 2 * waves.noise[:, None] ** 2, 0)
-    rest = waves.cir**2 - signal
-    waves.cir = np.sqrt(signal * share[:, None] ** 2 + rest * share[:, None])
-    waves.noise = waves.noise * np.sqrt(share)
+    waves.attenuated(12 * strength * over**1.4, rng)
+    wanted = np.round(waves.symbols / (1 + 8 * strength * over**1.5))
+    waves.accumulated(wanted / waves.symbols, rng)
 
 
 def pre_echo(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Outside the library: a filter that answers before it is asked, some samples early."""
-    early = 3
-    again = np.zeros_like(waves.cir)
-    again[:, :-early] = waves.cir[:, early:]
-    waves.met(0.3 * strength * again * (waves.delay < -1), rng)
+    turn = np.exp(1j * rng.uniform(0, 2 * np.pi))
+    waves.cir = waves.cir + 0.3 * strength * turn * np.roll(waves.cir, -3, axis=1)
 
 
-def warm_gain(waves: Waves, strength: float, _: np.random.Generator) -> None:
-    """Outside the library: an amplifier that loses gain when warm."""
-    waves.amplified(-0.6 * strength * (waves.temperature - 25))
+def warm_gain(waves: Waves, strength: float, rng: np.random.Generator) -> None:
+    """Outside the library: an amplifier that loses gain as it warms, from the coldest row on."""
+    waves.attenuated(0.6 * strength * (waves.temperature - waves.temperature.min()), rng)
 
 
 WAVES: dict[str, Wave] = {
@@ -179,9 +232,32 @@ def draw_wave(number: int, seed: int) -> HiddenWave:
 
 
 def conceal_wave(table: pd.DataFrame, hidden: HiddenWave, seed: int) -> pd.DataFrame:
-    """Return the table with the hidden effect in its waveforms and powers."""
+    """Return the table with the hidden effect in its waveforms, ranges and powers.
+
+    `table` has complex impulse responses of WIDE_SAMPLES; see `recorded` for what is shown.
+    """
     if hidden.name is None:
         return table
     waves = Waves.of(table)
+    before = waves.seen()
     WAVES[hidden.name](waves, hidden.strength, np.random.default_rng([seed, 6]))
+    after = waves.seen()
+    later, louder, earlier = (b - a for a, b in zip(_in_db(before), _in_db(after), strict=True))
+    waves.first, waves.range_m = waves.first + later, waves.range_m + SAMPLE_M * later
+    waves.rx_dbm, waves.first_dbm = waves.rx_dbm + louder, waves.first_dbm + earlier
     return waves.into(table)
+
+
+def _in_db(seen: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats, Floats]:
+    """Return what samples say with powers in dB."""
+    return seen[0], 10 * np.log10(seen[1]), 10 * np.log10(seen[2])
+
+
+def recorded(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table as a radio would log it: SAMPLES magnitudes from LEAD before the path."""
+    start = np.floor(table["first_path_index"].to_numpy()).astype(int) - LEAD
+    wide = [np.hypot(*np.stack(pair)) for pair in zip(table["cir_i"], table["cir_q"], strict=True)]
+    start = np.clip(start, 0, WIDE_SAMPLES - SAMPLES)
+    cut = [row[at : at + SAMPLES].astype(np.float32) for row, at in zip(wide, start, strict=True)]
+    shown = table.drop(columns=["cir_i", "cir_q"])
+    return shown.assign(cir=cut, first_path_index=table["first_path_index"] - start)

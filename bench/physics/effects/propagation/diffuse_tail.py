@@ -39,7 +39,7 @@ class DiffuseTail(Effect):
     source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27"
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
 
-    level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m")
+    level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m", null=-60)
     distance_exponent: float = parameter(0.5, "1", 0, 6, "how the level falls with distance")
     ray_decay_ns: float = parameter(9, "ns", 1, 120, "of the rays in a cluster (gamma)")
     cluster_decay_ns: float = parameter(12, "ns", 1, 200, "of the clusters (Gamma)")
@@ -51,7 +51,9 @@ class DiffuseTail(Effect):
     length_ns: float = parameter(165, "ns", 10, 1000, "where the tail is cut")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        """Add the tail's taps, the first at the straight line's delay."""
+        """Add the tail's taps, the first at the straight line's delay; none at -60 dB."""
+        if self.level_db <= -60:
+            return batch
         taps = max(2, int(self.length_ns / batch.sample_period_ns))
         scale = self._room_scale(batch.rows)
         profile = self._profile(batch, draws, taps, scale)

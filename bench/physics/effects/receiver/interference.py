@@ -17,8 +17,9 @@ from bench.physics.units import amplitude
 class NarrowbandInterference(Effect):
     """Adds a tone to the noise: ripple across all bins, those before the first path included.
 
-    Its level is exponential in power around `level_db` over the noise, its frequency lies
-    `offset_mhz` beside the carrier, its phase is random; it is on in `share` of the rows.
+    Its level is `level_db` over the noise, with a spread of `fading_db` from row to row (5.6 dB is
+    that of a Rayleigh channel), its frequency lies `offset_mhz` beside the carrier, its phase is
+    random; it is on in `share` of the rows.
     """
 
     name = "narrowband-interference"
@@ -28,16 +29,17 @@ class NarrowbandInterference(Effect):
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
     without_cir = False
 
-    level_db: float = parameter(6, "dB", -20, 40, "mean power over the noise's")
+    level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)
+    fading_db: float = parameter(5.6, "dB", 0, 12, "std of the level over rows")
     offset_mhz: float = parameter(80, "MHz", -250, 250, "from the carrier")
     share: float = parameter(1, "ratio", 0, 1, "of the rows", null=0)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the tone to the noise of the struck rows."""
-        if batch.noise is None or batch.noise_power is None:
+        if batch.noise is None or batch.noise_power is None or self.level_db <= -20:
             return batch
-        power = batch.noise_power * amplitude(self.level_db) ** 2
-        size = np.sqrt(power * draws.generator.standard_exponential(len(batch), np.float32))
+        level = self.level_db + self.fading_db * draws.normal(len(batch))
+        size = np.sqrt(batch.noise_power) * amplitude(np.asarray(level, np.float64))
         size = np.where(self._struck(draws, len(batch)), size, 0)
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
         tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
