@@ -30,7 +30,7 @@ from bench.discrepancy.gain import gain, gain_interval, tally
 from bench.discrepancy.journal import Journal
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
-from bench.discrepancy.strikes import Strike, strikable, strike
+from bench.discrepancy.strikes import Strike, apart, strikable, strike
 from bench.discrepancy.uncertainty import parameter_intervals
 from bench.discrepancy.verdict import Ambiguous, Control, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.world import Added, View, World, without
@@ -43,6 +43,7 @@ ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
 SHARE_MORE = 0.02  # of the gain reached so far, that another effect must gain on waveforms
 SCATTER_MARGIN = 0.05  # of independent scatter: less is what misfitted effects leave
+APART = 5.0  # nats of evidence for offsets per link: p = 0.0008 by chi-squared
 SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
 SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
 
@@ -253,7 +254,7 @@ def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdic
     """Return what can be said: names that hold, and what is left."""
     last = rounds[-1]
     struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
-    if not added and not _real(last):
+    if not added and not _real(search, last):
         return struck or (NoMismatch(last.located.detectable, last.located.p),)
     share = _share(search, _since_struck(rounds), added)
     unexplained = last.located.significant and last.added is None
@@ -261,7 +262,7 @@ def _verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdic
     # Once effects are fitted, their parameters are only known so well: what that leaves is small.
     least = MARGIN if added else 0.0
     worth = unexplained and removable.above_zero and removable.value > least
-    worth = worth or (not added and _real(last))
+    worth = worth or (not added and _real(search, last))
     if worth and share < SHARE:
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, share))
@@ -281,15 +282,17 @@ def _struck_out(search: Search, turn: Round, found: Strike) -> LeftOut:
     return LeftOut(found.effect, found.parameters, found.evidence, 1.0, control, findings)
 
 
-def _real(last: Round) -> bool:
-    """Return whether a located mismatch holds up.
+def _real(search: Search, last: Round) -> bool:
+    """Return whether a located mismatch holds up where nothing was added.
 
-    Something can be removed on held-out links, or the search leaves no doubt by itself (offsets
-    that differ at random from link to link are there although nothing predicts them).
+    Something can be removed on held-out links, or the search leaves no doubt by itself, or links
+    have offsets of their own (which are there although nothing predicts them).
     """
     if not last.located.significant or last.explanation is None:
         return False
-    return last.explanation.removable.above_zero or last.located.p <= SURE
+    if last.explanation.removable.above_zero or last.located.p <= SURE:
+        return True
+    return search.work is not None and apart(search.world, search.work, ()) > APART
 
 
 def _unknown(last: Round, note: str) -> Unknown:

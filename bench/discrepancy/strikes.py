@@ -148,14 +148,33 @@ def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[St
     return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost
 
 
-def offsets(world: World, view: View, added: Added, kind: type[Effect]) -> Offsets:
-    """Return the offset of every link of the view beside the simulator with `added`."""
+def apart(world: World, view: View, added: Added) -> float:
+    """Return the evidence, in nats, that links have offsets of their own beside the simulator.
+
+    The log likelihood of scatter between links beyond the simulator's over that of none; links
+    may be anything at all in both.
+    """
+    if "error_m" not in view.recorded.names:
+        return 0.0
+    seen = offsets(world, view, added, None)
+    none, some = (
+        max(_chances(seen, extras), key=lambda one: one.nats).nats
+        for extras in (EXTRA_M[:1], EXTRA_M)
+    )
+    return some - none
+
+
+def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -> Offsets:
+    """Return the offset of every link of the view beside the simulator with `added`.
+
+    Without a `kind` all links count as spared.
+    """
     made = world.ensemble(view, added, MEMBERS, FIRST)
     links, code = np.unique(made.links, return_inverse=True)
     which = made.names.index("error_m")
     middle = made.simulated[..., which].mean(axis=0)
     per_version = link_medians(made.versions[..., which] - middle, code)
-    inert = kind().inert(Base().paths(view.scene))
+    inert = kind().inert(Base().paths(view.scene)) if kind else np.ones(len(code), bool)
     spared = np.bincount(code, inert) == np.bincount(code)
     scatter = per_version[1:].std(axis=0, ddof=1)
     return Offsets(links, per_version[0], np.maximum(scatter, 1e-4), spared)
@@ -205,11 +224,16 @@ def _shift(with_it: Ensemble, bare: Ensemble) -> Floats:
 
 def _plain(seen: Offsets) -> Mixture:
     """Return the likeliest mixture without strikes."""
+    return max(_chances(seen, EXTRA_M), key=lambda one: one.nats)
+
+
+def _chances(seen: Offsets, extras: tuple[float, ...]) -> list[Mixture]:
+    """Return every mixture without strikes, for some scatters of calm links."""
     every = []
-    for extra, behind, wild in product(EXTRA_M, BEHIND_M, WILD):
+    for extra, behind, wild in product(extras, BEHIND_M, WILD):
         one = Mixture(0.0, extra, behind, wild)
         every.append(replace(one, nats=float(np.log(one.density(seen)).sum())))
-    return max(every, key=lambda one: one.nats)
+    return every
 
 
 def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
