@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Way = Literal["resimulated", "paired table", "unpaired table"]
 WAYS: tuple[Way, ...] = ("resimulated", "paired table", "resimulated", "unpaired table")
 REPLICAS = 16  # of every row in a simulated table
-DISCOVER_SHARE = 0.4
+SEARCHED_SHARE = 0.75  # of the links where ranges alone are compared: all but the confirm links
 # A test that knows the shape of the effect but pays for a search needs about 4 + 1.3 standard
 # deviations for 90 % power; the search's cells are not the shape, which costs about a third.
 LIMIT_Z = 8.0
@@ -41,7 +41,7 @@ class Case:
 
     @property
     def strength_z(self) -> float:
-        """Matched-filter signal-to-noise ratio of the weakest hidden effect on discover links.
+        """Matched-filter signal-to-noise ratio of the weakest hidden effect on the searched links.
 
         Of a test that knows the exact shape of each effect, with the other one projected out.
         0 where nothing is hidden.
@@ -55,7 +55,7 @@ class Case:
         noise = float(np.std(error - design @ found))
         alone = np.linalg.inv(design.T @ design + 1e-12 * np.eye(design.shape[1]))
         z = np.abs(found) / (noise * np.sqrt(np.diag(alone)))
-        return float(z[: len(self.hidden.names)].min() * np.sqrt(DISCOVER_SHARE))
+        return float(z[: len(self.hidden.names)].min() * np.sqrt(SEARCHED_SHARE))
 
     @property
     def above_limit(self) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from bench.challenge.cases import DISCOVER_SHARE, simulator_of
+from bench.challenge.cases import simulator_of
 from bench.challenge.generator.conceal import Hidden
 from bench.challenge.generator.geometry import geometry
 from bench.challenge.generator.waveforms import (
@@ -25,6 +25,7 @@ from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
 
 ROWS = 4  # per link
+DISCOVER_SHARE = 0.4  # of the links, those that are searched where waveforms are compared
 MOST_Z = 999.0  # what does not scatter at all moves by any number of standard errors
 FIRST = 1000  # numbers of waveform cases start here, apart from those on ranges
 

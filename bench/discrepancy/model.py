@@ -99,12 +99,18 @@ class Search:
         """The rows that the final parameters are fitted on."""
         return self.fit if self.work is None else self.work
 
+    @property
+    def searched(self) -> View:
+        """The rows that are searched: both views where scores are those of both (see `explain`)."""
+        return self.discover if self.work is None else self.work
+
     def locate(self, added: Added, turn: int) -> Located:
-        """Search the discover links for what is left."""
+        """Search for what is left."""
         first = SEARCH_FIRST + turn * SEARCH_MEMBERS
-        ensemble = self.world.ensemble(self.discover, added, SEARCH_MEMBERS, first)
-        ensemble = ensemble.first(self.world.distinct(self.discover))
-        return locate(ensemble, self.discover.covariates, self.seed + turn)
+        seen = self.searched
+        ensemble = self.world.ensemble(seen, added, SEARCH_MEMBERS, first)
+        ensemble = ensemble.first(self.world.distinct(seen))
+        return locate(ensemble, seen.covariates, self.seed + turn)
 
     def explain(self, added: Added, located: Located) -> Explanation:
         """Fit the library on the fit links, score it on the discover links."""
