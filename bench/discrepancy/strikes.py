@@ -248,7 +248,9 @@ def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
             nats = np.log((1 - wild) * (calm + hit) + wild / (2 * WIDEST_M)).sum(axis=1)
             top = max(top, float(nats.max()))
             near = np.flatnonzero(nats > top - LEVEL)
-            out += [Mixture(float(nats[i]), extra, behind, wild, SHARES[i], size) for i in near]
+            out += [
+                Mixture(float(nats[i]), extra, behind, wild, float(SHARES[i]), size) for i in near
+            ]
     return [one for one in out if one.nats > top - LEVEL]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,7 +12,7 @@ from bench.discrepancy.model import Search, diagnose
 from bench.discrepancy.observables import Window
 from bench.discrepancy.score import Estimate
 from bench.discrepancy.split import link_codes
-from bench.discrepancy.strikes import link_medians, offsets, strikable, strike
+from bench.discrepancy.strikes import apart, link_medians, offsets, strikable, strike
 from bench.discrepancy.world import Resimulation, View, view
 from bench.physics.base import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
@@ -104,3 +106,12 @@ def test_only_what_strikes_a_share_of_links_is_judged_so():
     assert strikable(BlockedPath, seen)
     assert not strikable(TemperatureDrift, seen)
     assert not strikable(ObstructedPath, seen)  # acts on waveforms only
+
+
+def test_offsets_of_links_are_evidence_though_nothing_predicts_them():
+    calm, noisy = _recorded(0, 0.0), _recorded(0, 0.0)
+    own = 0.02 * np.random.default_rng(8).normal(size=LINKS)[noisy.links]
+    values = noisy.recorded.values + own[:, None]
+    noisy = replace(noisy, recorded=replace(noisy.recorded, values=values))
+    assert apart(WORLD, calm, ()) < 3.0
+    assert apart(WORLD, noisy, ()) > 5.0
