@@ -2,10 +2,10 @@
 
 A mean score of all rows hardly sees an effect that strikes a few links by metres: nobody can
 predict which. Its evidence is in the outlying links themselves. So the offset of every link
-(median residual of its range) is modelled as a mixture: calm (normal), struck (the effect's own
-distribution, simulated with every link struck) or anything at all (uniform, so that the model
-without the effect can live with outliers too). The difference of maximised log likelihoods is
-the evidence. A rival that all links share is put to the same likelihood.
+(median residual of its range) is modelled as a mixture: calm (as replicates scatter), struck (the
+effect's own distribution, simulated with every link struck) or anything at all (uniform, so that
+the model without the effect can live with outliers too). The difference of maximised log
+likelihoods is the evidence. A rival that all links share is put to the same likelihood.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import gaussian_kde, norm
+from scipy.stats import gaussian_kde
+from scipy.stats import t as student
 
 from bench.discrepancy.ensemble import Ensemble
 from bench.discrepancy.score import Estimate, cluster_bootstrap
@@ -63,13 +64,15 @@ class Strike:
 class Offsets:
     """Offset of every link [L] in metres beside the simulator: `links` are their codes.
 
-    `scatter_m`: its standard deviation over replicates; `inert`: the effect must spare the link.
+    `scatter_m`: its standard deviation as known from so many `members`, so offsets are distributed
+    as Student's t; `inert`: the effect must spare the link.
     """
 
     links: NDArray[np.intp]
     offset_m: Floats
     scatter_m: Floats
     inert: Mask
+    members: int
 
     def calm(self, extra_m: float, behind_m: float) -> Floats:
         """Return the density of the offsets if nothing struck, [L] per metre.
@@ -77,7 +80,8 @@ class Offsets:
         Links that the effect need not spare are `behind_m` longer.
         """
         centre = np.where(self.inert, 0.0, behind_m)
-        return np.asarray(norm.pdf(self.offset_m, centre, np.hypot(self.scatter_m, extra_m)))
+        wide = np.hypot(self.scatter_m, extra_m)
+        return np.asarray(student.pdf((self.offset_m - centre) / wide, self.members - 1) / wide)
 
 
 @dataclass(frozen=True)
@@ -169,15 +173,16 @@ def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -
 
     Without a `kind` all links count as spared.
     """
-    made = world.ensemble(view, added, MEMBERS, FIRST)
+    made = world.ensemble(view, added, MEMBERS, FIRST).first(world.distinct(view))
+    members = len(made.simulated)
     links, code = np.unique(made.links, return_inverse=True)
     which = made.names.index("error_m")
     middle = made.simulated[..., which].mean(axis=0)
     per_version = link_medians(made.versions[..., which] - middle, code)
     inert = kind().inert(Base().paths(view.scene)) if kind else np.ones(len(code), bool)
     spared = np.bincount(code, inert) == np.bincount(code)
-    scatter = per_version[1:].std(axis=0, ddof=1)
-    return Offsets(links, per_version[0], np.maximum(scatter, 1e-4), spared)
+    scatter = per_version[1:].std(axis=0, ddof=1) * np.sqrt(1 + 1 / members)
+    return Offsets(links, per_version[0], np.maximum(scatter, 1e-4), spared, members)
 
 
 def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
