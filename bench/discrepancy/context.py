@@ -39,9 +39,10 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
     An effect that draws every link anew can stand in for one that all links share (a detour in
     all links for a constant delay). So where such an effect gains most, a common one that does
     about as well on the observables it touches - half of the gain there at least, and not
-    significantly behind - goes before it (a curve is not common in this sense). And a curve comes
-    only after the constant it contains, where that alone brings half of its gain: then it has to
-    show what it adds.
+    significantly behind - goes before it (a curve is not common in this sense). One that acts on
+    the range alone needs only the half: it can imitate nothing else, and the other then has to
+    show what it adds. And a curve comes only after the constant it contains, where that alone
+    brings half of its gain.
     """
     every = explanation.contenders
     if not every:
@@ -118,8 +119,10 @@ def _matches(explanation: Explanation, one: Contender, best: Contender, seed: in
     mine, its = (gains(explanation.base, each.tally) for each in (one, best))
     names = tuple(name for name, value in mine.items() if value > TOUCHED)
     reached = sum(mine[name] for name in names)
+    if reached < HALF * sum(its.get(name, 0.0) for name in names):
+        return False
     ahead = gain_interval(one.tally, best.tally, seed, names)
-    return reached >= HALF * sum(its.get(name, 0.0) for name in names) and not ahead.above_zero
+    return one.effect.stage == "ranging" or not ahead.above_zero
 
 
 def polished(

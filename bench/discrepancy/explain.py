@@ -7,7 +7,15 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.fit import FIT_MEMBERS, Fitted, Objective, members_for, refine, screen
+from bench.discrepancy.fit import (
+    FIT_MEMBERS,
+    Fitted,
+    Objective,
+    members_for,
+    pursue,
+    refine,
+    screen,
+)
 from bench.discrepancy.gain import Tally, gain_interval, tally
 from bench.discrepancy.latent import latent_effects
 from bench.discrepancy.nuisance import corrected
@@ -23,6 +31,7 @@ SCORE_FIRST = 100  # replicates of scoring are not those of fitting
 REFINED = 6  # best effects of the screening that are fitted fully
 FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
 LEAST = 0.002  # nats
+NEAR = 0.5  # of the best gain, from which on a fit of a waveform is worth going on with
 Tell = Callable[[str], None]
 T = TypeVar("T")
 
@@ -140,18 +149,28 @@ def _one_way(
     terms = [Fitted(effect, 0.0, 0) for effect in found]
     contenders = [contender(world, held, added, one, reference, seed) for one in terms]
 
-    def refined(name: str) -> Contender:
-        objective, start = screened[name]
-        return contender(world, held, added, refine(objective, start), reference, seed)
+    def refined(name: str) -> Fitted:
+        return refine(*screened[name])
 
-    more, failed = _each(refined, _promising(screened, contenders))
+    fits, failed = _each(refined, _promising(screened, contenders))
     skipped |= failed
-    contenders = _best_of_each([*contenders, *more.values()])
+    if fit.waveform:
+        near = _near(fits)
+        more, failed = _each(lambda name: pursue(screened[name][0], fits[name]), near)
+        fits, skipped = fits | more, skipped | failed
+    made = [contender(world, held, added, one, reference, seed) for one in fits.values()]
+    contenders = _best_of_each([*contenders, *made])
     contenders.sort(key=lambda one: -one.gain.value)
     nuisance = tally(_nuisance(world, fit, held, added, before, focus))
     removable = gain_interval(reference, nuisance, seed)
     gains = {name: found.gain for name, (_, found) in screened.items()}
     return Explanation(tuple(contenders), reference, removable, nuisance, gains, skipped)
+
+
+def _near(fits: Mapping[str, Fitted]) -> list[str]:
+    """Return the names of the fits that may come out best when searched further."""
+    top = max((one.gain for one in fits.values()), default=0.0)
+    return [name for name, one in fits.items() if one.gain > NEAR * top]
 
 
 def _promising(

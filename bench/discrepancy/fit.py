@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -23,7 +24,7 @@ FINE_STEPS = (0.0025, 0.001, 0.0004)  # besides, where paths alone are simulated
 RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
 EVALUATIONS = 60
 PER_PARAMETER = 15  # of these at least, where there are waveforms and so much to fit
-SIMPLICES = 3  # searches there, each from where the last one ended
+SIMPLICES = 2  # further searches there at most, each from where the last one ended
 STALLED = 0.01  # of the gain, or nats: less than this and another search is not worth it
 ELSEWHERE = 8  # points tried with the other parameters elsewhere
 STRENGTHS = (None, 0.05, 0.2, 0.5)  # amplitudes tried there: as found so far, shares of the bound
@@ -133,10 +134,31 @@ def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
         for bound in {amplitude.low, amplitude.high} - {null}:
             at = [_between(amplitude, null, bound, step) for step in _steps(amplitude, plain)]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
+    if len(amplitudes) > 1 and not thorough:
+        out += _together(amplitudes, defaults)
     if not amplitudes:
         rng = np.random.default_rng(0)
         out += [{p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
     return out
+
+
+def _together(amplitudes: list[Parameter], defaults: dict[str, float]) -> list[dict[str, float]]:
+    """Return points with every amplitude alone, the others off, and with all of them equally far.
+
+    What is strong by default in one amplitude hides what little there is of another.
+    """
+    off = defaults | {p.name: float(p.null or 0.0) for p in amplitudes}
+    ways = {p.name: (float(p.null or 0.0), max(p.low, p.high, key=_from(p))) for p in amplitudes}
+    out = []
+    for step in STEPS[:-1]:
+        at = {p.name: _inside(p, _between(p, *ways[p.name], step)) for p in amplitudes}
+        out += [off | at, *(off | {name: value} for name, value in at.items())]
+    return out
+
+
+def _from(item: Parameter) -> Callable[[float], float]:
+    """Return how far a value is from where the effect does nothing."""
+    return lambda value: abs(value - (item.null or 0.0))
 
 
 def _steps(item: Parameter, plain: tuple[float, ...]) -> tuple[float, ...]:
@@ -206,20 +228,24 @@ def _inside(item: Parameter, value: float) -> float:
 
 
 def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) -> Fitted:
-    """Return the local optimum near `start`; on waveforms searched from anew while that gains.
+    """Return the local optimum near `start` (see `pursue` for what many parameters need)."""
+    if not objective.free:
+        return start
+    if objective.view.waveform:
+        evaluations = max(evaluations, PER_PARAMETER * len(objective.free))
+    return _descended(objective, start, evaluations)
+
+
+def pursue(objective: Objective, found: Fitted) -> Fitted:
+    """Return the optimum after further searches, each from where the last one ended.
 
     A simplex in many dimensions shrinks before it has arrived; a fresh one goes on.
     """
-    if not objective.free:
-        return start
-    if not objective.view.waveform:
-        return _descended(objective, start, evaluations)
-    evaluations = max(evaluations, PER_PARAMETER * len(objective.free))
     for _ in range(SIMPLICES):
-        before, start = start.gain, _descended(objective, start, evaluations)
-        if start.gain - before < STALLED * max(abs(start.gain), 1.0):
+        before, found = found.gain, refine(objective, found)
+        if found.gain - before < STALLED * max(abs(found.gain), 1.0):
             break
-    return start
+    return found
 
 
 def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:

@@ -42,6 +42,7 @@ SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
 ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
 SHARE_MORE = 0.02  # of the gain reached so far, that another effect must gain on waveforms
+SHARE_LEFT = 0.25  # of what could still be removed, that another effect must gain there
 SCATTER_MARGIN = 0.05  # of independent scatter: less is what misfitted effects leave
 APART = 5.0  # nats of evidence for offsets per link: p = 0.0008 by chi-squared
 SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
@@ -152,7 +153,8 @@ class Search:
         if added:
             views = (self.fit, self.discover)
             explanation = refitted(self.world, views, added, explanation, self.kinds, self.seed)
-            explanation = beyond(explanation, self.margin(added))
+            least = max(self.margin(added), SHARE_LEFT * explanation.removable.value)
+            explanation = beyond(explanation, least)
         return chosen_first(explanation, self.seed, MARGIN)
 
     def margin(self, added: Added) -> float:

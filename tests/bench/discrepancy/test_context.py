@@ -8,22 +8,32 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.context import chosen_first, polished, pruned, refitted, rivals
+from bench.discrepancy.context import beyond, chosen_first, polished, pruned, refitted, rivals
 from bench.discrepancy.explain import Contender, Explanation
-from bench.discrepancy.fit import FIT_MEMBERS, Objective, by_ratio, refine, screen
+from bench.discrepancy.fit import (
+    FIT_MEMBERS,
+    Objective,
+    by_level,
+    by_ratio,
+    pursue,
+    refine,
+    screen,
+)
 from bench.discrepancy.gain import Tally, gain_interval, tally
 from bench.discrepancy.observables import Window
 from bench.discrepancy.obstruction import link_log_odds, obstructing
 from bench.discrepancy.score import Estimate
 from bench.discrepancy.split import link_codes
 from bench.discrepancy.terms import PowerCurve
-from bench.discrepancy.world import Resimulation, view
+from bench.discrepancy.world import Resimulation, View, view
 from bench.physics.base import Base
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.receiver.level_control import LevelControl
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.randomness import Draws
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -78,6 +88,36 @@ def test_a_parameter_over_decades_is_searched_by_ratio() -> None:
     objective = Objective(LevelControl, WORLD, fit, (), base)
     found = refine(objective, screen(objective)).effect
     assert found.peak_counts == pytest.approx(6000, rel=0.2)
+
+
+def _objective(kind: type[Effect], fit: View) -> Objective:
+    return Objective(kind, WORLD, fit, (), tally(WORLD.ensemble(fit, (), FIT_MEMBERS)))
+
+
+def test_a_level_that_starts_from_nothing_is_searched_evenly_in_decibels() -> None:
+    levels = {p.name for p in DiffuseTail.parameters() if by_level(p)}
+    assert levels == {"level_db"}
+    ring = PulseRinging(ring_db=-30, ring_delay_ns=17.0)
+    fit, _ = _views(_recorded(ring))
+    objective = _objective(PulseRinging, fit)
+    found = pursue(objective, refine(objective, screen(objective))).effect
+    assert found.ring_db == pytest.approx(-30, abs=3)
+    assert found.ring_delay_ns == pytest.approx(17.0, abs=1.5)
+
+
+def test_little_of_one_amplitude_is_seen_beside_what_is_strong_by_default() -> None:
+    fit, _ = _views(_recorded(LevelControl(compression=0, accumulation=0.1, peak_counts=1e9)))
+    assert screen(_objective(LevelControl, fit)).gain > 0.1
+
+
+def test_what_refitting_alone_gains_is_no_merit_of_a_newcomer() -> None:
+    views = _views(_recorded(AntennaDelay(delay_ns=2.0)))
+    added = (AntennaDelay(delay_ns=1.0),)  # badly fitted: anything beside it would mend it
+    reference = tally(WORLD.ensemble(views[1], added, 8))
+    known = Explanation((), reference, Estimate(1, 1, 1), reference, {}, {})
+    better = refitted(WORLD, views, added, known, {"obstructed-path": ObstructedPath}, 0)
+    assert all(one.gain.value < 0.1 for one in better.contenders)
+    assert beyond(better, 0.1).contenders == ()
 
 
 def _tally(errors: np.ndarray) -> Tally:
