@@ -172,9 +172,9 @@ def _wave_lines(waves: list[Outcome]) -> list[str]:
     if not waves:
         return []
     words = (
-        f"{len(waves)} more cases (SIMULATED) hide an effect in the complex impulse responses; range "
-        "and powers move only as far as the changed samples say. The simulator is run again at each "
-        "row. Strengths are ratios."
+        f"{len(waves)} more cases (SIMULATED) hide an effect in the complex impulse responses; "
+        "range and powers move only as far as the changed samples say. The simulator is run again "
+        "at each row. Strengths are ratios."
     )
     return ["", "### Effects of the waveform", "", words, "", *_score_lines(rates(waves))]
 
