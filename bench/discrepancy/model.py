@@ -41,6 +41,7 @@ SEARCH_MEMBERS = 16
 SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
 ROUNDS = 9
 MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
+WAVE_MARGIN = 0.03  # the same where a whole waveform is compared: some twenty scores, not one
 SHARE_MORE = 0.02  # of the gain reached so far, that another effect must gain on waveforms
 SHARE_LEFT = 0.25  # of what could still be removed, that another effect must gain there
 SCATTER_MARGIN = 0.05  # of independent scatter: less is what misfitted effects leave
@@ -153,8 +154,8 @@ class Search:
         if added:
             views = (self.fit, self.discover)
             explanation = refitted(self.world, views, added, explanation, self.kinds, self.seed)
-            least = max(self.margin(added), SHARE_LEFT * explanation.removable.value)
-            explanation = beyond(explanation, least)
+            explanation = beyond(explanation, SHARE_LEFT * explanation.removable.value)
+        explanation = beyond(explanation, self.margin(added))
         return chosen_first(explanation, self.seed, MARGIN)
 
     def margin(self, added: Added) -> float:
@@ -169,7 +170,7 @@ class Search:
             tally(self.world.ensemble(self.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
             for effects in ((), added)
         )
-        return max(MARGIN, SHARE_MORE * gain(before, after))
+        return max(WAVE_MARGIN, SHARE_MORE * gain(before, after))
 
 
 def diagnose(search: Search) -> Diagnosis:
