@@ -33,6 +33,7 @@ DECIBEL_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 LOUD_DB = 30.0  # a level that may be this far above "nothing" is searched evenly in decibels
 DELAYS = 16  # of those points where a delay is among the other parameters: echoes are short
 FLAG = "0 or 1"
+IDLE = 1e-9  # nats: a parameter that changes less does nothing here
 DECADES = 1e3  # a parameter whose bounds are this far apart, both positive, is searched by ratio
 NOTHING = -1e6  # the gain of parameter values that leave nothing to compare
 
@@ -259,11 +260,21 @@ def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
         values = np.clip(now + x * scale, low, high)
         return -objective({p.name: _plain(p, v) for p, v in zip(free, values, strict=True)})
 
-    simplex = np.vstack([np.zeros(len(free)), np.eye(len(free))])
+    ways = np.eye(len(free))
+    if not objective.view.waveform:
+        ways = ways[_moving(loss, ways)]  # a simplex of idle dimensions only shrinks
+    simplex = np.vstack([np.zeros(len(ways)), np.eye(len(ways))])
     options: Any = {"maxfev": evaluations, "initial_simplex": simplex, "xatol": 0.02, "fatol": 1e-4}
-    minimize(loss, simplex[0], method="Nelder-Mead", options=options)
+    if len(ways):
+        minimize(lambda y: loss(y @ ways), simplex[0], method="Nelder-Mead", options=options)
     assert objective.best is not None
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
+
+
+def _moving(loss: Callable[[Floats], float], ways: Floats) -> NDArray[np.intp]:
+    """Return which of some steps change the loss at all: paths alone leave parameters idle."""
+    here = loss(np.zeros(ways.shape[1]))
+    return np.flatnonzero([abs(loss(way) - here) > IDLE for way in ways])
 
 
 def _ends(free: tuple[Parameter, ...], which: int) -> list[tuple[Parameter, float]]:

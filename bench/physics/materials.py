@@ -18,6 +18,24 @@ Complex = NDArray[np.complex128]
 MAX_LOSS_DB = 60.0  # no slab isolates better in a room: the rest leaks around and through joints
 
 
+# Thickness in metres where none is recorded (assumed: usual building practice).
+TYPICAL_M = {
+    "concrete": 0.2,
+    "brick": 0.14,
+    "plasterboard": 0.025,
+    "wood": 0.04,
+    "glass": 0.008,
+    "ceiling board": 0.015,
+    "chipboard": 0.03,
+    "plywood": 0.015,
+    "marble": 0.02,
+    "metal": 0.003,
+    "plastic": 0.01,
+    "foam": 0.06,
+    "cardboard": 0.02,
+}
+
+
 @dataclass(frozen=True)
 class Material:
     """Relative permittivity a f^b and conductivity c f^d in S/m, f in GHz."""
@@ -52,8 +70,16 @@ def material(name: str) -> Material:
 
 
 def obstacle(kind: str) -> Obstacle:
-    """Return what an obstacle kind is made of; unknown kinds are taken for a chipboard panel."""
-    return _obstacles().get(kind, Obstacle("chipboard", 0.03))
+    """Return what an obstacle kind is made of: by its name, or by the material it names.
+
+    "brick wall" is of brick, "concrete" of concrete; of what names no material, a chipboard panel.
+    """
+    if kind in _obstacles():
+        return _obstacles()[kind]
+    words = kind.casefold()
+    by_length = sorted(TYPICAL_M, key=len, reverse=True)  # "plywood" before "wood"
+    named = next((name for name in by_length if name in words), "chipboard")
+    return Obstacle(named, TYPICAL_M[named])
 
 
 def excess_m(thickness_m: Floats, permittivity: complex, incidence_rad: Floats) -> Floats:

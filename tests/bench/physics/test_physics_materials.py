@@ -57,6 +57,12 @@ def test_unknown_material_is_named_and_unknown_obstacle_is_a_panel() -> None:
     assert obstacle("sofa").material == "chipboard"
 
 
+def test_an_obstacle_may_be_named_by_its_material() -> None:
+    named = {"concrete": "concrete", "Brick wall": "brick", "plywood": "plywood", "wood": "wood"}
+    assert {kind: obstacle(kind).material for kind in named} == named
+    assert obstacle("wall").material == "brick"  # a kind of its own
+
+
 def test_slabs_take_thickness_of_the_rows_else_of_the_kind() -> None:
     frame = room(8).assign(obstacles=[["wall", "metal plate"]] * 8)
     rows = scene(frame)
