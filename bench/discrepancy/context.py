@@ -185,11 +185,14 @@ def _relearnt(world: World, rows: View, added: Added, effect: Effect) -> Effect:
     return again[0] if gain(now, then) > 0 else effect
 
 
-def pruned(world: World, held: View, added: Added, seed: int, margin: float) -> Added:
+def pruned(
+    world: World, held: View, added: Added, seed: int, margin: float, newcomer: str = ""
+) -> Added:
     """Return the effects without those that held-out links do not miss.
 
     An effect stays if leaving it out costs more than `margin` nats, one-sided 95 % bound above
-    zero. The least missed goes first.
+    zero. The least missed goes first. The `newcomer`, named where more links than these have
+    shown its gain, stays if leaving it out costs anything.
     """
     while len(added) > 1:
         whole = tally(world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST))
@@ -197,7 +200,8 @@ def pruned(world: World, held: View, added: Added, seed: int, margin: float) -> 
         for effect in added:
             rest = tally(world.ensemble(held, without(added, effect), SCORE_MEMBERS, SCORE_FIRST))
             missed.append(gain_interval(rest, whole, seed))
-        least = min(range(len(added)), key=lambda i: missed[i].value)
+        doubted = [i for i, e in enumerate(added) if e.name != newcomer or missed[i].value <= 0]
+        least = min(doubted, key=lambda i: missed[i].value)
         if missed[least].likely_above_zero and missed[least].value > margin:
             break
         added = without(added, added[least])

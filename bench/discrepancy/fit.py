@@ -265,8 +265,12 @@ def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
         ways = ways[_moving(loss, ways)]  # a simplex of idle dimensions only shrinks
     simplex = np.vstack([np.zeros(len(ways)), np.eye(len(ways))])
     options: Any = {"maxfev": evaluations, "initial_simplex": simplex, "xatol": 0.02, "fatol": 1e-4}
+
+    def along(y: Floats) -> float:
+        return loss(y @ ways)
+
     if len(ways):
-        minimize(lambda y: loss(y @ ways), simplex[0], method="Nelder-Mead", options=options)
+        minimize(along, simplex[0], method="Nelder-Mead", options=options)
     assert objective.best is not None
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 

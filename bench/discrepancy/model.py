@@ -202,7 +202,9 @@ def diagnose(search: Search) -> Diagnosis:
         if len(added) > 1 or search.fit.waveform:
             added = step(polished, search.world, search.fit, added, anew=len(added) > 1)
             margin = step(search.margin, added)
-            added = step(pruned, search.world, search.discover, added, search.seed, margin)
+            crossed = "" if search.work is None else best.effect.name  # scored on both views
+            views = search.world, search.discover
+            added = step(pruned, *views, added, search.seed, margin, crossed)
         if {e.name for e in added} <= {e.name for e in before}:
             if best.effect.name not in search.kinds:
                 break

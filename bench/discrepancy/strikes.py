@@ -38,8 +38,9 @@ BEHIND_M = (0.0, 0.01, 0.02, 0.03, 0.045, 0.065, 0.1, 0.15)  # what calm links t
 SHARES: Floats = np.array(
     [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.33, 0.42, 0.5, 0.6, 0.7, 0.8, 0.9]
 )
-SIZES = 9  # values tried for the effect's own size
-SMALLEST = 0.04  # of the size's bound
+SIZES = 11  # values tried for the effect's own size
+SMALLEST = 0.02  # of the size's bound
+APART_M = 0.3  # half a pulse of 500 MHz: a mean detour below it is none, the edges merge
 ENOUGH = 6.0  # nats of log likelihood for two parameters: p = 0.0025 by chi-squared
 STRAY = 0.2  # share of the outliers that the effect may leave unexplained
 LEVEL = 1.353  # half the 90 % point of chi-squared with one degree of freedom: profile intervals
@@ -142,7 +143,9 @@ def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[St
     plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
     outlying, stray = _outlying(seen, mixed, sizes[mixed.size])
     strays = int((outlying & stray).sum())
-    if mixed.nats - plain.nats < ENOUGH or strays > STRAY * outlying.sum():
+    if mixed.nats - plain.nats < ENOUGH or mixed.size < APART_M:
+        return None
+    if strays > STRAY * outlying.sum():
         return None
     effect = kind.from_values({"share": mixed.share, _size(kind).name: mixed.size})
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
