@@ -31,6 +31,7 @@ SCORE_FIRST = 100  # replicates of scoring are not those of fitting
 REFINED = 6  # best effects of the screening that are fitted fully
 FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
 LEAST = 0.002  # nats
+LEAST_MORE = 0.02  # nats: what a free curve gains by its freedom is less
 NEAR = 0.5  # of the best gain, from which on a fit of a waveform is worth going on with
 Tell = Callable[[str], None]
 T = TypeVar("T")
@@ -184,10 +185,17 @@ def _promising(
 
 
 def _best_of_each(contenders: list[Contender]) -> list[Contender]:
-    """Return for every physics the form of it that scored best."""
+    """Return for every physics the form of it that scored best.
+
+    A curve that contains the library's form has to gain `LEAST_MORE` beside it.
+    """
+
+    def worth(one: Contender) -> float:
+        return one.gain.value - LEAST_MORE * (one.name in type(one.effect).contains)
+
     best: dict[str, Contender] = {}
     for one in contenders:
-        if one.name not in best or one.gain.value > best[one.name].gain.value:
+        if one.name not in best or worth(one) > worth(best[one.name]):
             best[one.name] = one
     return list(best.values())
 
@@ -249,7 +257,10 @@ def _nuisance(
 
 
 def equivalents(explanation: Explanation, seed: int, share: float = 0.5) -> tuple[Contender, ...]:
-    """Return the best contender and those that held-out links cannot tell from it."""
+    """Return the best contender and those that held-out links cannot tell from it.
+
+    Where the best is not sure itself, others need only be as good.
+    """
     if not explanation.contenders:
         return ()
     best, *others = explanation.contenders
@@ -257,6 +268,7 @@ def equivalents(explanation: Explanation, seed: int, share: float = 0.5) -> tupl
     for other in others:
         ahead = gain_interval(other.tally, best.tally, seed)
         close = other.gain.value >= share * best.gain.value
-        if close and other.gain.likely_above_zero and not ahead.above_zero:
+        likely = other.gain.likely_above_zero or not best.gain.above_zero
+        if close and likely and not ahead.above_zero:
             same.append(other)
     return tuple(same)

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from bench.discrepancy.clocks import device_clock
 from bench.discrepancy.least_squares import ends, incidence, robust
+from bench.discrepancy.patterns import pattern_curve
 from bench.discrepancy.terms import LOGGED_DBM, TRUE_DBM, DeviceDelay, PowerCurve
 from bench.discrepancy.world import Added, View, World, common, measured
 from bench.physics.effect import Effect
@@ -23,8 +24,8 @@ DELAY_PRIOR_NS = 3.0
 
 def latent_effects(world: World, view: View, added: Added) -> list[Effect]:
     """Return the effects with values per device or level that the rows support."""
-    curve = power_curve(world, view, added)
-    return [*device_terms(world, view, added), *([curve] if curve else [])]
+    curves = power_curve(world, view, added), pattern_curve(world, view, added)
+    return [*device_terms(world, view, added), *(curve for curve in curves if curve)]
 
 
 def device_terms(world: World, view: View, added: Added) -> list[Effect]:

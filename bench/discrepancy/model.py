@@ -30,7 +30,7 @@ from bench.discrepancy.gain import gain, gain_interval, tally
 from bench.discrepancy.journal import Journal
 from bench.discrepancy.locate import Finding, Located, locate
 from bench.discrepancy.score import Estimate, cluster_bootstrap
-from bench.discrepancy.strikes import Strike, apart, strikable, strike
+from bench.discrepancy.strikes import Strike, apart, strikable, strike, witnessed
 from bench.discrepancy.uncertainty import parameter_intervals
 from bench.discrepancy.verdict import Ambiguous, Control, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.world import Added, View, World, without
@@ -131,6 +131,17 @@ class Search:
         rival = (best.company or _with(added, best.effect)) if best else added
         return strike(self.world, self.work, added, rival, self.kinds)
 
+    def witnessed(self, added: Added, explanation: Explanation | None) -> Contender | None:
+        """Return the contender that the offsets of links speak for where scores do for none.
+
+        Only a first effect: of what fitted effects leave, something always speaks for another.
+        """
+        if self.work is None or explanation is None or added:
+            return None
+        effects = tuple(one.effect for one in explanation.contenders if one.gain.value > MARGIN)
+        found = witnessed(self.world, self.work, added, effects)
+        return next((c for c in explanation.contenders if c.effect is found), None)
+
     def calm(self, found: Strike) -> Search:
         """Return a search on the links that were not struck, by other effects."""
         views = (self.discover, self.fit, self.work)
@@ -188,21 +199,23 @@ def diagnose(search: Search) -> Diagnosis:
             located = step(search.locate, added, turn)
         explanation = step(search.explain, added, located) if located.significant else None
         explanation = step(search.order, added, explanation) if explanation else None
-        best = _best(explanation)
+        best = _best(explanation) or step(search.witnessed, added, explanation)
         skipped |= dict(explanation.skipped) if explanation else {}
         found = step(search.strike, added, best) if explanation else None
         if found and explanation:
             rounds.append(_struck_round(located, explanation, found))
             search = search.calm(found)
             continue
-        rounds.append(Round(located, explanation, best.effect if best else None))
-        if best is None:
+        if best is None or explanation is None:
+            rounds.append(Round(located, explanation, None))
             break
+        rounds.append(Round(located, _led(explanation, best), best.effect))
         before, added = added, best.company or _with(added, best.effect)
         if len(added) > 1 or search.fit.waveform:
             added = step(polished, search.world, search.fit, added, anew=len(added) > 1)
             margin = step(search.margin, added)
-            crossed = "" if search.work is None else best.effect.name  # scored on both views
+            sure = search.work is not None and located.p <= SURE  # and scored on both views
+            crossed = best.effect.name if sure else ""
             views = search.world, search.discover
             added = step(pruned, *views, added, search.seed, margin, crossed)
         if {e.name for e in added} <= {e.name for e in before}:
@@ -215,6 +228,12 @@ def diagnose(search: Search) -> Diagnosis:
     verdicts = step(_verdicts, search, rounds, added)
     kept = tuple(e for e in (*struck, *added) if any(e.physics in v.names for v in verdicts))
     return Diagnosis(verdicts, kept, tuple(rounds), skipped)
+
+
+def _led(explanation: Explanation, best: Contender) -> Explanation:
+    """Return the explanation with the contender that is added in front."""
+    rest = tuple(one for one in explanation.contenders if one.name != best.name)
+    return replace(explanation, contenders=(best, *rest))
 
 
 def _struck_round(located: Located, explanation: Explanation, found: Strike) -> Round:

@@ -14,10 +14,12 @@ from scipy.stats import t as student
 
 from bench.discrepancy.clocks import Heard, polynomial
 from bench.discrepancy.latent import KNOTS_DBM, curve_at_knots, delays_of
-from bench.discrepancy.terms import DeviceClock, DeviceDelay, PowerCurve
+from bench.discrepancy.patterns import HEADINGS_DEG, SMOOTH, curve_over
+from bench.discrepancy.terms import DeviceClock, DeviceDelay, PatternCurve, PowerCurve
 from bench.discrepancy.verdict import ParameterEstimate
 from bench.discrepancy.world import Added, View, World, common
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -50,7 +52,19 @@ def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Val
             "m",
             lambda rows, left, bounded: _bias(level, left, rows, bounded),
         )
+    if isinstance(effect, PatternCurve):
+        heading = heading_rad(view.scene)
+        names = tuple(f"bias_m[{heading_deg:g} deg]" for heading_deg in HEADINGS_DEG)
+        return names, "m", lambda rows, left, _: _lobes(heading, left, rows)
     return None
+
+
+def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
+    """Return the bias at every heading in metres, NaN where hardly a row is near it."""
+    turn = np.degrees(heading[rows])[:, None] - np.array(HEADINGS_DEG)
+    near = (np.abs((turn + 180) % 360 - 180) < 15.0).sum(axis=0)
+    curve = curve_over(heading[rows], residual_m[rows], SMOOTH[0])
+    return np.where(near >= LEAST_ROWS, curve, np.nan)
 
 
 def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:

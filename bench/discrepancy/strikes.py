@@ -20,6 +20,7 @@ from scipy.stats import gaussian_kde
 from scipy.stats import t as student
 
 from bench.discrepancy.ensemble import Ensemble
+from bench.discrepancy.fit import free_parameters
 from bench.discrepancy.score import Estimate, cluster_bootstrap
 from bench.discrepancy.verdict import ParameterEstimate
 from bench.discrepancy.world import Added, View, World
@@ -42,6 +43,7 @@ SIZES = 11  # values tried for the effect's own size
 SMALLEST = 0.02  # of the size's bound
 APART_M = 0.3  # half a pulse of 500 MHz: a mean detour below it is none, the edges merge
 ENOUGH = 6.0  # nats of log likelihood for two parameters: p = 0.0025 by chi-squared
+AHEAD = 3.0  # nats by which the likeliest must lead: 20 to 1
 STRAY = 0.2  # share of the outliers that the effect may leave unexplained
 LEVEL = 1.353  # half the 90 % point of chi-squared with one degree of freedom: profile intervals
 BEND_M = 0.05  # offsets beyond it are smoothed by their logarithm
@@ -169,6 +171,36 @@ def apart(world: World, view: View, added: Added) -> float:
         for extras in (EXTRA_M[:1], EXTRA_M)
     )
     return some - none
+
+
+def witnessed(world: World, view: View, added: Added, effects: tuple[Effect, ...]) -> Effect | None:
+    """Return the effect that the offsets of links speak for, None where they do for none alone.
+
+    For causes so rare (a few walls, one device) that a mean over all links hardly sees them. Each
+    effect pays for its parameters (Schwarz 1978) and must be ahead of the others.
+    """
+    if "error_m" not in view.recorded.names:
+        return None
+    able = [e for e in effects if not (type(e).per_link or type(e).independent)]
+    nats = [_alone(world, view, (*added, e)) - _cost(e, view) for e in able]
+    ranked = sorted(range(len(able)), key=lambda i: -nats[i])
+    if not ranked or nats[ranked[0]] - _alone(world, view, added) < ENOUGH:
+        return None
+    if len(ranked) > 1 and nats[ranked[0]] - nats[ranked[1]] < AHEAD:
+        return None
+    return able[ranked[0]]
+
+
+def _alone(world: World, view: View, added: Added) -> float:
+    """Return the log likelihood of the offsets with some effects, in nats."""
+    return _plain(offsets(world, view, added, None)).nats
+
+
+def _cost(effect: Effect, view: View) -> float:
+    """Return what the parameters, or values per device or level, of an effect cost in nats."""
+    values = [v for v in vars(effect).values() if isinstance(v, tuple) and v]
+    count = len(values[-1]) if values else len(free_parameters(type(effect)))
+    return 0.5 * count * float(np.log(len(np.unique(view.links))))
 
 
 def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -> Offsets:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.propagation.antenna_pattern import heading_rad
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 
@@ -271,6 +272,39 @@ class PowerCurve(Effect):
         """Lengthen ranges by the curve at each row's level."""
         level = self.level_dbm(batch.rows) if batch.rows.has("rx_power_dbm") else batch.level()
         return batch.longer(np.interp(level, self.levels_dbm, self.bias_m))
+
+
+@dataclass(frozen=True)
+class PatternCurve(Effect):
+    """Range error over the heading as a curve: `bias_m` at `headings_deg`, linear between, closed.
+
+    For patterns that two harmonics do not follow, such as a narrow lobe. The heading is that of
+    the library's `antenna-pattern`.
+    """
+
+    name = "pattern-curve"
+    explains: ClassVar[str] = "antenna-pattern"
+    contains = ("antenna-pattern",)  # the library's two harmonics
+    fitted: ClassVar[bool] = False
+    stage = "ranging"
+    source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); curve fitted to recordings"
+    signature = "periodic in heading, the same at all distances"
+
+    headings_deg: tuple[float, ...] = (0.0,)
+    bias_m: tuple[float, ...] = (0.0,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _as_tuples(self, headings_deg=None, bias_m=len(self.headings_deg))
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by the curve at each row's heading."""
+        return batch.longer(closed(heading_rad(batch.rows), self.headings_deg, self.bias_m))
+
+
+def closed(heading: Floats, headings_deg: tuple[float, ...], values: tuple[float, ...]) -> Floats:
+    """Return a closed curve at headings [n] in radians."""
+    return np.asarray(np.interp(np.degrees(heading), headings_deg, values, period=360.0))
 
 
 @dataclass(frozen=True)
