@@ -205,6 +205,7 @@ def diagnose(search: Search) -> Diagnosis:
         if found and explanation:
             rounds.append(_struck_round(located, explanation, found))
             search = search.calm(found)
+            added = step(polished, search.world, search.fit, added)  # by what was not struck
             continue
         if best is None or explanation is None:
             rounds.append(Round(located, explanation, None))

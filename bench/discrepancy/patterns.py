@@ -20,8 +20,9 @@ SECTORS = 6  # of 12: headings that fill fewer are no circle
 def pattern_curve(world: World, view: View, added: Added) -> PatternCurve | None:
     """Return the curve that the residual range of the rows follows over the heading.
 
-    None where headings are not known or all alike. A constant is no pattern: the curve's median
-    over the rows is zero.
+    None where headings are not known or all alike. A constant is no pattern: the curve's mean over
+    the circle is zero, or over the rows, or its median (a lobe that few rows see), whichever
+    leaves least.
     """
     heading = heading_rad(view.scene)
     if len(np.unique(np.floor(np.degrees(heading) / 30))) < SECTORS:
@@ -42,7 +43,10 @@ def curve_over(heading: Floats, residual: Floats, smooth: float) -> Floats:
     design = np.vstack([hats, bend * np.sqrt(known.sum())])
     target = np.concatenate([residual[known], np.zeros(len(bend))])
     bias = np.linalg.lstsq(design, target, rcond=None)[0]
-    return np.asarray(bias - np.median(hats @ bias))
+    seen = hats @ bias
+    free = [bias - middle for middle in (bias.mean(), np.mean(seen), np.median(seen))]
+    left = [float(np.abs(residual[known] - hats @ one).sum()) for one in free]
+    return np.asarray(free[int(np.argmin(left))])
 
 
 def smoothest(heading: Floats, residual: Floats, links: NDArray[np.intp]) -> float:
