@@ -74,3 +74,13 @@ def test_confirm_prefers_links_whose_devices_stay_known():
 def test_too_few_links_is_one_line():
     with pytest.raises(BenchError, match="at least 4"):
         split_links(pd.DataFrame({"link": ["a", "a", "b"]}), 0)
+
+
+def test_a_device_of_few_links_is_in_both_working_parts():
+    for seed in range(8):
+        tx = np.where(np.arange(40) % 8 == 0, "rare", "a")
+        frame = pd.DataFrame({"link": [f"l{i}" for i in range(40)], "tx": tx, "rx": "b"})
+        split = split_links(frame, seed)
+        seen = [set(frame["tx"].iloc[rows]) for rows in (split.discover, split.fit)]
+        assert seen == [{"rare", "a"}, {"rare", "a"}]
+        assert 14 <= len(split.discover) <= 18  # 40 % of the links

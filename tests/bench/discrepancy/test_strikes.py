@@ -12,7 +12,7 @@ from bench.discrepancy.model import Search, diagnose
 from bench.discrepancy.observables import Window
 from bench.discrepancy.score import Estimate
 from bench.discrepancy.split import link_codes
-from bench.discrepancy.strikes import apart, link_medians, offsets, strikable, strike
+from bench.discrepancy.strikes import apart, link_medians, offsets, strikable, strike, witnessed
 from bench.discrepancy.world import Resimulation, View, view
 from bench.physics.base import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
@@ -115,3 +115,17 @@ def test_offsets_of_links_are_evidence_though_nothing_predicts_them():
     noisy = replace(noisy, recorded=replace(noisy.recorded, values=values))
     assert apart(WORLD, calm, ()) < 3.0
     assert apart(WORLD, noisy, ()) > 5.0
+
+
+def test_a_rare_cause_is_witnessed_by_the_few_links_that_have_it():
+    seen = _recorded(0, 0.0)
+    rare = np.flatnonzero(np.isin(seen.links, [3, 9, 33]))  # the only ones that are warm
+    frame = seen.frame.assign(temperature_c=25.0)
+    frame.loc[rare, "temperature_c"] = 45.0
+    values = seen.recorded.values.copy()
+    values[rare] += 0.08
+    warm = replace(seen, frame=frame, recorded=replace(seen.recorded, values=values))
+    drift, idle = TemperatureDrift(slope_mm_per_c=4.0), BlockedPath(share=0.1)
+    assert witnessed(WORLD, warm, (), (idle, drift)) is drift
+    assert witnessed(WORLD, warm, (drift,), (idle,)) is None
+    assert witnessed(WORLD, seen, (), (drift,)) is None
