@@ -95,12 +95,20 @@ def latent_intervals(
     draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
     wide = float(student.ppf((1 + LEVEL) / 2, max(len(links) - 1, 1)))
     wide *= np.sqrt(1 + 1 / (MEMBERS * view.rich))
-    half = wide * np.nanstd(draws, axis=0, ddof=1) * np.sqrt(len(links) / max(len(links) - 1, 1))
+    half = wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
         for name, v, h in zip(names, centre, half, strict=True)
         if np.isfinite(v) and np.isfinite(h)
     )
+
+
+def _spread(draws: Floats) -> Floats:
+    """Return the standard deviation of every value over draws, NaN where hardly one is known."""
+    known = np.isfinite(draws).sum(axis=0) > 1
+    out = np.full(draws.shape[1], np.nan)
+    out[known] = np.nanstd(draws[:, known], axis=0, ddof=1)
+    return out
 
 
 def _resampled(codes: Rows, links: Rows) -> list[Rows]:

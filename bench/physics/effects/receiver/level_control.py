@@ -11,8 +11,6 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats, amplitude, squared
 
-START_DBM = -92.5  # reported level from which on the accumulation ends early
-
 
 @dataclass(frozen=True)
 class LevelControl(Effect):
@@ -20,8 +18,7 @@ class LevelControl(Effect):
 
     The reported level over the true one follows the DW1000 User Manual's figure for 64 MHz PRF
     (-60 dBm reads -77.5), and no peak exceeds `peak_counts`. The share of symbols accumulated
-    follows recorded accumulators (28 % above -80 dBm reported, all of them below -92), over
-    `stretch` times as many decibels.
+    follows recorded accumulators (28 % above -80 dBm reported, all of them below -92).
     """
 
     name = "level-control"
@@ -34,8 +31,6 @@ class LevelControl(Effect):
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
     peak_counts: float = parameter(20000, "counts", 1000, 1e9, "highest peak let through", null=1e9)
     shift_db: float = parameter(0, "dB", -6, 6, "the true level at which both curves start")
-    early_db: float = parameter(0, "dB", -12, 12, "the level at which the count falls, besides")
-    stretch: float = parameter(1, "ratio", 0.4, 3, "of the levels over which the count falls")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Attenuate signals and shorten the accumulation of every row."""
@@ -43,8 +38,7 @@ class LevelControl(Effect):
             return batch
         level = batch.level() - self.shift_db
         read = level + self.compression * (reported_dbm(level) - level)
-        fallen = START_DBM + (read - self.early_db - START_DBM) / self.stretch
-        share = 1 - self.accumulation * (1 - accumulated_share(fallen))
+        share = 1 - self.accumulation * (1 - accumulated_share(read))
         symbols = np.maximum(np.rint(batch.nominal_symbols * np.clip(share, 0.05, 1)), 1.0)
         longer = symbols / batch.symbols
         power = None if batch.noise_power is None else batch.noise_power * longer
@@ -69,6 +63,6 @@ def reported_dbm(true_dbm: Floats) -> Floats:
 
 def accumulated_share(reported: Floats) -> Floats:
     """Return the share of the preamble's symbols accumulated at a reported level in dBm."""
-    level = [START_DBM, -88.5, -85.5, -83.0, -81.0, -79.0]
+    level = [-92.5, -88.5, -85.5, -83.0, -81.0, -79.0]
     count = [1.0, 754 / 1024, 639 / 1024, 539 / 1024, 352 / 1024, 280 / 1024]
     return np.asarray(np.interp(reported, level, count))
