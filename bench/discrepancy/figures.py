@@ -147,7 +147,8 @@ def ladder_figure(axes: Axes, study: Study) -> None:
     for place, (_, *others) in enumerate(steps):
         for other in others[:3]:
             _mark(axes, max(other.gain.value, 0.0), place, other.name)
-    axes.set_yticks(places, [step[0].name for step in steps])
+    by_link = ["\n(likelihood)" if "likelihood" in g.unit else "" for g in gains]
+    axes.set_yticks(places, [f"{s[0].name}{w}" for s, w in zip(steps, by_link, strict=True)])
     axes.invert_yaxis()
     axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
     if not steps:

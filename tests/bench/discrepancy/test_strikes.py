@@ -10,6 +10,7 @@ import pytest
 
 from bench.discrepancy.model import Search, diagnose
 from bench.discrepancy.observables import Window
+from bench.discrepancy.report import describe
 from bench.discrepancy.score import Estimate
 from bench.discrepancy.split import link_codes
 from bench.discrepancy.strikes import apart, link_medians, offsets, strikable, strike, witnessed
@@ -87,6 +88,9 @@ def test_what_else_is_there_is_found_on_the_links_that_were_spared():
     assert turn.added is not None
     assert isinstance(turn.strike.evidence, Estimate)
     assert found.added[0].name == "blocked-path"
+    words = "\n".join(describe(found.verdicts[0]))
+    assert "offsets of links" in words
+    assert "held-out" not in words
 
 
 def test_offsets_are_per_link_and_know_who_is_spared():
