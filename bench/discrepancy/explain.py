@@ -159,8 +159,13 @@ def _one_way(
         near = _near(fits)
         more, failed = _each(lambda name: pursue(screened[name][0], fits[name]), near)
         fits, skipped = fits | more, skipped | failed
-    made = [contender(world, held, added, one, reference, seed) for one in fits.values()]
-    contenders = _best_of_each([*contenders, *made])
+
+    def scored(name: str) -> Contender:
+        return contender(world, held, added, fits[name], reference, seed)
+
+    made, failed = _each(scored, list(fits))
+    skipped |= failed
+    contenders = _best_of_each([*contenders, *made.values()])
     contenders.sort(key=lambda one: -one.gain.value)
     nuisance = tally(_nuisance(world, fit, held, added, before, focus))
     removable = gain_interval(reference, nuisance, seed)

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.context import beyond, chosen_first, polished, pruned, refitted, rivals
-from bench.discrepancy.explain import Contender, Explanation
+from bench.discrepancy.explain import Contender, Explanation, explain
 from bench.discrepancy.fit import (
     FIT_MEMBERS,
     Objective,
@@ -27,6 +27,7 @@ from bench.discrepancy.split import link_codes
 from bench.discrepancy.terms import PowerCurve
 from bench.discrepancy.world import Resimulation, View, view
 from bench.physics.base import Base
+from bench.physics.batch import Batch
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
@@ -194,3 +195,25 @@ def test_without_an_obstruction_no_link_has_a_score() -> None:
     frame = _recorded()
     every = view(frame, link_codes(frame), np.arange(len(frame)), WINDOW)
     assert link_log_odds(WORLD, every, (LevelControl(),)) is None
+
+
+def test_an_effect_that_fails_on_held_out_rows_is_skipped_and_the_rest_goes_on() -> None:
+    frame = _recorded(TemperatureDrift(slope_mm_per_c=5.0))
+    codes = link_codes(frame)
+    parts = np.flatnonzero(codes < 5), np.flatnonzero(codes >= 5)
+    fit, held = (view(frame, codes, rows, WINDOW, ("error_m",), False) for rows in parts)
+
+    class Picky(TemperatureDrift):
+        """Cannot do as many rows as are held out."""
+
+        name = "picky"
+
+        def apply(self, batch: Batch, draws: Draws) -> Batch:
+            if len(batch.rows) == len(parts[1]):
+                raise RuntimeError("too many rows")
+            return super().apply(batch, draws)
+
+    kinds = {"picky": Picky, "temperature-drift": TemperatureDrift}
+    found = explain(WORLD, fit, held, (), kinds, ("error_m",), 0)
+    assert "too many rows" in found.skipped["picky"]
+    assert "temperature-drift" in {one.name for one in found.contenders}
