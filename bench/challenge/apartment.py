@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from bench.challenge.mitigation import Effort, Mitigated, mitigated
 from bench.challenge.real.case import Check, RealCase, Tell, markdown_table
-from bench.discrepancy.figures import added_first
 from bench.discrepancy.gain import gain_interval, tally
 from bench.discrepancy.observables import Window, window_of
 from bench.discrepancy.obstruction import link_log_odds
@@ -142,7 +141,7 @@ def ladder(found: Study, window: Window) -> pd.DataFrame:
     for number, turn in enumerate(found.diagnosis.rounds, 1):
         if turn.added is None or turn.explanation is None:
             continue
-        first, *others = added_first(turn.explanation.contenders, turn.added)
+        first, *others = turn.explanation.contenders
         rows.append(
             {
                 "step": number,
@@ -179,7 +178,7 @@ def _missed(found: Study, name: str, window: Window) -> str:
 def _order_check(found: Study) -> Check:
     """Return whether every step's gain on held-out links is above zero."""
     steps = [
-        added_first(turn.explanation.contenders, turn.added)[0]
+        turn.explanation.contenders[0]
         for turn in found.diagnosis.rounds
         if turn.added is not None and turn.explanation is not None
     ]

@@ -57,7 +57,7 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
         first = alike[0] if alike else first
     inside = [one for one in sure if one.name in type(first.effect).contains]
     first = next((one for one in inside if one.gain.value >= HALF * first.gain.value), first)
-    return replace(explanation, contenders=(first, *(one for one in every if one is not first)))
+    return explanation.led_by(first)
 
 
 def refitted(

@@ -69,6 +69,11 @@ class Explanation:
     screened: Mapping[str, float]
     skipped: Mapping[str, str]
 
+    def led_by(self, first: Contender) -> Explanation:
+        """Return the explanation with a contender in front: the one that is added."""
+        rest = (one for one in self.contenders if one.name != first.name)
+        return replace(self, contenders=(first, *rest))
+
 
 def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
     """Return every effect that loads, by name, and why the others do not."""

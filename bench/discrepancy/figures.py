@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.explain import Contender
 from bench.discrepancy.study import Confirmed, Study
 from bench.files import atomic_path
-from bench.physics.effect import Effect
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,7 +133,7 @@ def ladder_figure(axes: Axes, study: Study) -> None:
     Small marks: what the others would have gained in its place.
     """
     steps = [
-        added_first(turn.explanation.contenders, turn.added)
+        turn.explanation.contenders
         for turn in study.diagnosis.rounds
         if turn.added is not None and turn.explanation is not None
     ]
@@ -153,12 +151,6 @@ def ladder_figure(axes: Axes, study: Study) -> None:
     axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
     if not steps:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
-
-
-def added_first(every: tuple[Contender, ...], added: Effect) -> tuple[Contender, ...]:
-    """Return the contenders of a step, the one that was added in front."""
-    name = added.physics
-    return tuple(sorted(every, key=lambda one: one.name != name))
 
 
 def _mark(axes: Axes, value: float, place: int, name: str) -> None:

@@ -138,11 +138,12 @@ class Search:
 
     def calm(self, found: Strike) -> Search:
         """Return a search on the links that were not struck, by other effects."""
-        views = (self.discover, self.fit, self.work)
-        kept = [view.leaving(found.struck) if view else None for view in views]
-        assert kept[0] is not None
-        assert kept[1] is not None
-        calm = replace(self, discover=kept[0], fit=kept[1], work=kept[2])
+        calm = replace(
+            self,
+            discover=self.discover.leaving(found.struck),
+            fit=self.fit.leaving(found.struck),
+            work=self.work and self.work.leaving(found.struck),
+        )
         return calm.without(found.effect)
 
     def without(self, effect: Effect) -> Search:
@@ -204,7 +205,7 @@ def diagnose(search: Search) -> Diagnosis:
         if best is None or explanation is None:
             rounds.append(Round(located, explanation, None))
             break
-        rounds.append(Round(located, _led(explanation, best), best.effect))
+        rounds.append(Round(located, explanation.led_by(best), best.effect))
         before, added = added, best.company or _with(added, best.effect)
         if len(added) > 1 or search.fit.waveform:
             added = step(polished, search.world, search.fit, added, anew=len(added) > 1)
@@ -225,17 +226,10 @@ def diagnose(search: Search) -> Diagnosis:
     return Diagnosis(said, kept, tuple(rounds), skipped)
 
 
-def _led(explanation: Explanation, best: Contender) -> Explanation:
-    """Return the explanation with the contender that is added in front."""
-    rest = tuple(one for one in explanation.contenders if one.name != best.name)
-    return replace(explanation, contenders=(best, *rest))
-
-
 def _struck_round(located: Located, explanation: Explanation, found: Strike) -> Round:
     """Return a round in which an effect that strikes links at random was found."""
     first = Contender(found.effect, explanation.base, found.evidence)
-    shown = replace(explanation, contenders=(first, *explanation.contenders))
-    return Round(located, shown, found.effect, found)
+    return Round(located, explanation.led_by(first), found.effect, found)
 
 
 def contradicted(added: Added, located: Located) -> Effect | None:

@@ -93,12 +93,13 @@ def split_links(
         )
     order = np.random.default_rng(seed).permutation(count)
     wanted = max(1, round(count * (1 - sum(shares))))
-    held = _held_out(order, wanted, _devices(frame, codes, count))
+    devices = _devices(frame, codes, count)
+    held = _held_out(order, wanted, devices)
     if count < FEW_LINKS:
         return _shared(codes, held, count)
     rest = [link for link in order.tolist() if link not in held]
     part = np.full(count, 1)
-    part[_discover(rest, shares[0] / sum(shares), _devices(frame, codes, count))] = 0
+    part[_discover(rest, shares[0] / sum(shares), devices)] = 0
     part[list(held)] = 2
     rows = [np.flatnonzero(part[codes] == which) for which in range(3)]
     return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
@@ -112,12 +113,10 @@ def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> 
     """
     seen = Counter(name for link in rest for name in set(devices[link]))
     few = {name for name, links in seen.items() if name and links < RARE_LINKS}
-    rare = sorted(
-        (link for link in rest if few & set(devices[link])),
-        key=lambda link: sorted(few & set(devices[link]))[0],
-    )
+    first = {link: min(few & set(devices[link]), default="") for link in rest}
+    rare = sorted((link for link in rest if first[link]), key=first.__getitem__)
     chosen = [link for i, link in enumerate(rare) if int((i + 1) * share) > int(i * share)]
-    plain = [link for link in rest if link not in rare]
+    plain = [link for link in rest if not first[link]]
     return chosen + plain[: max(1, round(len(rest) * share) - len(chosen))]
 
 

@@ -140,14 +140,15 @@ def strike(
 def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[Strike, float] | None:
     """Return a kind of effect with its evidence and penalised log likelihood."""
     seen = offsets(world, view, added, kind)
-    sizes = {size: _struck(world, view, added, kind, size, seen) for size in _sizes(kind)}
+    bare = world.ensemble(view, added, MEMBERS // 2, FIRST)
+    sizes = {size: _struck(world, view, added, kind, size, seen, bare) for size in _sizes(kind)}
     likely = _every(seen, sizes)
     plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
-    outlying, stray = _outlying(seen, mixed, sizes[mixed.size])
-    strays = int((outlying & stray).sum())
+    likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
+    outlying = likeliest > 0
     if mixed.nats - plain.nats < ENOUGH or mixed.size < APART_M:
         return None
-    if strays > STRAY * outlying.sum():
+    if (likeliest == 2).sum() > STRAY * outlying.sum():
         return None
     effect = kind.from_values({"share": mixed.share, _size(kind).name: mixed.size})
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
@@ -165,12 +166,9 @@ def apart(world: World, view: View, added: Added) -> float:
     """
     if "error_m" not in view.recorded.names:
         return 0.0
-    seen = offsets(world, view, added, None)
-    none, some = (
-        max(_chances(seen, extras), key=lambda one: one.nats).nats
-        for extras in (EXTRA_M[:1], EXTRA_M)
-    )
-    return some - none
+    every = _chances(offsets(world, view, added, None))
+    none = max(one.nats for one in every if one.extra_m == 0)
+    return max(one.nats for one in every) - none
 
 
 def witnessed(world: World, view: View, added: Added, effects: tuple[Effect, ...]) -> Effect | None:
@@ -239,13 +237,20 @@ def _sizes(kind: type[Effect]) -> list[float]:
 
 
 def _struck(
-    world: World, view: View, added: Added, kind: type[Effect], size: float, seen: Offsets
+    world: World,
+    view: View,
+    added: Added,
+    kind: type[Effect],
+    size: float,
+    seen: Offsets,
+    bare: Ensemble,
 ) -> Floats:
-    """Return the density of the recorded offsets if every link were struck, [L] per metre."""
+    """Return the density of the recorded offsets if every link were struck, [L] per metre.
+
+    `bare` is the ensemble of the same replicates with `added` alone.
+    """
     effect = kind.from_values({"share": 1.0, _size(kind).name: size})
-    with_it, bare = (
-        world.ensemble(view, effects, MEMBERS // 2, FIRST) for effects in ((*added, effect), added)
-    )
+    with_it = world.ensemble(view, (*added, effect), MEMBERS // 2, FIRST)
     shift = _shift(with_it, bare)[:, ~seen.inert].ravel()
     if not len(shift):
         return np.zeros(len(seen.links))
@@ -264,13 +269,14 @@ def _shift(with_it: Ensemble, bare: Ensemble) -> Floats:
 
 def _plain(seen: Offsets) -> Mixture:
     """Return the likeliest mixture without strikes."""
-    return max(_chances(seen, EXTRA_M), key=lambda one: one.nats)
+    return max(_chances(seen), key=lambda one: one.nats)
 
 
-def _chances(seen: Offsets, extras: tuple[float, ...]) -> list[Mixture]:
-    """Return every mixture without strikes, for some scatters of calm links."""
+def _chances(seen: Offsets) -> list[Mixture]:
+    """Return every mixture without strikes that is tried."""
     every = []
-    for extra, behind, wild in product(extras, BEHIND_M, WILD):
+    behinds = BEHIND_M[:1] if seen.inert.all() else BEHIND_M  # spared links are behind nothing
+    for extra, behind, wild in product(EXTRA_M, behinds, WILD):
         one = Mixture(0.0, extra, behind, wild)
         every.append(replace(one, nats=float(np.log(one.density(seen)).sum())))
     return every
@@ -292,12 +298,6 @@ def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
                 Mixture(float(nats[i]), extra, behind, wild, float(SHARES[i]), size) for i in near
             ]
     return [one for one in out if one.nats > top - LEVEL]
-
-
-def _outlying(seen: Offsets, mixed: Mixture, struck: Floats) -> tuple[Mask, Mask]:
-    """Return which links [L] are no calm ones, and which of them are not struck either."""
-    likeliest = mixed.parts(seen, struck).argmax(axis=0)
-    return likeliest > 0, likeliest == 2
 
 
 def _intervals(
