@@ -90,7 +90,7 @@ def train_quantised(
     from backends.fake_quant import fake_quantised, learnt_ranges
     from backends.quantise import quantise
     from backends.sample import sample_rows
-    from zoo.training import train
+    from zoo.training.eager import train
 
     start = quantise(form.graph, sample_rows(data)).ranges
     rounded = fake_quantised(form.module(), start)

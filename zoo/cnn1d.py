@@ -7,8 +7,8 @@ from torch import Tensor, nn
 
 from zoo.base import TrainingRecipe
 from zoo.module_model import NeuralModel
-from zoo.preparation import Crop, Preparation
-from zoo.scaling import Standardise
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.scaling import Standardise
 
 FEWEST_SAMPLES = 30  # with fewer, nothing is left after the second pooling
 

@@ -8,10 +8,16 @@ import torch
 from torch import Tensor, nn
 
 from zoo.base import TrainingRecipe
-from zoo.features import FEATURES, NOISE_MULTIPLE, NOISE_SAMPLES, PEAK_FRACTION, MaranoFeatures
 from zoo.module_model import NeuralModel
-from zoo.preparation import Crop, Preparation
-from zoo.scaling import Standardise
+from zoo.modules.features import (
+    FEATURES,
+    NOISE_MULTIPLE,
+    NOISE_SAMPLES,
+    PEAK_FRACTION,
+    MaranoFeatures,
+)
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.scaling import Standardise
 
 
 class MlpNetwork(nn.Module):
@@ -42,7 +48,7 @@ class FeatureMLP(NeuralModel):
     orders of magnitude.
 
     `cir_samples` samples of each row, from its first, are used; None takes rows as they come.
-    `noise_samples`, `peak_fraction` and `noise_multiple` are explained in `zoo.features`.
+    `noise_samples`, `peak_fraction` and `noise_multiple` are explained in `zoo.modules.features`.
 
     >>> import numpy as np
     >>> rng = np.random.default_rng(0)

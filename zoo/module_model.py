@@ -14,8 +14,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from torch import Tensor, nn
 
 from zoo.base import Floats, MitigationModel, Progress, TrainingRecipe
-from zoo.preparation import Preparation, apply_in_blocks
-from zoo.training import train
+from zoo.modules.preparation import Preparation, apply_in_blocks
+from zoo.training.eager import train
 
 
 class RangeErrorModule(nn.Module):
@@ -150,7 +150,7 @@ class NeuralModel(ModuleModel):
         return RangeErrorModule(preparation, self._network(preparation))
 
     def _trainer(self) -> Callable[..., object]:
-        """Return what trains: called like `zoo.training.train`."""
+        """Return what trains: called like `zoo.training.eager.train`."""
         return train
 
     def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:

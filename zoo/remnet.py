@@ -7,12 +7,12 @@ from typing import Literal
 
 from torch import nn
 
-from zoo import fast_remnet
 from zoo.base import TrainingRecipe
 from zoo.module_model import NeuralModel
-from zoo.preparation import Crop, Preparation
-from zoo.remnet_module import RemnetModule
-from zoo.scaling import GlobalScale, PeakScale
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.remnet import RemnetModule
+from zoo.modules.scaling import GlobalScale, PeakScale
+from zoo.training.fused_remnet import fit as fast_remnet
 
 
 class REMnet(NeuralModel):

@@ -12,10 +12,16 @@ from sklearn.svm import SVR
 from torch import Tensor, nn
 
 from zoo.base import Floats, Progress
-from zoo.features import FEATURES, NOISE_MULTIPLE, NOISE_SAMPLES, PEAK_FRACTION, MaranoFeatures
 from zoo.module_model import ModuleModel, RangeErrorModule
-from zoo.preparation import Crop, Preparation
-from zoo.scaling import Standardise
+from zoo.modules.features import (
+    FEATURES,
+    NOISE_MULTIPLE,
+    NOISE_SAMPLES,
+    PEAK_FRACTION,
+    MaranoFeatures,
+)
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.scaling import Standardise
 
 TOLERANCE_M = 1e-5  # libsvm's default of 1e-3 would leave a fit loose by a millimetre
 
@@ -58,7 +64,7 @@ class FeatureSVM(ModuleModel):
     A fit takes time with the square of the rows and keeps a share of them as support vectors,
     so more than `max_train_rows` are thinned to that many, drawn with `random_state`.
     `cir_samples` samples of each row, from its first, are used; None takes rows as they come.
-    `noise_samples`, `peak_fraction` and `noise_multiple` are explained in `zoo.features`.
+    `noise_samples`, `peak_fraction` and `noise_multiple` are explained in `zoo.modules.features`.
 
     >>> import numpy as np
     >>> rng = np.random.default_rng(0)

@@ -14,14 +14,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.challenge.mitigation import Effort, Mitigated, mitigated
+from bench.challenge.obstruction import link_log_odds
 from bench.challenge.real.case import Check, RealCase, Tell, markdown_table
-from bench.discrepancy.gain import gain_interval, tally
-from bench.discrepancy.observables import Window, window_of
-from bench.discrepancy.obstruction import link_log_odds
-from bench.discrepancy.score import Estimate
-from bench.discrepancy.split import link_codes, split_links
-from bench.discrepancy.study import Options, Study, study, thinned
-from bench.discrepancy.world import Resimulation, view
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.resimulation import Resimulation, view
+from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.data.observables import Window, window_of
+from bench.discrepancy.data.split import link_codes, split_links
+from bench.discrepancy.diagnose import Options, Study, study, thinned
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings

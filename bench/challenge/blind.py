@@ -15,11 +15,11 @@ from bench.challenge.generator.waveforms import draw_wave
 from bench.challenge.scoring import Outcome, outcome, removed_m
 from bench.challenge.truths import compared
 from bench.challenge.waves import FIRST, run_wave
-from bench.discrepancy.study import Options, study
+from bench.discrepancy.diagnose import Options, study
 from bench.errors import BenchError
 from bench.files import write_atomically
-from bench.reproduce.spread import Spread
-from bench.runner.hashes import packages_code_hash
+from bench.parallel import Spread
+from bench.provenance import packages_code_hash
 
 Tell = Callable[[str], None]
 

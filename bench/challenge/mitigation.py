@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.discrepancy.score import Estimate, cluster_bootstrap
-from bench.discrepancy.split import Rows, link_codes
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.data.split import Rows, link_codes
 from bench.physics.simulator import Simulator
 from bench.plugins import load
 from bench.recordings.table import Recordings

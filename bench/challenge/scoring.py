@@ -11,10 +11,10 @@ from bench.challenge.cases import LIMIT_Z, Case
 from bench.challenge.generator.conceal import Hidden
 from bench.challenge.generator.shapes import OUTSIDE as OUTSIDE_RANGES
 from bench.challenge.generator.waveforms import WAVES_OUTSIDE
-from bench.discrepancy.ensemble import Ensemble
-from bench.discrepancy.score import crps
-from bench.discrepancy.study import Study
-from bench.discrepancy.verdict import NoMismatch, Unknown
+from bench.discrepancy.compare.crps import crps
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.diagnose import Study
+from bench.discrepancy.select.verdict import NoMismatch, Unknown
 
 Floats = NDArray[np.float64]
 RIGHT = ("right", "ambiguous")

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from bench.challenge.cases import Case
-from bench.discrepancy.fit import valued
-from bench.discrepancy.observables import Window
-from bench.discrepancy.resampled import latent_values
-from bench.discrepancy.split import link_codes
-from bench.discrepancy.study import Study
-from bench.discrepancy.verdict import Ambiguous, LeftOut, ParameterEstimate
-from bench.discrepancy.world import View, view
+from bench.discrepancy.compare.resimulation import View, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.diagnose import Study
+from bench.discrepancy.fit.bootstrap import latent_values
+from bench.discrepancy.fit.search import valued
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, ParameterEstimate
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.simulator import Simulator

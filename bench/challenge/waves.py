@@ -18,8 +18,8 @@ from bench.challenge.generator.waveforms import (
     recorded,
 )
 from bench.challenge.scoring import Outcome, outcome
-from bench.discrepancy.observables import observe
-from bench.discrepancy.study import Options, study
+from bench.discrepancy.data.observables import observe
+from bench.discrepancy.diagnose import Options, study
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings

@@ -112,7 +112,7 @@ def _blind(cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell) 
     """Run the blind cases; return report lines and scores."""
     from bench.challenge.blind import run_blind, seal
     from bench.challenge.blind_report import blind_markdown, rates
-    from bench.reproduce.spread import Spread
+    from bench.parallel import Spread
 
     click.echo(f"sealed answers: sha256 {seal(cases, seed, waves)}", err=True)
     outcomes = run_blind(cases, seed, out, tell, Spread(jobs), waves)
@@ -127,7 +127,7 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
     """Run real cases; return report lines and scores. Each case's figures go to `out`/<case>."""
     from bench.challenge.apartment import apartment
     from bench.challenge.real import ghent, outdoor
-    from bench.discrepancy.report import write_report
+    from bench.discrepancy.report.document import write_report
     from bench.recordings.open import open_recordings
 
     cases = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment}
@@ -153,7 +153,7 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
 
 def _case_lines(made: RealCase) -> list[str]:
     """Return a real case as Markdown."""
-    from bench.discrepancy.report import describe
+    from bench.discrepancy.report.document import describe
 
     out = [f"## {made.title}", "", "| asked | measured | met |", "| --- | --- | --- |"]
     out += [f"| {c.asked} | {c.measured} | {'yes' if c.met else '**no**'} |" for c in made.checks]

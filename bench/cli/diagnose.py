@@ -10,8 +10,8 @@ import click
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
-    from bench.discrepancy.journal import Kept
-    from bench.discrepancy.study import Options, Study
+    from bench.checkpoint.journal import Kept
+    from bench.discrepancy.diagnose import Options, Study
     from bench.physics.simulator import Simulator
     from bench.recordings.table import Recordings
 
@@ -60,8 +60,8 @@ def command(
     others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB. With
     -o, a diagnosis that was stopped goes on where it was when the same command is run again.
     """
-    from bench.discrepancy.report import summary, write_report
-    from bench.discrepancy.study import Options
+    from bench.discrepancy.diagnose import Options
+    from bench.discrepancy.report.document import summary, write_report
 
     seen = _names(observe) or None
     options = Options(seed, hide=_names(hide), observables=seen, waveform=not paths_only)
@@ -130,7 +130,7 @@ def _kept(
     out: Path, recorded: Recordings, simulated: Simulator | Recordings, options: Options
 ) -> Kept:
     """Return what an earlier run left in the folder, and say so where there is something."""
-    from bench.discrepancy.journal import Kept
+    from bench.checkpoint.journal import Kept
     from bench.runner.diagnosis import fingerprint
 
     kept = Kept(out, fingerprint(recorded, simulated, options))
@@ -145,7 +145,7 @@ def _run(
     """Run the diagnosis with a progress line on stderr."""
     from rich.console import Console
 
-    from bench.discrepancy.study import study
+    from bench.discrepancy.diagnose import study
 
     console = Console(stderr=True)
     with console.status("diagnosing ...") as status:
@@ -154,7 +154,7 @@ def _run(
 
 def _print(study: Study) -> None:
     """Print the verdicts and the confirm figures."""
-    from bench.discrepancy.report import describe
+    from bench.discrepancy.report.document import describe
 
     for verdict in study.diagnosis.verdicts:
         for line in describe(verdict):

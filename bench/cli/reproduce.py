@@ -92,11 +92,11 @@ def command(
     """
     from bench.cli.reproduce_page import check_page, write_page
     from bench.cli.run_view import RunView
+    from bench.parallel import Spread
     from bench.reproduce.api import reproduce
     from bench.reproduce.catalogue import chosen
     from bench.reproduce.context import Context
     from bench.reproduce.device_figures import chosen_devices
-    from bench.reproduce.spread import Spread
 
     if page is not None:
         check_page(page)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
-from bench.reproduce.api import Reproduction
+from bench.provenance import commit
+from bench.reproduce.api import DECISIVE, Reproduction
 from bench.reproduce.catalogue import experiments
-from bench.reproduce.provenance import commit
 
 
 def write_page(page: Path, done: Reproduction) -> None:
@@ -47,8 +47,8 @@ def check_page(page: Path) -> None:
 def _facts() -> list[str]:
     return [
         f"Made by: bench {' '.join(_typed(sys.argv[1:]))}",
-        f"Source: commit {commit()}; every outcome was made by this source, or by one that does "
-        "not differ in what decides it.",
+        f"Source: commit {commit(DECISIVE)}; every outcome was made by this source, or by one that "
+        "does not differ in what decides it.",
     ]
 
 

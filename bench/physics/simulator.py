@@ -10,13 +10,13 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError, unknown_name
+from bench.parallel import threads
 from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import STAGES, Effect, Stage
 from bench.physics.outcome import Outcome, joined, outcome
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene, scene
-from bench.physics.threads import workers
 from bench.recordings.table import Recordings
 
 
@@ -99,7 +99,7 @@ class Simulator:
             batch = self._block(rows.slice(start, start + BLOCK), draws, cir)
             return outcome(batch, self.base, complex_cir=complex_cir)
 
-        with ThreadPoolExecutor(workers()) as pool:
+        with ThreadPoolExecutor(threads()) as pool:
             return joined(list(pool.map(block, starts)))
 
     def ensemble(

@@ -11,16 +11,17 @@ from time import perf_counter
 
 from bench.errors import BenchError, WriteError
 from bench.measure.machine import describe_machine
+from bench.provenance import decisive_versions, packages_code_hash
 from bench.reproduce.catalogue import Experiment
 from bench.reproduce.context import Context
 from bench.reproduce.outcome import read_key, read_longest_s, write_outcome
-from bench.runner.hashes import decisive_versions, packages_code_hash
 from bench.runner.records import now_utc
 
 PACKAGES = (
     *("zoo", "backends", "bench/measure", "bench/physics", "bench/positioning"),
     *("bench/recordings", "bench/reproduce", "bench/runner"),
 )
+DECISIVE = ("zoo", "backends", "reports", *PACKAGES)
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bench.errors import BenchError
+from bench.parallel import Spread
 from bench.recordings.open import open_recordings
 from bench.recordings.splits import default_split, make_split
 from bench.recordings.table import Recordings
-from bench.reproduce.spread import Spread
 from bench.reproduce.thinning import thinned
 from bench.results import RunRecord
 from bench.runner.execute import execute

@@ -8,8 +8,8 @@ from torch import nn
 from zoo.base import TrainingRecipe
 from zoo.mlp import MlpNetwork
 from zoo.module_model import NeuralModel
-from zoo.preparation import Crop, Preparation
-from zoo.scaling import Standardise
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.scaling import Standardise
 
 
 class RawMLP(NeuralModel):

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from bench.files import write_atomically
+from bench.parallel import Work
+from bench.provenance import decisive_versions, packages_code_hash
 from bench.reproduce.context import Context
-from bench.reproduce.spread import Work
-from bench.runner.hashes import decisive_versions, packages_code_hash
 
 CODE = ("zoo", "bench/measure/metrics.py", "bench/reproduce/raw_mlp.py")
 

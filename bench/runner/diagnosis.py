@@ -6,12 +6,12 @@ import hashlib
 import json
 from dataclasses import asdict
 
-from bench.discrepancy.study import Options
+from bench.discrepancy.diagnose import Options
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
 from bench.plugins import plugins
+from bench.provenance import decisive_versions, effects_code_hash, packages_code_hash
 from bench.recordings.table import Recordings
-from bench.runner.hashes import decisive_versions, effects_code_hash, packages_code_hash
 
 CODE = ("bench/discrepancy", "bench/physics", "bench/recordings")
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 from bench.errors import BenchError, WriteError
 from bench.files import atomic_path
 from bench.plugins import Plugin
+from bench.provenance import decisive_versions, run_code_hash
 from bench.results import RunKey, RunRecord
 from bench.runner.evaluate import evaluate
 from bench.runner.failure import Failure
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
-from bench.runner.hashes import decisive_versions, run_code_hash
 from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan

@@ -13,8 +13,8 @@ import numpy as np
 
 from bench.files import atomic_path, cache_dir
 from bench.plugins import Plugin
+from bench.provenance import decisive_versions, model_code_hash
 from bench.recordings.splits import Fold
-from bench.runner.hashes import decisive_versions, model_code_hash
 from bench.runner.material import Material
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 from bench.errors import BenchError
 from bench.files import write_atomically
+from bench.provenance import file_sha256
 from bench.results import SCHEMA_VERSION, RunRecord, TimingRecord, from_json, to_json
-from bench.runner.hashes import file_sha256
 
 Record = TypeVar("Record", RunRecord, TimingRecord)
 

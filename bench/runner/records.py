@@ -11,9 +11,9 @@ import numpy as np
 
 from bench.files import atomic_path
 from bench.measure.machine import describe_machine
+from bench.provenance import file_sha256
 from bench.results import Estimate, RunKey, RunRecord, Size
 from bench.runner.evaluate import Evaluation, score_rows
-from bench.runner.hashes import file_sha256
 from bench.runner.material import Material, predictions_table
 from bench.runner.plan import Plan
 

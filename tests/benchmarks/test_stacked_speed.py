@@ -13,8 +13,8 @@ from bench.reproduce.raw_mlp import RawMLP
 from zoo import REMnet
 from zoo.base import Floats
 from zoo.module_model import NeuralModel
-from zoo.together import fit_together
-from zoo.training import train
+from zoo.training.eager import train
+from zoo.training.together import fit_together
 
 ROWS, FEW_ROWS = 960, 128  # few: the plain loop takes seconds per REMnet and epoch
 ROUNDS = 5

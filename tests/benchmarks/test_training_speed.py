@@ -15,9 +15,9 @@ import pytest
 import torch
 from torch import nn
 
-from zoo import fast_remnet
-from zoo.remnet_module import RemnetModule
-from zoo.training import FloatArray
+from zoo.modules.remnet import RemnetModule
+from zoo.training.eager import FloatArray
+from zoo.training.fused_remnet import fit as fast_remnet
 
 THREADS = 2
 PROTOCOL = {"loss": "mae", "learning_rate": 3e-4, "batch_size": 32}
@@ -116,7 +116,7 @@ import json, sys, time
 start = time.perf_counter()
 sys.path.insert(0, "tests/benchmarks")
 from test_training_speed import fused, rows
-from zoo.remnet_module import RemnetModule
+from zoo.modules.remnet import RemnetModule
 X, y = rows({DEMO_ROWS})
 loaded = time.perf_counter()
 fused(RemnetModule(), X[:32], y[:32], 1, 0)

@@ -7,7 +7,7 @@ import pytest
 import torch
 from scipy import stats
 
-from zoo.features import FEATURES, SAMPLE_PERIOD_NS, MaranoFeatures, marano_features
+from zoo.modules.features import FEATURES, SAMPLE_PERIOD_NS, MaranoFeatures, marano_features
 
 
 def column(name: str, row: list[float], **options: float) -> float:

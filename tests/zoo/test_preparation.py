@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from zoo.preparation import BLOCK_ROWS, Crop, Preparation, apply_in_blocks
-from zoo.scaling import GlobalScale, PeakScale, Standardise
+from zoo.modules.preparation import BLOCK_ROWS, Crop, Preparation, apply_in_blocks
+from zoo.modules.scaling import GlobalScale, PeakScale, Standardise
 
 
 def test_wider_rows_are_cropped_from_the_first_sample_wanted() -> None:

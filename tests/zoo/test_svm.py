@@ -11,7 +11,7 @@ from sklearn.preprocessing import FunctionTransformer, StandardScaler
 from sklearn.svm import SVR
 
 from zoo import FeatureSVM
-from zoo.features import marano_features
+from zoo.modules.features import marano_features
 from zoo.svm import RbfExpansion
 
 Rows = tuple[NDArray[np.float32], NDArray[np.float32]]

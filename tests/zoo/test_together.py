@@ -11,7 +11,7 @@ from sklearn.base import clone
 from zoo import CNN1D, FeatureMLP, REMnet
 from zoo.base import Floats
 from zoo.module_model import NeuralModel
-from zoo.together import fit_together
+from zoo.training.together import fit_together
 
 MAKERS: dict[str, Callable[[int], NeuralModel]] = {
     "mlp": lambda seed: FeatureMLP(epochs=2, random_state=seed),

@@ -9,7 +9,7 @@ import pytest
 import torch
 from torch import nn
 
-from zoo.training import FloatArray, TrainingLog, epoch_orders, train
+from zoo.training.eager import FloatArray, TrainingLog, epoch_orders, train
 
 OPTIONS = {"learning_rate": 1e-2, "batch_size": 16, "epochs": 3}
 

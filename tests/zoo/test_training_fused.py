@@ -11,12 +11,13 @@ import pytest
 import torch
 from torch import nn
 
-from zoo import fast_remnet, training
-from zoo.fast_remnet_layout import flatten, layout_of, unflatten
-from zoo.fast_remnet_network import FusedNetwork
-from zoo.fast_remnet_steps import Data
-from zoo.remnet_module import RemnetModule
-from zoo.training import FloatArray
+from zoo.modules.remnet import RemnetModule
+from zoo.training import eager as training
+from zoo.training.eager import FloatArray
+from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training.fused_remnet.layout import flatten, layout_of, unflatten
+from zoo.training.fused_remnet.network import FusedNetwork
+from zoo.training.fused_remnet.steps import Data
 
 PROTOCOL = {"loss": "mae", "learning_rate": 3e-4, "batch_size": 32, "epochs": 2}
 SHAPES = [(128, 3, 8), (152, 3, 8), (37, 2, 4), (8, 3, 8), (5, 1, 16), (1, 1, 2)]
@@ -213,8 +214,8 @@ def test_without_numba_it_falls_back() -> None:
 import sys
 sys.modules["numba"] = None
 import numpy as np
-from zoo import fast_remnet
-from zoo.remnet_module import RemnetModule
+from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.modules.remnet import RemnetModule
 module = RemnetModule(8, modules=1)
 assert "numba" in fast_remnet.why_not(module, "mae")
 X, y = np.zeros((4, 8), np.float32), np.zeros(4, np.float32)

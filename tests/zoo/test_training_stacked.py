@@ -10,10 +10,10 @@ import pytest
 import torch
 from torch import nn
 
-from zoo import fast_remnet
-from zoo.remnet_module import RemnetModule
-from zoo.stacked_training import train_stacked, why_not
-from zoo.training import FloatArray, train
+from zoo.modules.remnet import RemnetModule
+from zoo.training.eager import FloatArray, train
+from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training.stacked.fit import train_stacked, why_not
 
 OPTIONS = {"loss": "mae", "learning_rate": 1e-3, "batch_size": 16, "epochs": 3}
 SEEDS = [3, 1, 4]

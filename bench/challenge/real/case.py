@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from bench.discrepancy.study import Study
+from bench.discrepancy.diagnose import Study
 
 Tell = Callable[[str], None]
 

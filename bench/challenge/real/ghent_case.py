@@ -10,13 +10,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.challenge.real.case import Check, RealCase, Tell, first_named, markdown_table
-from bench.discrepancy.clocks import device_clock
-from bench.discrepancy.observables import Window
-from bench.discrepancy.split import link_codes
-from bench.discrepancy.study import Options, study
-from bench.discrepancy.terms import DeviceClock
-from bench.discrepancy.world import View, view
+from bench.discrepancy.compare.resimulation import View, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.diagnose import Options, study
+from bench.discrepancy.fit.clocks import device_clock
 from bench.physics.base import Base
+from bench.physics.effects.fitted.terms import DeviceClock
 from bench.physics.simulator import Simulator
 from bench.physics.units import C_M_PER_NS
 from bench.recordings.table import Recordings

@@ -14,13 +14,13 @@ from bench.challenge.real.two_ray import (
     reflected,
     shift_m,
 )
-from bench.discrepancy.latent import UNCOMPRESSED_DBM, power_curve
-from bench.discrepancy.observables import Window
-from bench.discrepancy.split import link_codes
-from bench.discrepancy.study import Options, Study, study
-from bench.discrepancy.terms import LOGGED_DBM, TRUE_DBM, PowerCurve
-from bench.discrepancy.world import Resimulation, view
+from bench.discrepancy.compare.resimulation import Resimulation, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.diagnose import Options, Study, study
+from bench.discrepancy.fit.per_device import UNCOMPRESSED_DBM, power_curve
 from bench.physics.base import Base
+from bench.physics.effects.fitted.terms import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.effects.ranging.power_bias import published_bias_m
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings

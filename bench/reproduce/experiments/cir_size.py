@@ -75,7 +75,7 @@ def run(context: Context) -> Outcome:
 def train_point(data: Data, point: Point) -> list[dict[str, Any]]:
     """Return the NLoS MAE of every seed, each with its interval over links."""
     from zoo.remnet import REMnet
-    from zoo.together import fit_together
+    from zoo.training.together import fit_together
 
     models = [
         REMnet(cir_samples=point.samples, epochs=point.epochs, random_state=seed)

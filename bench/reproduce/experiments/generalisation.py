@@ -87,7 +87,7 @@ def run(context: Context) -> Outcome:
 def train_bar(classes: Classes, bar: Bar) -> dict[str, list[float]]:
     """Return the MAE of every model on every test class, in metres."""
     from bench.reproduce.raw_mlp import RawMLP
-    from zoo.together import fit_together
+    from zoo.training.together import fit_together
 
     part = classes.train[bar.trained_on]
     models = [RawMLP(epochs=bar.epochs, random_state=seed) for seed in bar.seeds]

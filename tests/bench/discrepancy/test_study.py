@@ -11,13 +11,13 @@ import pytest
 from click.testing import CliRunner
 
 from bench.cli.diagnose import command
-from bench.discrepancy.report import write_report
-from bench.discrepancy.study import Options, study
-from bench.discrepancy.terms import DeviceClock, Unnamed
-from bench.discrepancy.verdict import LeftOut, NoMismatch, Unknown
+from bench.discrepancy.diagnose import Options, study
+from bench.discrepancy.report.document import write_report
+from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.terms import DeviceClock, Unnamed
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.temperature import TemperatureDrift

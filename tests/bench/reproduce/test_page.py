@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from bench import provenance
 from bench.cli.reproduce_page import _typed
-from bench.reproduce import provenance
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,14 @@ def test_the_commit_says_whether_the_source_differs(
     (tmp_path / "zoo").mkdir()
     (tmp_path / "zoo" / "a.py").write_text("")
     monkeypatch.setattr(provenance.bench, "__file__", str(tmp_path / "bench" / "__init__.py"))
-    assert provenance.commit() == provenance.UNKNOWN
+    assert provenance.commit(["zoo"]) == provenance.UNKNOWN
     git(tmp_path, "init", "-q")
     for command in (("add", "."), ("commit", "-q", "-m", "first")):
         git(tmp_path, "-c", "user.name=a", "-c", "user.email=a@b.example", *command)
-    name = provenance.commit()
+    name = provenance.commit(["zoo"])
     assert len(name) == 12
     (tmp_path / "zoo" / "a.py").write_text("1")
-    assert provenance.commit() == f"{name} with uncommitted changes"
+    assert provenance.commit(["zoo"]) == f"{name} with uncommitted changes"
 
 
 def test_without_git_the_commit_is_unknown(tmp_path: Path) -> None:

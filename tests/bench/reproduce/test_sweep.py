@@ -19,11 +19,11 @@ import psutil
 import pytest
 
 from bench.errors import BenchError
+from bench.parallel import Spread
 from bench.reproduce import spread
 from bench.reproduce.context import Context
 from bench.reproduce.experiments.cir_size import Data, Point, train_point
 from bench.reproduce.experiments.generalisation import Bar, Classes, Part, train_bar
-from bench.reproduce.spread import Spread
 from bench.reproduce.sweep import sweep
 
 ROWS = 96

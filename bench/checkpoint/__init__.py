@@ -1,0 +1,1 @@
+"""What lets a stopped diagnosis go on: a journal of finished steps, as plain JSON."""

@@ -1,0 +1,1 @@
+"""Recordings beside a simulator: ensembles, and proper scores of them."""

@@ -1,0 +1,208 @@
+"""A simulator in two halves, so that effects on the range alone cost no new waveform."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+
+from bench.discrepancy.compare.prefix_cache import Memory, Prefixes, Step
+from bench.discrepancy.data.observables import (
+    SCALARS,
+    Floats,
+    Observables,
+    Window,
+    around,
+    collect,
+    shape_observables,
+)
+from bench.errors import BenchError
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect
+from bench.physics.randomness import BLOCK, Draws
+from bench.physics.scene import Scene
+from bench.physics.simulator import Simulator
+from bench.physics.units import Complexes
+
+KEPT = 24  # detected replicates that are remembered
+KEPT_PATHS = 256  # of those from paths alone, which are small
+KEPT_STEPS = 96  # batches after a step of the chain that are remembered, up to 5 MB each
+KEPT_NOISE = 48  # blocks of noise that are remembered, up to 2 MB each
+KEPT_ROWS = 16  # tables of rows that are told apart without looking at their values
+
+
+@dataclass(frozen=True)
+class Detected:
+    """One replicate after detection: a batch per block without its waveform, and CIR figures."""
+
+    blocks: tuple[Batch, ...]
+    shape: dict[str, Floats]
+
+
+@dataclass(frozen=True)
+class _SameNoise(Draws):
+    """Draws whose noise is remembered: the same for every simulator tried on the same rows."""
+
+    stages: Stages
+
+    def complex_normal(self, *shape: int) -> Complexes:
+        """Return what `Draws` returns, without drawing it again."""
+        return self.stages.noise(self, shape)
+
+
+class Stages:
+    """Simulates replicates; remembers everything before the ranging stage.
+
+    Numbers are those of `Simulator.observe` with the same seed and replicate.
+    """
+
+    def __init__(self, window: Window) -> None:
+        self.window = window
+        self._detections: dict[bool, Memory[Detected]] = {
+            True: Memory(KEPT),
+            False: Memory(KEPT_PATHS),
+        }
+        self._noise: Memory[Complexes] = Memory(KEPT_NOISE)
+        self._prefixes = Prefixes(KEPT_STEPS)
+        self._places: Memory[tuple[Scene, int]] = Memory(KEPT_ROWS)
+        self._numbers = count()
+
+    def observables(
+        self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
+    ) -> Observables:
+        """Return what the simulator gives for `rows` in one replicate."""
+        early = tuple(e for e in simulator.effects if e.stage != "ranging")
+        key = (self._place(rows), simulator.base, early, simulator.seed, replicate, cir)
+        try:
+            found = self._detections[cir].get(
+                key, lambda: self._detected(simulator, rows, replicate, cir)
+            )
+            batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
+        except BenchError:
+            raise
+        except Exception as problem:
+            raise self._blamed(simulator, rows, replicate, cir, problem) from problem
+        columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
+        scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
+        return collect(scalars, found.shape)
+
+    def _detected(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> Detected:
+        """Simulate up to detection; the waveform is reduced to its figures and dropped."""
+        blocks, shapes = [], []
+        for start in range(0, len(rows), BLOCK):
+            draws = Draws(simulator.seed, replicate, "base", start // BLOCK)
+            part = rows.slice(start, start + BLOCK)
+            batch = self._received(simulator, part, draws, cir, self._place(rows))
+            shapes.append(self._shape(simulator, batch))
+            blocks.append(replace(batch, waveform=None, noise=None))
+        names = shapes[0]
+        shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
+        return Detected(tuple(blocks), shape)
+
+    def _place(self, rows: Scene) -> Hashable:
+        """Return a number for these rows, theirs for good: forgotten rows come back as new ones.
+
+        Rows are held while they are remembered, so that no others have their identity.
+        """
+        return self._places.get(id(rows), lambda: (rows, next(self._numbers)))[1]
+
+    def _blamed(
+        self, simulator: Simulator, rows: Scene, replicate: int, cir: bool, problem: Exception
+    ) -> BenchError:
+        """Return an error that names the first row that fails on its own, and why."""
+        low, high = 0, len(rows)
+        while high - low > 1:
+            middle = (low + high) // 2
+            part = rows.slice(low, middle)
+            low, high = (
+                (low, middle) if self._fails(simulator, part, replicate, cir) else (middle, high)
+            )
+        reason = f"{problem}".splitlines()[0] if f"{problem}" else type(problem).__name__
+        return BenchError(
+            f"simulator {simulator.name!r} fails on row {low} of the {len(rows)} it was given "
+            f"(true range {rows.true_range_m[low]:.4g} m): {reason}"
+        )
+
+    def _fails(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> bool:
+        """Return whether a simulator cannot simulate some rows."""
+        try:
+            draws = Draws(simulator.seed, replicate, "base", 0)
+            _ranged(simulator, self._received(simulator, rows, draws, cir), replicate, 0)
+        except Exception:
+            return True
+        return False
+
+    def _received(
+        self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool, place: Hashable = None
+    ) -> Batch:
+        """Return a block of rows after detection, before the ranging stage.
+
+        `place` says which rows they are, so that the same beginnings are not simulated again.
+        """
+        base = simulator.base
+        same = _SameNoise(draws.seed, draws.replicate, draws.name, draws.block, self)
+        late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
+
+        def received(batch: Batch) -> Batch:
+            return base.received(batch, same) if cir else base.counted(batch)
+
+        steps: list[Step] = [_step(e, draws) for e in simulator.at_stage("propagation")]
+        steps += [("received", received), *(_step(e, draws) for e in late)]
+        key = (place, base, draws.seed, draws.replicate, draws.block, cir)
+        chain = self._prefixes if place is not None else Prefixes(1)
+        return base.detected(chain.run(key, lambda: base.paths(rows), steps))
+
+    def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
+        """Return a copy of the noise that `draws` gives first after its alignments."""
+        key = (draws.seed, draws.replicate, draws.name, draws.block, shape)
+        return self._noise.get(key, lambda: Draws.complex_normal(draws, *shape)).copy()
+
+    def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
+        """Return the CIR figures of a detected batch, none without a waveform."""
+        crop = simulator.base.cropped(batch)
+        if crop is None:
+            return {}
+        whole, index = crop
+        period = np.full(len(batch), batch.sample_period_ns)
+        magnitude, delay = around(np.abs(whole), index, period, self.window)
+        return shape_observables(
+            magnitude, delay, _column(batch, "preamble_count"), _column(batch, "noise_std")
+        )
+
+
+def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
+    """Return a detected block after the ranging stage."""
+    draws = Draws(simulator.seed, replicate, "base", block)
+    return _applied(simulator.at_stage("ranging"), batch, draws)
+
+
+def _applied(effects: tuple[Effect, ...], batch: Batch, draws: Draws) -> Batch:
+    """Return the batch after some effects."""
+    for effect in effects:
+        batch = _step(effect, draws)[1](batch)
+    return batch
+
+
+def _step(effect: Effect, draws: Draws) -> Step:
+    """Return an effect as a step. The step raises RuntimeError naming an effect that fails."""
+
+    def apply(batch: Batch) -> Batch:
+        try:
+            with np.errstate(all="ignore"):
+                return effect.apply(batch, replace(draws, name=effect.name))
+        except Exception as problem:
+            why = f"effect {effect.name!r}: {type(problem).__name__}: {problem}"
+            raise RuntimeError(why) from problem
+
+    return (type(effect), effect), apply
+
+
+def _column(batch: Batch, name: str) -> Floats:
+    """Return an observable column of a detected batch [n]."""
+    if name == "error_m":
+        assert batch.range_m is not None
+        return np.asarray(batch.range_m - batch.rows.true_range_m, np.float64)
+    found = batch.symbols if name == "preamble_count" else getattr(batch, name)
+    return np.full(len(batch), np.nan) if found is None else np.asarray(found, np.float64)

@@ -1,0 +1,249 @@
+"""Comparing with a table from another simulator: rows paired by link, or matched by covariates.
+
+Where both tables have a link, its rows are compared with each other. Otherwise every recorded
+link is compared with the simulated links nearest to it in the known covariates, so a difference in
+the MIX of covariates is not mistaken for one in the physics: it is reported on its own.
+Effects act on the table's rows: on range and receive level, and on the CIR where both have one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from bench.discrepancy.compare.ensemble import Ensemble, stack
+from bench.discrepancy.compare.matching import by_link, by_neighbours
+from bench.discrepancy.compare.resimulation import Added, View, measured
+from bench.discrepancy.compare.staged_simulation import Stages
+from bench.discrepancy.data.covariates import MEASURED
+from bench.discrepancy.data.observables import (
+    SCALARS,
+    Floats,
+    Observables,
+    Window,
+    around,
+    collect,
+    observe,
+    shape_observables,
+)
+from bench.discrepancy.data.split import Rows, link_codes
+from bench.errors import BenchError
+from bench.physics.base import Base
+from bench.physics.foreign import ForeignTable
+from bench.physics.simulator import Simulator
+
+MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
+CHANGED = ("error_m", "rx_power_dbm")
+KEPT_TABLES = 24
+MOST_VERSIONS = 24
+FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
+
+
+@dataclass(frozen=True)
+class TableWorld:
+    """Rows of another simulator's table as the counterpart of recorded rows."""
+
+    frame: pd.DataFrame
+    window: Window
+    seed: int = 0
+
+    @cached_property
+    def links(self) -> NDArray[np.intp]:
+        """Link codes of the simulated rows."""
+        return link_codes(self.frame)
+
+    @cached_property
+    def observed(self) -> Observables:
+        """Observables of the simulated rows as they are."""
+        return observe(self.frame, self.window)
+
+    @cached_property
+    def stages(self) -> Stages:
+        """Simulates what an effect changes."""
+        return Stages(self.window)
+
+    def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
+        """Return recorded rows beside `members` matched simulated rows, with effects `added`.
+
+        Without CIRs, what the effects do to range and level is computed at each recorded row's own
+        geometry and settings (with against without them, on the same random numbers) and added.
+        """
+        seen = self.observed
+        count = min(view.rich * members, max(members, len(self.versions(view))))
+        first, picks = view.rich * first, self._matches(view, count)
+        if added and any(name.startswith("profile_db") for name in seen.names):
+            numbers = range(first, first + count)
+            made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
+            return stack(view.recorded, made, view.links)
+        replicas = []
+        for number, pick in enumerate(picks):
+            values = seen.values[pick] + self._change(seen, view, added, first + number)
+            replicas.append(Observables(seen.names, seen.units, values))
+        return stack(view.recorded, replicas, view.links)
+
+    def _with_cir(
+        self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
+    ) -> Observables:
+        """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
+        key = (id(view.rows), pick.tobytes())
+        if key not in self._tables:
+            while len(self._tables) >= KEPT_TABLES:
+                self._tables.pop(next(iter(self._tables)))
+            self._tables[key] = view.rows, ForeignTable(self._rows_at(view, pick))
+        made = self._tables[key][1].observe(added, self.seed, replicate)
+        scalars = {name: np.asarray(getattr(made, name), np.float64) for name in SCALARS}
+        assert made.cir is not None
+        assert made.first_path_index is not None
+        period = np.full(len(made), made.sample_period_ns)
+        cir = around(made.cir, made.first_path_index, period, self.window)
+        shape = shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
+        return collect(scalars, shape)
+
+    @cached_property
+    def _tables(self) -> dict[tuple[int, bytes], tuple[Rows, ForeignTable]]:
+        """Matched tables that are remembered, with the rows they were matched to."""
+        return {}
+
+    def _rows_at(self, view: View, pick: NDArray[np.intp]) -> pd.DataFrame:
+        """Return matched rows: what was measured from the table, all else as recorded."""
+        theirs = self.frame.iloc[pick].reset_index(drop=True)
+        known = [name for name in view.frame if name not in MEASURED]
+        error = self.observed.column("error_m")[pick]
+        kept = theirs[[name for name in theirs if name in MEASURED]]
+        out = pd.concat([view.frame[known].reset_index(drop=True), kept], axis=1)
+        return out.assign(error_m=error, range_m=view.scene.true_range_m + error)
+
+    def _change(self, seen: Observables, view: View, added: Added, replicate: int) -> Floats:
+        """Return what the effects change, [n, p]; zero for observables of the waveform."""
+        change = np.zeros((len(view.rows), len(seen.names)))
+        if not added:
+            return change
+        see = self.stages.observables
+        without = self._bare(view, replicate)
+        within = see(Simulator(Base(), added, self.seed), view.scene, replicate, False)
+        for name in CHANGED:
+            if name in seen.names and name in within.names and name in without.names:
+                change[:, seen.names.index(name)] = within.column(name) - without.column(name)
+        return change
+
+    def _bare(self, view: View, replicate: int) -> Observables:
+        """Return what the bare base gives for the rows in one replicate; remembered."""
+        key = (id(view), replicate)
+        if key not in self._bares:
+            bare = Simulator(Base(), (), self.seed)
+            made = self.stages.observables(bare, view.scene, replicate, False)
+            self._bares[key] = view, made
+        return self._bares[key][1]
+
+    @cached_property
+    def _bares(self) -> dict[tuple[int, int], tuple[View, Observables]]:
+        """Bare replicates that are remembered, with the view they belong to."""
+        return {}
+
+    def _matches(self, view: View, members: int) -> list[NDArray[np.intp]]:
+        """Return for each member the simulated row that stands for each recorded row [n].
+
+        Members beyond the matched versions repeat them.
+        """
+        versions = self.versions(view)
+        return [versions[member % len(versions)] for member in range(members)]
+
+    def versions(self, view: View) -> list[NDArray[np.intp]]:
+        """Return the matched versions of the recorded rows (see `matching`).
+
+        Those from the same links first; where they are few, rows of similar links follow, so that
+        a score has enough members.
+        """
+        key = id(view)
+        if key not in self._versions:
+            own = self._same_links(view) if self.paired(view) else []
+            more = self._similar_links(view)[bool(own) :] if len(own) < MOST_VERSIONS else []
+            versions = (own + more)[:MOST_VERSIONS]
+            self._versions[key] = view, versions, len(own) or len(versions)
+        return self._versions[key][1]
+
+    @cached_property
+    def _versions(self) -> dict[int, tuple[View, list[NDArray[np.intp]], int]]:
+        """Matched versions that are remembered, with their view and how many are of one kind."""
+        return {}
+
+    def distinct(self, view: View) -> int:
+        """Return how many versions, the first ones, a permutation may swap with the recorded."""
+        self.versions(view)
+        return self._versions[id(view)][2]
+
+    def _similar_links(self, view: View) -> list[NDArray[np.intp]]:
+        """Match rows with those of the simulated links nearest in their covariates."""
+        left, right = self._points(view)
+        if not self.paired(view):
+            self._check_overlap(view, left, right)
+        return by_neighbours(left, right, view.links, self.links, MOST_VERSIONS)
+
+    def _same_links(self, view: View) -> list[NDArray[np.intp]]:
+        """Match rows with those of the same link."""
+        left, right = self._points(view, every=True)
+        rows = self.frame.groupby(self.frame["link"].astype(str)).indices
+        names = view.frame["link"].astype(str).to_numpy()
+        labels, codes = np.unique(names, return_inverse=True)
+        pools = [np.asarray(rows[label], np.intp) for label in labels]
+        return by_link(left, right, codes, pools, MOST_VERSIONS)
+
+    def paired(self, view: View) -> bool:
+        """Return whether every recorded link is in the simulated table too."""
+        if "link" not in self.frame:
+            return False
+        return bool(set(view.frame["link"].astype(str)) <= set(self.frame["link"].astype(str)))
+
+    def _shared(self, view: View, every: bool = False) -> list[str]:
+        """Return the covariates rows are matched on: the settings, or all that both tables have."""
+        names = tuple(view.covariates.numbers) if every else MATCHED_ON
+        return [
+            name
+            for name in names
+            if np.isfinite(measured(view.frame, name)).all()
+            and np.isfinite(measured(self.frame, name)).all()
+        ]
+
+    def _points(self, view: View, every: bool = False) -> tuple[Floats, Floats]:
+        """Return recorded and simulated rows in the matched covariates, in standard deviations."""
+        names = self._shared(view, every)
+        if not names and not self.paired(view):
+            raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
+        left = np.stack([np.zeros(len(view.frame)), *(measured(view.frame, n) for n in names)], 1)
+        right = np.stack([np.zeros(len(self.frame)), *(measured(self.frame, n) for n in names)], 1)
+        centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), 1e-9)
+        return (left - centre) / scale, (right - centre) / scale
+
+    def _check_overlap(self, view: View, left: Floats, right: Floats) -> None:
+        """Raise BenchError where most recorded rows have no simulated row near them."""
+        distance = cKDTree(right).query(left)[0]
+        if np.mean(distance > FAR) > 0.5:
+            raise BenchError(
+                "no overlap of covariates: most recorded rows have no simulated row within one "
+                f"standard deviation of {', '.join(self._shared(view))}"
+            )
+
+    def mix(self, view: View) -> dict[str, tuple[float, float]]:
+        """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).
+
+        A two-sample Kolmogorov-Smirnov test over link means: the MIX, not the physics.
+        """
+        from scipy.stats import ks_2samp
+
+        out = {}
+        for name in self._shared(view):
+            left = _link_means(measured(view.frame, name), view.links)
+            right = _link_means(measured(self.frame, name), self.links)
+            shift = (left.mean() - right.mean()) / max(float(left.std()), 1e-9)
+            out[name] = float(shift), float(ks_2samp(left, right).pvalue)
+        return out
+
+
+def _link_means(values: Floats, links: NDArray[np.intp]) -> Floats:
+    code = np.unique(links, return_inverse=True)[1]
+    return np.asarray(np.bincount(code, values) / np.bincount(code), np.float64)

@@ -1,0 +1,1 @@
+"""What is compared: rows checked, split by link, observables and covariates."""

@@ -1,0 +1,70 @@
+"""Bad input, found before anything is fitted: one clear line each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.compare.resimulation import measured
+from bench.discrepancy.data.observables import error_m
+from bench.errors import BenchError
+from bench.recordings.table import Recordings
+
+LONGEST_M = 500.0  # the median true range of ultra-wideband recordings is far below this
+PERIOD_NS = (0.2, 5.0)
+
+
+def check_recorded(recorded: Recordings) -> None:
+    """Raise BenchError where a recorded table cannot be diagnosed, naming column and expectation.
+
+    Looks for: no rows, no truth, no link column, units off by 1000, time going backwards.
+    """
+    frame, source = recorded.frame, recorded.source
+    if not len(frame):
+        raise BenchError(f"{source}: the table has no rows")
+    recorded.require("link")
+    if not np.isfinite(error_m(frame)).any() and "cir" not in frame:
+        raise BenchError(
+            f"{source}: no truth: expected 'error_m', or 'range_m' and 'true_range_m', with values"
+        )
+    if "true_range_m" not in frame and "tx_x_m" not in frame:
+        raise BenchError(f"{source}: no column 'true_range_m' and no antenna positions")
+    _check_units(frame, source)
+    _check_time(frame, source)
+
+
+def _check_units(frame: pd.DataFrame, source: str) -> None:
+    """Raise where lengths look like millimetres or kilometres, or the period like picoseconds."""
+    truth = measured(frame, "true_range_m")
+    middle = float(np.nanmedian(truth)) if np.isfinite(truth).any() else 1.0
+    if middle > LONGEST_M or middle < 0.02:
+        raise BenchError(
+            f"{source}: the median of true_range_m is {middle:.4g} m: expected metres "
+            "(millimetres or kilometres?)"
+        )
+    measured_m = measured(frame, "range_m")
+    ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
+    if ratio > 300 or 0 < ratio < 1 / 300:
+        raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
+    period = measured(frame, "sample_period_ns")
+    typical = float(np.nanmedian(period)) if np.isfinite(period).any() else 1.0
+    if not PERIOD_NS[0] <= typical <= PERIOD_NS[1]:
+        raise BenchError(f"{source}: sample_period_ns is {typical:.4g}: expected nanoseconds")
+
+
+def _check_time(frame: pd.DataFrame, source: str) -> None:
+    """Raise where time runs backwards between rows of one link and pair of devices."""
+    time = measured(frame, "time_s")
+    if not np.isfinite(time).any():
+        return
+    keys = [name for name in ("link", "tx", "rx", "los") if name in frame]
+    labels = frame[keys].astype(str).agg("/".join, axis=1)
+    steps = pd.Series(time).groupby(labels.to_numpy()).diff()
+    back = np.flatnonzero(steps.to_numpy() < 0)
+    if len(back):
+        row = int(back[0])
+        raise BenchError(
+            f"{source}: time_s goes backwards at row {row} "
+            f"({-float(steps.iloc[row]):.4g} s, link {frame['link'].iloc[row]!r}); "
+            "expected rows of a link in the order they were recorded"
+        )

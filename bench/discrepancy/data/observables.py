@@ -1,0 +1,217 @@
+"""What can be compared: numbers per row that a simulator and a radio both give.
+
+Works with whatever columns a table has: no CIR, no CIR observables. A value that is not known is
+NaN and takes no part in any comparison.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.data.cir_features import shape_figures
+from bench.recordings.table import SAMPLE_PERIOD_NS
+
+Floats = NDArray[np.float64]
+
+# Delay bins of the power profile, ns after the detected first path (one sample is 1.0016 ns).
+PROFILE_EDGES_NS = (-4.0, -1.5, 1.5, 3.5, 6.5, 10.5, 15.5, 22.5, 32.5, 45.5, 62.5, 82.5, 105.5)
+RISE_HIGH, RISE_LOW = 0.6, 6.0  # Marano et al. 2010: share of the maximum, multiples of noise std
+LEAD_LEVEL = 5.0  # multiples of the noise standard deviation that count as energy before the path
+
+SCALARS = {
+    "error_m": "m",
+    "rx_power_dbm": "dB",
+    "first_path_power_dbm": "dB",
+    "noise_std": "counts",
+    "preamble_count": "symbols",
+}
+FEATURES = {
+    "energy_db": "dB",
+    "max_amplitude_db": "dB",
+    "peak_counts_db": "dB",
+    "rise_time_ns": "ns",
+    "mean_excess_delay_ns": "ns",
+    "rms_delay_spread_ns": "ns",
+    "kurtosis": "1",
+    "first_path_lead_ns": "ns",
+}
+
+
+@dataclass(frozen=True)
+class Observables:
+    """Observables of n rows: `values` [n, p] float64 (NaN = unknown), `names` and `units` [p]."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Floats
+
+    def column(self, name: str) -> Floats:
+        """Return one observable [n]."""
+        return self.values[:, self.names.index(name)]
+
+    def keep(self, names: tuple[str, ...]) -> Observables:
+        """Return only the named observables, in that order."""
+        place = [self.names.index(name) for name in names]
+        return Observables(names, tuple(self.units[i] for i in place), self.values[:, place])
+
+
+def profile_names() -> tuple[str, ...]:
+    """Return the names of the delay-resolved profile bins, e.g. `profile_db[6.5..10.5ns]`."""
+    edges = PROFILE_EDGES_NS
+    return tuple(f"profile_db[{a:g}..{b:g}ns]" for a, b in pairwise(edges))
+
+
+def observe(frame: pd.DataFrame, window: Window | None = None) -> Observables:
+    """Return every observable the table's columns allow, as [n, p].
+
+    `frame` is a recordings table; `error_m` is computed from the ranges where it is absent.
+    """
+    scalars = {name: _scalar(frame, name) for name in SCALARS}
+    if "cir" not in frame or "first_path_index" not in frame or not len(frame):
+        return collect(scalars)
+    magnitude, delay = aligned(frame, window or window_of(frame))
+    count, noise = scalars["preamble_count"], scalars["noise_std"]
+    return collect(scalars, shape_observables(magnitude, delay, count, noise))
+
+
+def collect(scalars: dict[str, Floats], shape: dict[str, Floats] | None = None) -> Observables:
+    """Return scalar columns and figures of the CIR, all [n], as one table of observables."""
+    found = {name: value for name, value in scalars.items() if np.isfinite(value).any()}
+    units = {name: SCALARS[name] for name in found}
+    if shape:
+        found |= shape
+        units |= {name: FEATURES.get(name, "dB") for name in shape}
+    rows = len(next(iter(scalars.values())))
+    values = np.stack(list(found.values()), axis=1) if found else np.empty((rows, 0))
+    return Observables(tuple(found), tuple(units[name] for name in found), values)
+
+
+def error_m(frame: pd.DataFrame) -> Floats:
+    """Return measured - true range [n] in metres, NaN where it is not known."""
+    if "error_m" in frame:
+        return _numbers(frame["error_m"])
+    if "range_m" in frame and "true_range_m" in frame:
+        return _numbers(frame["range_m"]) - _numbers(frame["true_range_m"])
+    return np.full(len(frame), np.nan)
+
+
+def _scalar(frame: pd.DataFrame, name: str) -> Floats:
+    """Return one scalar observable, infinities as NaN."""
+    if name == "error_m":
+        value = error_m(frame)
+    elif name in frame:
+        value = _numbers(frame[name])
+    else:
+        return np.full(len(frame), np.nan)
+    return np.where(np.isfinite(value), value, np.nan)
+
+
+def _numbers(column: pd.Series) -> Floats:
+    """Return a column as float64, anything that is not a number as NaN."""
+    return np.asarray(pd.to_numeric(column, errors="coerce"), np.float64)
+
+
+@dataclass(frozen=True)
+class Window:
+    """How much of a CIR is compared: samples before and after the detected first path."""
+
+    before: int = 8
+    after: int = 110
+
+
+def window_of(frame: pd.DataFrame) -> Window:
+    """Return the widest window nearly every row of a table can fill, at most 24 + 110 samples."""
+    if "cir" not in frame or "first_path_index" not in frame or not len(frame):
+        return Window()
+    first = np.nan_to_num(_numbers(frame["first_path_index"]))
+    length = np.array([len(cir) for cir in frame["cir"]])
+    before = int(np.clip(np.quantile(np.floor(first), 0.02), 2, 24))
+    after = int(np.clip(np.quantile(length - np.floor(first), 0.02), 16, 110))
+    return Window(before, after)
+
+
+def aligned(frame: pd.DataFrame, window: Window) -> tuple[Floats, Floats]:
+    """Return magnitudes around the first path and their delays.
+
+    Gives [n, before + after] (NaN outside the CIR) and delays in ns after the first path, same
+    shape. Rows may have CIRs of different lengths.
+    """
+    first = _numbers(frame["first_path_index"])
+    lengths = np.array([len(cir) for cir in frame["cir"]], np.intp)
+    padded = np.full((len(frame), int(lengths.max(initial=1))), np.nan)
+    for length in np.unique(lengths):
+        rows = np.flatnonzero(lengths == length)
+        padded[rows, :length] = np.stack([frame["cir"].iloc[row] for row in rows])
+    return around(padded, first, _period_ns(frame), window)
+
+
+def around(
+    cir: NDArray[Any], first: Floats, period_ns: Floats, window: Window
+) -> tuple[Floats, Floats]:
+    """Return `cir` [n, K] around `first` [n] and the delays in ns (see `aligned`)."""
+    start = np.floor(np.nan_to_num(first)).astype(np.intp) - window.before
+    index = start[:, None] + np.arange(window.before + window.after)
+    inside = (index >= 0) & (index < cir.shape[1]) & np.isfinite(first)[:, None]
+    taken = np.take_along_axis(cir, np.clip(index, 0, cir.shape[1] - 1), axis=1)
+    return np.where(inside, taken, np.nan), (index - first[:, None]) * period_ns[:, None]
+
+
+def _period_ns(frame: pd.DataFrame) -> Floats:
+    """Return the sample period [n] in ns."""
+    if "sample_period_ns" in frame:
+        return np.nan_to_num(_numbers(frame["sample_period_ns"]), nan=SAMPLE_PERIOD_NS)
+    return np.full(len(frame), SAMPLE_PERIOD_NS)
+
+
+def shape_observables(
+    magnitude: Floats, delay: Floats, count: Floats, noise_std: Floats
+) -> dict[str, Floats]:
+    """Return profile bins and features of aligned CIRs, each [n].
+
+    `magnitude` and `delay` (ns after the first path) are [n, K] (see `around`); `count` are the
+    accumulated symbols and `noise_std` the logged noise [n], NaN where unknown.
+    """
+    symbols = np.where(count > 0, count, 1.0 if np.isnan(count).all() else np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):  # rows that are all NaN stay NaN
+        noise = _noise(noise_std, magnitude, delay) / symbols
+        levels = (RISE_HIGH, RISE_LOW, LEAD_LEVEL)
+        scaled = magnitude / symbols[:, None]
+        figures, power = shape_figures(scaled, delay, noise, PROFILE_EDGES_NS, levels)
+        bins = _profile_db(power, figures["total"])
+        features = _features(figures)
+        peak = {"peak_counts_db": 20 * np.log10(np.nan_to_num(magnitude).max(axis=1))}
+    every = bins | features | peak
+    return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
+
+
+def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:
+    """Return the noise std [n]: as logged, else from the samples well before the path."""
+    if np.isfinite(logged).all():
+        return logged
+    before = (delay < -3.5) & np.isfinite(magnitude)
+    power = np.where(before, magnitude, 0.0) ** 2
+    return np.where(np.isfinite(logged), logged, np.sqrt(power.sum(1) / before.sum(1) / 2))
+
+
+def _profile_db(power: Floats, total: Floats) -> dict[str, Floats]:
+    """Return mean power per delay bin [n, B] relative to the energy of the window, in dB."""
+    return dict(zip(profile_names(), (10 * np.log10(power / total[:, None])).T, strict=True))
+
+
+def _features(figures: dict[str, Floats]) -> dict[str, Floats]:
+    """Return the six features of Marano et al. (2010) and the first-path lead, each [n]."""
+    return {
+        "energy_db": 10 * np.log10(figures["total"]),
+        "max_amplitude_db": 20 * np.log10(figures["peak"]),
+        "rise_time_ns": figures["rise"],
+        "mean_excess_delay_ns": figures["excess"],
+        "rms_delay_spread_ns": figures["spread"],
+        "kurtosis": figures["kurtosis"],
+        "first_path_lead_ns": figures["lead"],
+    }

@@ -1,0 +1,1 @@
+"""Parameters of effects, and their intervals."""

@@ -1,0 +1,120 @@
+"""Intervals of values per device and per level: they are estimated again on resampled links.
+
+Basic bootstrap over links (Efron and Tibshirani 1993) around the estimate, Student's t for the
+few links there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from bench.discrepancy.compare.resimulation import Added, View, World, common
+from bench.discrepancy.fit.clocks import Heard, polynomial
+from bench.discrepancy.fit.headings import HEADINGS_DEG, SMOOTH, curve_over
+from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
+from bench.discrepancy.select.verdict import ParameterEstimate
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.terms import DeviceClock, DeviceDelay, PatternCurve, PowerCurve
+from bench.physics.effects.propagation.antenna_pattern import heading_rad
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Values = Callable[[Rows, Floats, bool], Floats]
+DRAWS = 60
+LEVEL = 0.90
+MEMBERS = 4
+SEED = 0
+LEAST_ROWS = 10  # within a knot's reach: below it a level is not determined
+
+
+def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Values] | None:
+    """Return names, unit and estimator of the values an effect holds, None where it holds none.
+
+    The estimator maps rows of the view, the residual range of all rows [n] and whether physical
+    bounds hold to the values.
+    Offsets of clocks are relative to their mean: only differences act. Clocks that wander have
+    curves instead of values.
+    """
+    if isinstance(effect, DeviceClock) and effect.offsets_ppm:
+        names = tuple(f"offset_ppm[{device}]" for device in effect.devices)
+        return names, "ppm", lambda rows, left, _: _offsets(view, left, rows)
+    if isinstance(effect, DeviceDelay):
+        names = tuple(f"delay_ns[{device}]" for device in effect.devices)
+        return names, "ns", lambda rows, left, _: delays_of(view, left, rows)
+    if isinstance(effect, PowerCurve):
+        level = effect.level_dbm(view.scene)
+        return (
+            tuple(f"bias_m[{knot:g} dBm]" for knot in KNOTS_DBM),
+            "m",
+            lambda rows, left, bounded: _bias(level, left, rows, bounded),
+        )
+    if isinstance(effect, PatternCurve):
+        heading = heading_rad(view.scene)
+        names = tuple(f"bias_m[{heading_deg:g} deg]" for heading_deg in HEADINGS_DEG)
+        return names, "m", lambda rows, left, _: _lobes(heading, left, rows)
+    return None
+
+
+def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
+    """Return the bias at every heading in metres, NaN where hardly a row is near it."""
+    turn = np.degrees(heading[rows])[:, None] - np.array(HEADINGS_DEG)
+    near = (np.abs((turn + 180) % 360 - 180) < 15.0).sum(axis=0)
+    curve = curve_over(heading[rows], residual_m[rows], SMOOTH[0])
+    return np.where(near >= LEAST_ROWS, curve, np.nan)
+
+
+def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:
+    """Return clock offsets in ppm, their mean taken out."""
+    found = np.array(polynomial(Heard.of(view, residual_m), rows, False).offsets_ppm)
+    return np.asarray(found - found.mean())
+
+
+def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Floats:
+    """Return the bias at every knot in metres, NaN where hardly a row is near it."""
+    near = (np.abs(level[rows][:, None] - KNOTS_DBM) < 3.0).sum(axis=0)
+    curve = curve_at_knots(level[rows], residual_m[rows], falling=bounded)
+    return np.where(near >= LEAST_ROWS, curve, np.nan)
+
+
+def latent_intervals(
+    world: World, view: View, added: Added, effect: Effect
+) -> tuple[ParameterEstimate, ...]:
+    """Return the values an effect holds with 90 % intervals, none where it holds none."""
+    found = latent_values(view, effect)
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
+    if found is None or "error_m" not in ensemble.names:
+        return ()
+    names, unit, values = found
+    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    centre = values(np.arange(len(residual)), residual, True)
+    links = np.unique(view.links)
+    draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
+    wide = float(student.ppf((1 + LEVEL) / 2, max(len(links) - 1, 1)))
+    wide *= np.sqrt(1 + 1 / (MEMBERS * view.rich))
+    half = wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
+    return tuple(
+        ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
+        for name, v, h in zip(names, centre, half, strict=True)
+        if np.isfinite(v) and np.isfinite(h)
+    )
+
+
+def _spread(draws: Floats) -> Floats:
+    """Return the standard deviation of every value over draws, NaN where hardly one is known."""
+    known = np.isfinite(draws).sum(axis=0) > 1
+    out = np.full(draws.shape[1], np.nan)
+    out[known] = np.nanstd(draws[:, known], axis=0, ddof=1)
+    return out
+
+
+def _resampled(codes: Rows, links: Rows) -> list[Rows]:
+    """Return the rows of links drawn with replacement, `DRAWS` times."""
+    rng = np.random.default_rng(SEED)
+    rows = {link: np.flatnonzero(codes == link) for link in links}
+    return [
+        np.concatenate([rows[link] for link in rng.choice(links, len(links))]) for _ in range(DRAWS)
+    ]

@@ -1,0 +1,129 @@
+"""Values per device from residual ranges, by robust least squares: clocks and antenna delays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+from scipy.sparse import csr_array
+
+from bench.discrepancy.compare.resimulation import Added, View, World, common, measured
+from bench.discrepancy.fit.clocks import device_clock
+from bench.discrepancy.fit.headings import pattern_curve
+from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.terms import LOGGED_DBM, TRUE_DBM, DeviceDelay, PowerCurve
+from bench.physics.units import C_M_PER_NS
+
+Floats = NDArray[np.float64]
+MEMBERS = 4
+DELAY_PRIOR_NS = 3.0
+
+
+def latent_effects(world: World, view: View, added: Added) -> list[Effect]:
+    """Return the effects with values per device or level that the rows support."""
+    curves = power_curve(world, view, added), pattern_curve(world, view, added)
+    return [*device_terms(world, view, added), *(curve for curve in curves if curve)]
+
+
+def device_terms(world: World, view: View, added: Added) -> list[Effect]:
+    """Return the device effects that the residual range of the rows supports, none without ids."""
+    if "tx" not in view.frame or "rx" not in view.frame:
+        return []
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
+    if "error_m" not in ensemble.names:
+        return []
+    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    out: list[Effect] = []
+    if np.nanmax(measured(view.frame, "reply_time_s"), initial=0) > 0:
+        out.append(device_clock(view, residual))
+    delay = device_delay(view, residual)
+    return [*out, delay] if delay else out
+
+
+UNCOMPRESSED_DBM = -80.5  # logged levels below this follow the true one
+MAX_BIAS_M = 0.3  # APS011: -11 to +8 cm at 64 MHz PRF and 500 MHz, -28 to +15 cm at others
+KNOTS_DBM = np.arange(-97.0, -50.0, 3.0)
+STEEPEST_M = 0.12  # per knot: three times the steepest part of the published curve
+
+
+def power_curve(world: World, view: View, added: Added) -> PowerCurve | None:
+    """Return the bias curve over receive level that fits the residual range of the rows.
+
+    The budget's level at 1 m and its scatter come from the logged levels that are not compressed.
+    The curve is piecewise linear with small second differences. None where no level was logged.
+    """
+    ensemble = world.ensemble(view, common(added, view), MEMBERS)
+    logged = measured(view.frame, "rx_power_dbm")
+    weak = logged < UNCOMPRESSED_DBM
+    if "error_m" not in ensemble.names or np.isfinite(logged).mean() < 0.5 or weak.sum() < 10:
+        return None
+    at_1m = np.interp(logged[weak], LOGGED_DBM, TRUE_DBM)
+    at_1m = at_1m + 20 * np.log10(view.scene.true_range_m[weak])
+    spread = float(np.clip(1.4826 * np.median(np.abs(at_1m - np.median(at_1m))), 0.5, 15))
+    budget = float(np.clip(np.median(at_1m), -80, -30))
+    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    fits = [_curve(view, residual, budget, s) for s in sorted({0.5, min(1.0, spread), spread})]
+    return min(fits, key=lambda fit: fit[1])[0]
+
+
+def _curve(view: View, residual: Floats, budget: float, spread: float) -> tuple[PowerCurve, float]:
+    """Return the curve for one trust in the budget, and the mean |residual| it leaves."""
+    start = PowerCurve(level_at_1m_dbm=budget, spread_db=spread)
+    level = start.level_dbm(view.scene)
+    bias = _bounded(curve_at_knots(level, residual), level)
+    left = float(np.nanmean(np.abs(residual - np.interp(level, KNOTS_DBM, bias))))
+    return replace(start, levels_dbm=tuple(KNOTS_DBM.tolist()), bias_m=tuple(bias.tolist())), left
+
+
+def _bounded(bias: Floats, level: Floats) -> Floats:
+    """Return the bias within physical bounds of its constant, that at the median level."""
+    middle = float(np.interp(np.nanmedian(level), KNOTS_DBM, bias))
+    return np.clip(bias, middle - MAX_BIAS_M, middle + MAX_BIAS_M)
+
+
+def curve_at_knots(
+    level: Floats, residual: Floats, smooth: float = 0.1, falling: bool = True
+) -> Floats:
+    """Return the bias at KNOTS_DBM: it only falls as the level rises, by `STEEPEST_M` per knot.
+
+    Where not `falling`, it may do anything: for its scatter, which a bound would hide.
+
+    A late threshold crossing of a weaker pulse is why there is a bias at all (APS011), so a curve
+    that rises and falls again is something else.
+    """
+    known = np.isfinite(residual)
+    hats = np.stack([np.interp(level[known], KNOTS_DBM, row) for row in np.eye(len(KNOTS_DBM))], 1)
+    bend = np.diff(np.eye(len(KNOTS_DBM)), 2, axis=0) * smooth * np.sqrt(known.sum())
+    target = np.concatenate([residual[known], np.zeros(len(bend))])
+    falls = np.triu(np.ones((len(KNOTS_DBM),) * 2))  # bias at a knot = sum of the falls above it
+    bounds = np.full(len(KNOTS_DBM), STEEPEST_M)
+    bounds[-1] = np.inf
+    lowest = np.where(np.isinf(bounds), -np.inf, 0.0)
+    if not falling:
+        lowest, bounds = np.full(len(bounds), -np.inf), np.full(len(bounds), np.inf)
+    made = lsq_linear(np.vstack([hats, bend]) @ falls, target, (lowest, bounds))
+    return np.asarray(falls @ made.x)
+
+
+def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
+    """Return delays per device that fit residual ranges [n], None where no delay could.
+
+    Nor where all rows are of one pair of devices: that is the constant of `antenna-delay`.
+    """
+    _, tx, rx = ends(view)
+    if len({tuple(sorted(pair)) for pair in zip(tx.tolist(), rx.tolist(), strict=True)}) < 2:
+        return None
+    found = delays_of(view, residual_m, np.arange(len(residual_m)))
+    if np.abs(found).max() > 20:
+        return None  # metres are not a delay
+    return DeviceDelay(ends(view)[0], tuple(found.tolist()))
+
+
+def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Return the delay of every device in ns from the residual ranges of some rows."""
+    names, tx, rx = ends(view)
+    design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2)
+    return robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))

@@ -1,0 +1,115 @@
+"""What could be removed at all: a flexible regression of the residual on the known covariates.
+
+An effect is named only if physics does about as well on held-out links with its few parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.data.covariates import Covariates
+from bench.discrepancy.locate.hypotheses import OWN
+
+Floats = NDArray[np.float64]
+MAX_ROWS = 4000
+
+
+def corrected(
+    fit: Ensemble,
+    fit_covariates: Covariates,
+    held: Ensemble,
+    held_covariates: Covariates,
+    focus: tuple[str, ...],
+) -> Ensemble:
+    """Return the held-out ensemble shifted and rescaled by what the fit rows teach.
+
+    For every observable of `focus`: gradient-boosted trees, a smooth spline model of the residual
+    on all covariates, and a fine spline on each number alone are compared by cross-validation over
+    links on the fit rows; the best one (or a constant) shifts the ensemble, and its spread is
+    scaled to what is left.
+    """
+    names = tuple(n for n in held_covariates.numbers if n in fit_covariates.numbers)
+    names += tuple(n for n in held_covariates.groups if n in fit_covariates.groups)
+    versions = held.versions.copy()
+    for which, name in enumerate(fit.names):
+        if name in focus and name in held.names:
+            place = held.names.index(name)
+            left, right = (
+                _inputs(part, cov, names, name)
+                for part, cov in ((fit, fit_covariates), (held, held_covariates))
+            )
+            shift, scale = _fitted(left, fit, which, right)
+            members = versions[1:, :, place]
+            centre = members.mean(axis=0)
+            versions[1:, :, place] = centre + shift + (members - centre) * scale
+    return replace(held, versions=versions)
+
+
+def _inputs(part: Ensemble, covariates: Covariates, names: tuple[str, ...], target: str) -> Floats:
+    """Return the regressors [n, q]: known covariates and the recorded powers."""
+    columns = [covariates.matrix(names)] if names else []
+    for own in OWN:
+        if own in part.names and own != target:
+            value = part.recorded[:, part.names.index(own)]
+            columns.append(np.nan_to_num(value, nan=float(np.nanmedian(value)))[:, None])
+    return np.hstack(columns) if columns else np.zeros((len(part.links), 1))
+
+
+def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Floats, float]:
+    """Return the shift [n held] and the factor of the spread."""
+    from sklearn.model_selection import GroupKFold, cross_val_predict
+
+    y = fit.residual[:, which]
+    known = np.flatnonzero(np.isfinite(y))[:MAX_ROWS]
+    links = fit.links[known]
+    folds = GroupKFold(min(4, max(2, len(np.unique(links)))))
+    members = fit.simulated[:, known, which]
+    spread = np.sqrt(members.var(axis=0, ddof=1).mean() * (1 + 1 / len(members)))
+    best, left = None, y[known] - y[known].mean()
+    shift = np.full(len(X_held), y[known].mean())
+    if len(np.unique(links)) > 1:
+        for model in [*_models(), *_fine(X[known])]:
+            guess = cross_val_predict(model, X[known], y[known], groups=links, cv=folds)
+            if np.mean(np.abs(y[known] - guess)) < 0.98 * np.mean(np.abs(left)):
+                best, left = model, y[known] - guess
+    if best is not None:
+        shift = best.fit(X[known], y[known]).predict(X_held)
+    return np.asarray(shift, np.float64), float(max(left.std() / max(spread, 1e-12), 0.05))
+
+
+def _models() -> list[Any]:
+    """Return the regressions that compete."""
+    from sklearn.ensemble import HistGradientBoostingRegressor
+    from sklearn.linear_model import RidgeCV
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import SplineTransformer, StandardScaler
+
+    spline = SplineTransformer(6, knots="quantile", extrapolation="constant")
+    smooth = make_pipeline(StandardScaler(), spline, RidgeCV(np.logspace(-3, 3, 7)))
+    trees = HistGradientBoostingRegressor(
+        max_iter=60, max_leaf_nodes=12, min_samples_leaf=15, learning_rate=0.15, random_state=0
+    )
+    return [smooth, trees]
+
+
+FINE_KNOTS = 24  # resolves what changes sign several times over the range of a covariate
+
+
+def _fine(X: Floats) -> list[Any]:
+    """Return a fine spline regression on each number alone (columns with many values)."""
+    from sklearn.compose import ColumnTransformer
+    from sklearn.linear_model import RidgeCV
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import SplineTransformer
+
+    numbers = [j for j in range(X.shape[1]) if len(np.unique(X[:, j])) > FINE_KNOTS]
+    spline = SplineTransformer(FINE_KNOTS, knots="quantile", extrapolation="constant")
+    return [
+        make_pipeline(ColumnTransformer([("fine", spline, [j])]), RidgeCV(np.logspace(-3, 3, 7)))
+        for j in numbers
+    ]

@@ -1,0 +1,1 @@
+"""Where recorded and simulated differ, with family-wise control."""

@@ -1,0 +1,1 @@
+"""A diagnosis as Markdown, JSON, TOML and pictures."""

@@ -1,0 +1,174 @@
+"""Pictures of a diagnosis: profile before and after, residual over a covariate, the ladder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.diagnose import Confirmed, Study
+from bench.files import atomic_path
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+RECORDED, BEFORE, AFTER = "#222222", "#c44e52", "#4c72b0"
+
+
+def draw(study: Study, folder: Path) -> list[tuple[str, str]]:
+    """Write every figure that the study supports; return (file name, caption) of each."""
+    made = [
+        ("residual.png", residual_figure, "Recorded minus simulated range error on confirm links"),
+        ("ladder.png", ladder_figure, "What each added effect gained on held-out links"),
+        ("ranks.png", ranks_figure, "Ranks of the recorded error in the ensemble: flat is right"),
+    ]
+    if any(name.startswith("profile_db") for name in study.confirmed.before.names):
+        made.insert(0, ("profile.png", profile_figure, "Median power-delay profile, confirm links"))
+    for name, figure, caption in made:
+        _save(folder / name, figure, study, caption)
+    return [(name, caption) for name, _, caption in made]
+
+
+def _save(path: Path, figure: Any, study: Study, caption: str) -> None:
+    """Draw one figure without a display and write it atomically."""
+    from matplotlib.figure import Figure
+
+    canvas = Figure(figsize=(7, 4), layout="constrained")
+    axes = canvas.add_subplot()
+    figure(axes, study)
+    axes.set_title(caption, fontsize=10)
+    with atomic_path(path) as scratch:
+        canvas.savefig(scratch, dpi=110, format="png")
+
+
+def profile_figure(axes: Axes, study: Study) -> None:
+    """Median power per delay bin: recorded, simulated before, simulated after."""
+    seen = study.confirmed
+    which = [i for i, name in enumerate(seen.before.names) if name.startswith("profile_db")]
+    labels = [seen.before.names[i][11:-1] for i in which]
+    for values, colour, label in _three(seen, which):
+        axes.plot(range(len(which)), values, "o-", color=colour, label=label)
+    axes.set_xticks(range(len(which)), labels, rotation=60, fontsize=7)
+    axes.set_xlabel("delay after the detected first path (ns)")
+    axes.set_ylabel("power in the bin / energy of the CIR (dB)")
+    axes.legend()
+
+
+def _three(seen: Confirmed, which: list[int]) -> list[tuple[Floats, str, str]]:
+    """Return the medians of recorded, before and after for some observables."""
+    recorded = np.nanmedian(seen.before.recorded[:, which], axis=0)
+    before = np.nanmedian(seen.before.simulated[..., which], axis=(0, 1))
+    after = np.nanmedian(seen.after.simulated[..., which], axis=(0, 1))
+    return [
+        (recorded, RECORDED, "recorded"),
+        (before, BEFORE, "SIMULATED before"),
+        (after, AFTER, "SIMULATED after"),
+    ]
+
+
+def residual_figure(axes: Axes, study: Study) -> None:
+    """Residual of the range error over the covariate that the search found first."""
+    seen = study.confirmed
+    column = responsible(study)
+    value = _covariate(seen, column)
+    if value is None:
+        value, column = np.arange(len(seen.before.links), dtype=np.float64), "row"
+    for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
+        axes.plot(value, _residual(ensemble), ".", ms=3, alpha=0.4, color=colour, label=label)
+    axes.axhline(0, color=RECORDED, lw=0.8)
+    axes.set_xlabel(column)
+    axes.set_ylabel(f"recorded - simulated {_first(seen.before)}")
+    axes.legend()
+
+
+def responsible(study: Study) -> str:
+    """Return the numeric covariate of a finding over which the range residual varies most."""
+    seen = study.confirmed
+    every = [f for turn in study.diagnosis.rounds for f in turn.located.findings]
+    findings = [f for f in every if f.cell.observable == "error_m"] or every
+    places = [f.cell.place.covariate for f in findings]
+    names = dict.fromkeys(name for name in places if name and name != "time_s")
+    known = {name: _covariate(seen, name) for name in names}
+    share = {n: _explained(v, _residual(seen.before)) for n, v in known.items() if v is not None}
+    return max(share, key=lambda name: share[name]) if share else "true_range_m"
+
+
+def _covariate(seen: Confirmed, name: str) -> Floats | None:
+    """Return a known number or a recorded observable of the confirm rows [n], None if neither."""
+    value = seen.view.covariates.numbers.get(name)
+    if value is None and name in seen.before.names:
+        value = seen.before.recorded[:, seen.before.names.index(name)]
+    return value
+
+
+def _explained(value: Floats, residual: Floats, bins: int = 6) -> float:
+    """Return the share of the residual's variance between quantile bins of a covariate."""
+    known = np.isfinite(value) & np.isfinite(residual)
+    if known.sum() < bins or np.var(residual[known]) == 0:
+        return 0.0
+    edges = np.quantile(value[known], np.linspace(0, 1, bins + 1)[1:-1])
+    place = np.searchsorted(edges, value[known])
+    count = np.maximum(np.bincount(place, minlength=bins), 1)
+    means = np.bincount(place, residual[known], minlength=bins) / count
+    return float(np.var(means[place]) / np.var(residual[known]))
+
+
+def _first(ensemble: Ensemble) -> str:
+    name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
+    return f"{name} ({ensemble.units[ensemble.names.index(name)]})"
+
+
+def _residual(ensemble: Ensemble) -> Floats:
+    name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
+    return np.asarray(ensemble.residual[:, ensemble.names.index(name)])
+
+
+def ladder_figure(axes: Axes, study: Study) -> None:
+    """Held-out gain of every effect in the order it was added, with 95 % intervals.
+
+    Small marks: what the others would have gained in its place.
+    """
+    steps = [
+        turn.explanation.contenders
+        for turn in study.diagnosis.rounds
+        if turn.added is not None and turn.explanation is not None
+    ]
+    places = np.arange(len(steps))
+    gains = [step[0].gain for step in steps]
+    values = np.array([gain.value for gain in gains])
+    edges = np.array([[g.value - g.low, g.high - g.value] for g in gains]).reshape(-1, 2).T
+    axes.barh(places, values, color=AFTER, alpha=0.4, xerr=np.abs(edges) if steps else None)
+    for place, (_, *others) in enumerate(steps):
+        for other in others[:3]:
+            _mark(axes, max(other.gain.value, 0.0), place, other.name)
+    by_link = ["\n(likelihood)" if "likelihood" in g.unit else "" for g in gains]
+    axes.set_yticks(places, [f"{s[0].name}{w}" for s, w in zip(steps, by_link, strict=True)])
+    axes.invert_yaxis()
+    axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
+    if not steps:
+        axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
+
+
+def _mark(axes: Axes, value: float, place: int, name: str) -> None:
+    """Mark what another effect would have gained at a step of the ladder."""
+    axes.plot(value, place + 0.3, "v", ms=4, color=BEFORE)
+    axes.text(value, place + 0.25, f"  {name}", fontsize=6, rotation=20, color=BEFORE)
+
+
+def ranks_figure(axes: Axes, study: Study) -> None:
+    """Histogram of ensemble ranks, before and after."""
+    seen = study.confirmed
+    for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
+        name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
+        ranks = ensemble.ranks()[:, ensemble.names.index(name)]
+        kept = ranks[np.isfinite(ranks)]
+        axes.hist(kept, bins=12, range=(0, 1), density=True, histtype="step", color=colour,
+                  label=label)  # fmt: skip
+    axes.axhline(1, color=RECORDED, lw=0.8)
+    axes.set_xlabel("rank of the recorded error among simulated ones (0..1)")
+    axes.set_ylabel("density")
+    axes.legend()

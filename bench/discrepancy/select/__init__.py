@@ -1,0 +1,1 @@
+"""Which effects are named: candidates, stepwise selection, verdicts."""

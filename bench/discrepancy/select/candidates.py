@@ -1,0 +1,284 @@
+"""Which physics explains a located mismatch: every effect fitted, scored on held-out links."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Added, View, World
+from bench.discrepancy.compare.skill import Tally, gain_interval, tally
+from bench.discrepancy.fit.per_device import latent_effects
+from bench.discrepancy.fit.reference_regression import corrected
+from bench.discrepancy.fit.search import (
+    FIT_MEMBERS,
+    Fitted,
+    Objective,
+    members_for,
+    pursue,
+    refine,
+    screen,
+)
+from bench.errors import BenchError
+from bench.parallel import in_threads
+from bench.physics.effect import Effect
+from bench.plugins import plugins
+
+SCORE_MEMBERS = 12
+SCORE_FIRST = 100  # replicates of scoring are not those of fitting
+REFINED = 6  # best effects of the screening that are fitted fully
+FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
+LEAST = 0.002  # nats
+LEAST_MORE = 0.02  # nats: what a free curve gains by its freedom is less
+NEAR = 0.5  # of the best gain, from which on a fit of a waveform is worth going on with
+Tell = Callable[[str], None]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A fitted effect on held-out links: its tally, and its gain over the current simulator.
+
+    `company`: all effects, itself the last, where they were fitted again together with it.
+    """
+
+    effect: Effect
+    tally: Tally
+    gain: Estimate
+    company: Added = ()
+
+    @property
+    def name(self) -> str:
+        """The name of the physics: that of the library's effect."""
+        return self.effect.physics
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """All contenders, best first, with what a flexible regression removes (`removable`).
+
+    `base` is the current simulator's tally; `skipped` maps effects that failed to the reason.
+    """
+
+    contenders: tuple[Contender, ...]
+    base: Tally
+    removable: Estimate
+    nuisance: Tally
+    screened: Mapping[str, float]
+    skipped: Mapping[str, str]
+
+    def led_by(self, first: Contender) -> Explanation:
+        """Return the explanation with a contender in front: the one that is added."""
+        rest = (one for one in self.contenders if one.name != first.name)
+        return replace(self, contenders=(first, *rest))
+
+
+def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
+    """Return every effect that loads, by name, and why the others do not."""
+    loaded: dict[str, type[Effect]] = {}
+    skipped: dict[str, str] = {}
+    for plugin in plugins("effects"):
+        try:
+            kind = plugin.load()
+            if not (isinstance(kind, type) and issubclass(kind, Effect)):
+                raise BenchError(f"effect {plugin.name!r} is no Effect")
+            if kind.fitted:
+                loaded[plugin.name] = kind
+        except BenchError as problem:
+            skipped[plugin.name] = str(problem)
+    return loaded, skipped
+
+
+def explain(
+    world: World,
+    fit: View,
+    held: View,
+    added: Added,
+    kinds: Mapping[str, type[Effect]],
+    focus: tuple[str, ...],
+    seed: int,
+    tell: Tell = lambda _: None,
+) -> Explanation:
+    """Fit every effect of `kinds` on the fit rows and score it on the held-out rows.
+
+    `focus` names the observables that were found to differ. A failing effect is reported in
+    `skipped`; the rest goes on. Where paths alone are simulated, which is cheap, the two sets of
+    links also change places, and scores are those of both (cross-fitting: every link is scored
+    by parameters that it had no part in); the parameters stay those of the fit rows.
+    """
+    there = _one_way(world, fit, held, added, kinds, focus, seed, tell)
+    if fit.waveform or not there.contenders:
+        return there
+    wanted = {c.effect.name for c in there.contenders}
+    some = {name: kind for name, kind in kinds.items() if name in wanted}
+    return crossed(there, _one_way(world, held, fit, added, some, focus, seed, tell), seed)
+
+
+def crossed(there: Explanation, back: Explanation, seed: int) -> Explanation:
+    """Return the contenders of `there` with scores on the links of both explanations.
+
+    One that did not get so far on the way back counts there as no gain.
+    """
+    base, nuisance = there.base.beside(back.base), there.nuisance.beside(back.nuisance)
+    again = {c.effect.name: c.tally for c in back.contenders}
+    tallies = [c.tally.beside(again.get(c.effect.name, back.base)) for c in there.contenders]
+    contenders = [
+        Contender(c.effect, made, gain_interval(base, made, seed))
+        for c, made in zip(there.contenders, tallies, strict=True)
+    ]
+    contenders.sort(key=lambda one: -one.gain.value)
+    removable = gain_interval(base, nuisance, seed)
+    return replace(
+        there, contenders=tuple(contenders), base=base, nuisance=nuisance, removable=removable
+    )
+
+
+def _one_way(
+    world: World,
+    fit: View,
+    held: View,
+    added: Added,
+    kinds: Mapping[str, type[Effect]],
+    focus: tuple[str, ...],
+    seed: int,
+    tell: Tell,
+) -> Explanation:
+    """Fit on some rows and score on others."""
+    base = tally(world.ensemble(fit, added, FIT_MEMBERS))
+    screened, skipped = _screened(world, fit, added, kinds, base, tell)
+    before = world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
+    reference = tally(before)
+    have = {effect.physics for effect in added}
+    found = [e for e in latent_effects(world, fit, added) if e.physics not in have]
+    terms = [Fitted(effect, 0.0, 0) for effect in found]
+    contenders = [contender(world, held, added, one, reference, seed) for one in terms]
+
+    def refined(name: str) -> Fitted:
+        return refine(*screened[name])
+
+    fits, failed = _each(refined, _promising(screened, contenders))
+    skipped |= failed
+    if fit.waveform:
+        near = _near(fits)
+        more, failed = _each(lambda name: pursue(screened[name][0], fits[name]), near)
+        fits, skipped = fits | more, skipped | failed
+
+    def scored(name: str) -> Contender:
+        return contender(world, held, added, fits[name], reference, seed)
+
+    made, failed = _each(scored, list(fits))
+    skipped |= failed
+    contenders = _best_of_each([*contenders, *made.values()])
+    contenders.sort(key=lambda one: -one.gain.value)
+    nuisance = tally(_nuisance(world, fit, held, added, before, focus))
+    removable = gain_interval(reference, nuisance, seed)
+    gains = {name: found.gain for name, (_, found) in screened.items()}
+    return Explanation(tuple(contenders), reference, removable, nuisance, gains, skipped)
+
+
+def _near(fits: Mapping[str, Fitted]) -> list[str]:
+    """Return the names of the fits that may come out best when searched further."""
+    top = max((one.gain for one in fits.values()), default=0.0)
+    return [name for name, one in fits.items() if one.gain > NEAR * top]
+
+
+def _promising(
+    screened: Mapping[str, tuple[Objective, Fitted]], known: list[Contender]
+) -> list[str]:
+    """Return the effects worth a full fit: the best few, none far behind the best."""
+    gains = {name: found.gain for name, (_, found) in screened.items()}
+    top = max([*gains.values(), *(one.gain.value for one in known), 0.0])
+    names = sorted(gains, key=lambda name: -gains[name])[:REFINED]
+    return [name for name in names if gains[name] > max(FAR_BEHIND * top, LEAST)]
+
+
+def _best_of_each(contenders: list[Contender]) -> list[Contender]:
+    """Return for every physics the form of it that scored best.
+
+    A curve that contains the library's form has to gain `LEAST_MORE` beside it.
+    """
+
+    def worth(one: Contender) -> float:
+        return one.gain.value - LEAST_MORE * (one.name in type(one.effect).contains)
+
+    best: dict[str, Contender] = {}
+    for one in contenders:
+        if one.name not in best or worth(one) > worth(best[one.name]):
+            best[one.name] = one
+    return list(best.values())
+
+
+def _screened(
+    world: World,
+    fit: View,
+    added: Added,
+    kinds: Mapping[str, type[Effect]],
+    base: Tally,
+    tell: Tell,
+) -> tuple[dict[str, tuple[Objective, Fitted]], dict[str, str]]:
+    """Return the line search of every effect, and why others were skipped."""
+    able = [name for name, kind in kinds.items() if fit.waveform or kind.without_cir]
+
+    def searched(name: str) -> tuple[Objective, Fitted]:
+        tell(f"trying {name}")
+        objective = Objective(kinds[name], world, fit, added, base)
+        return objective, screen(objective)
+
+    return _each(searched, able)
+
+
+def _each(work: Callable[[str], T], names: list[str]) -> tuple[dict[str, T], dict[str, str]]:
+    """Return `work` of every effect by name, and why it failed for others (BenchError only)."""
+
+    def tried(name: str) -> T | BenchError:
+        try:
+            return work(name)
+        except BenchError as problem:
+            return problem
+
+    done: dict[str, T] = {}
+    failed: dict[str, str] = {}
+    for name, one in zip(names, in_threads(tried, names), strict=True):
+        if isinstance(one, BenchError):
+            failed[name] = str(one)
+        else:
+            done[name] = one
+    return done, failed
+
+
+def contender(
+    world: World, held: View, added: Added, fitted: Fitted, reference: Tally, seed: int
+) -> Contender:
+    """Score a fitted effect on held-out rows."""
+    members = members_for(type(fitted.effect), held, SCORE_MEMBERS)
+    made = world.ensemble(held, (*added, fitted.effect), members, SCORE_FIRST)
+    scored = tally(made)
+    return Contender(fitted.effect, scored, gain_interval(reference, scored, seed))
+
+
+def _nuisance(
+    world: World, fit: View, held: View, added: Added, before: Ensemble, focus: tuple[str, ...]
+) -> Ensemble:
+    """Return the held-out ensemble after the flexible regression."""
+    learnt = world.ensemble(fit, added, SCORE_MEMBERS, SCORE_FIRST)
+    return corrected(learnt, fit.covariates, before, held.covariates, focus)
+
+
+def equivalents(explanation: Explanation, seed: int, share: float = 0.5) -> tuple[Contender, ...]:
+    """Return the best contender and those that held-out links cannot tell from it.
+
+    Where the best is not sure itself, others need only be as good.
+    """
+    if not explanation.contenders:
+        return ()
+    best, *others = explanation.contenders
+    same = [best]
+    for other in others:
+        ahead = gain_interval(other.tally, best.tally, seed)
+        close = other.gain.value >= share * best.gain.value
+        likely = other.gain.likely_above_zero or not best.gain.above_zero
+        if close and likely and not ahead.above_zero:
+            same.append(other)
+    return tuple(same)

@@ -1,0 +1,160 @@
+"""What a finished search says: verdicts, each name with its intervals and negative control."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.resimulation import Added, without
+from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.fit.sandwich import parameter_intervals
+from bench.discrepancy.locate.hypotheses import Cell
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.select.backfitting import rivals
+from bench.discrepancy.select.candidates import SCORE_FIRST, SCORE_MEMBERS, Explanation, equivalents
+from bench.discrepancy.select.link_mixture import Strike, apart
+from bench.discrepancy.select.verdict import (
+    Ambiguous,
+    Control,
+    LeftOut,
+    NoMismatch,
+    Unknown,
+    Verdict,
+)
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+
+if TYPE_CHECKING:
+    from bench.discrepancy.select.stepwise import Round, Search
+
+SEARCH_MEMBERS = 16
+SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
+MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
+APART = 5.0  # nats of evidence for offsets per link: p = 0.0008 by chi-squared
+SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
+SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
+
+
+def verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
+    """Return what can be said: names that hold, and what is left."""
+    last = rounds[-1]
+    struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
+    if not added and not _real(search, last):
+        return struck or (NoMismatch(last.located.detectable, last.located.p),)
+    share = _share(search, _since_struck(rounds), added)
+    unexplained = last.located.significant and last.added is None
+    removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
+    # Once effects are fitted, their parameters are only known so well: what that leaves is small.
+    least = MARGIN if added else 0.0
+    worth = unexplained and removable.above_zero and removable.value > least
+    worth = worth or (not added and _real(search, last))
+    if worth and share < SHARE:
+        return (*struck, _unknown(last, "the best known effects remove too little of it"))
+    named = (*struck, *_named(search, rounds, added, share))
+    return (*named, _unknown(last, "left after the named effects")) if worth else named
+
+
+def _since_struck(rounds: list[Round]) -> Explanation:
+    """Return the first explanation on the links that are judged at the end."""
+    start = max((i + 1 for i, turn in enumerate(rounds) if turn.strike), default=0)
+    return next(turn.explanation for turn in (*rounds[start:], *rounds) if turn.explanation)
+
+
+def _struck_out(search: Search, turn: Round, found: Strike) -> LeftOut:
+    """Return the verdict on an effect that strikes links at random."""
+    control = negative_control(search, (), found.effect, turn.located.findings[0])
+    findings = turn.located.findings
+    return LeftOut(found.effect, found.parameters, found.evidence, 1.0, control, findings)
+
+
+def _real(search: Search, last: Round) -> bool:
+    """Return whether a located mismatch holds up where nothing was added.
+
+    Something can be removed on held-out links, or the search leaves no doubt by itself, or links
+    have offsets of their own (which are there although nothing predicts them).
+    """
+    if not last.located.significant or last.explanation is None:
+        return False
+    if last.explanation.removable.above_zero or last.located.p <= SURE:
+        return True
+    return search.work is not None and apart(search.world, search.work, ()) > APART
+
+
+def _unknown(last: Round, note: str) -> Unknown:
+    """Return the verdict on what no effect explains."""
+    assert last.explanation is not None
+    tried = {c.name: c.gain.value for c in last.explanation.contenders}
+    return Unknown(last.located.findings, last.explanation.removable, tried, note)
+
+
+def _share(search: Search, first: Explanation, added: Added) -> float:
+    """Return the gain of all added effects as a fraction of the flexible regression's."""
+    if not added:
+        return 0.0
+    before, after = (
+        tally(search.world.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
+        for effects in ((), added)
+    )
+    reached = gain_interval(before, after, search.seed).value
+    return float(reached / max(first.removable.value, reached, 1e-9))
+
+
+def _named(search: Search, rounds: list[Round], added: Added, share: float) -> tuple[Verdict, ...]:
+    """Return one verdict per added effect: named alone, or with those that do as well."""
+    out: list[Verdict] = []
+    for turn in rounds:
+        if turn.added is None or turn.explanation is None or turn.strike:
+            continue
+        effect = next((e for e in added if e.name == turn.added.name), None)
+        if effect is None or any(effect.physics in v.names for v in out):
+            continue
+        same = equivalents(turn.explanation, search.seed)
+        if len(added) > 1:
+            views = (search.fit, search.discover)
+            held = rivals(search.world, views, added, effect, same[1:], search.kinds, search.seed)
+            same = (same[0], *held)
+        options = tuple(
+            _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
+            for i, c in enumerate(same)
+        )
+        passed = tuple(o for o in options if o.control.passed is not False) or options[:1]
+        out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
+    return tuple(out)
+
+
+def _left_out(
+    search: Search, turn: Round, effect: Effect, gain: Estimate, added: Added, share: float
+) -> LeftOut:
+    """Return a named effect with its intervals and negative control."""
+    others = without(added, turn.added) if turn.added else added
+    intervals = parameter_intervals(search.world, search.sharpest, others, effect)
+    control = negative_control(search, others, effect, turn.located.findings[0])
+    return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
+
+
+def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
+    """Return what is left where the effect must vanish (a wall delay where there is no wall)."""
+    words = type(effect).control
+    inert = effect.inert(Base().paths(search.discover.scene))
+    if inert.sum() < 10 or inert.all():
+        return Control(words, None)
+    ensemble = search.world.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
+    cell = Cell(top.cell.observable, "mean", top.cell.place)
+    if cell.observable not in ensemble.names:
+        return Control(words, None)
+    residual = ensemble.residual[:, ensemble.names.index(cell.observable)]
+    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed)
+    loud = float(np.nanmean(np.abs(residual[~inert])))
+    passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < 0.25 * loud
+    return Control(words, bool(passed), int(inert.sum()), quiet)
+
+
+def separating(options: tuple[LeftOut, ...]) -> str:
+    """Return which measurement would tell the options apart."""
+    kinds = [type(option.effect) for option in options]
+    wanted = [f"{k.name} vanishes in {k.control}" for k in kinds if k.control]
+    if wanted:
+        return f"record rows where only one must vanish: {'; '.join(dict.fromkeys(wanted))}"
+    return "compare signatures: " + "; ".join(f"{k.name}: {k.signature}" for k in kinds)

@@ -1,0 +1,315 @@
+"""Links struck at random: what blocks a share of the links is judged by likelihood, link by link.
+
+A mean score of all rows hardly sees an effect that strikes a few links by metres: nobody can
+predict which. Its evidence is in the outlying links themselves. So the offset of every link
+(median residual of its range) is modelled as a mixture: calm (as replicates scatter), struck (the
+effect's own distribution, simulated with every link struck) or anything at all (uniform, so that
+the model without the effect can live with outliers too). The difference of maximised log
+likelihoods is the evidence. A rival that all links share is put to the same likelihood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import gaussian_kde
+from scipy.stats import t as student
+
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Added, View, World
+from bench.discrepancy.fit.search import free_parameters
+from bench.discrepancy.select.verdict import ParameterEstimate
+from bench.physics.base import Base
+from bench.physics.effect import Effect, Parameter
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+MEMBERS = 12
+FIRST = 7000  # replicates of their own
+WIDEST_M = 5.0  # an offset that nothing explains is uniform within this: the longest mean detour
+EXTRA_M = (0.0, *np.geomspace(0.003, 0.3, 9).tolist())  # calm scatter beyond the simulator's
+WILD = (0.002, 0.01, 0.03, 0.08, 0.2)  # share of links that are anything
+BEHIND_M = (0.0, 0.01, 0.02, 0.03, 0.045, 0.065, 0.1, 0.15)  # what calm links that may be struck
+# have in common: where sight is blocked a wall delays what comes through it
+SHARES: Floats = np.array(
+    [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.33, 0.42, 0.5, 0.6, 0.7, 0.8, 0.9]
+)
+SIZES = 11  # values tried for the effect's own size
+SMALLEST = 0.02  # of the size's bound
+APART_M = 0.3  # half a pulse of 500 MHz: a mean detour below it is none, the edges merge
+ENOUGH = 6.0  # nats of log likelihood for two parameters: p = 0.0025 by chi-squared
+AHEAD = 3.0  # nats by which the likeliest must lead: 20 to 1
+STRAY = 0.2  # share of the outliers that the effect may leave unexplained
+LEVEL = 1.353  # half the 90 % point of chi-squared with one degree of freedom: profile intervals
+BEND_M = 0.05  # offsets beyond it are smoothed by their logarithm
+
+
+@dataclass(frozen=True)
+class Strike:
+    """An effect that strikes links at random, with the evidence for it.
+
+    `evidence`: log likelihood over that of the simulator with wild links, in nats; `struck` are
+    the link codes that are outliers.
+    """
+
+    effect: Effect
+    evidence: Estimate
+    parameters: tuple[ParameterEstimate, ...]
+    struck: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Offsets:
+    """Offset of every link [L] in metres beside the simulator: `links` are their codes.
+
+    `scatter_m`: its standard deviation as known from so many `members`, so offsets are distributed
+    as Student's t; `inert`: the effect must spare the link.
+    """
+
+    links: NDArray[np.intp]
+    offset_m: Floats
+    scatter_m: Floats
+    inert: Mask
+    members: int
+
+    def calm(self, extra_m: float, behind_m: float) -> Floats:
+        """Return the density of the offsets if nothing struck, [L] per metre.
+
+        Links that the effect need not spare are `behind_m` longer.
+        """
+        centre = np.where(self.inert, 0.0, behind_m)
+        wide = np.hypot(self.scatter_m, extra_m)
+        return np.asarray(student.pdf((self.offset_m - centre) / wide, self.members - 1) / wide)
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """A mixture: log likelihood in nats, scatter and offset of calm links, shares of the others."""
+
+    nats: float
+    extra_m: float
+    behind_m: float
+    wild: float
+    share: float = 0.0
+    size: float = 0.0
+
+    def parts(self, seen: Offsets, struck: Floats | None = None) -> Floats:
+        """Return the densities of calm, struck and wild, each with its chance, [3, L] per metre."""
+        chance = np.where(seen.inert, 0.0, self.share)
+        hit = chance * struck if struck is not None else np.zeros(len(chance))
+        known = np.stack([(1 - chance) * seen.calm(self.extra_m, self.behind_m), hit]) * (
+            1 - self.wild
+        )
+        return np.vstack([known, np.full(len(chance), self.wild / (2 * WIDEST_M))])
+
+    def density(self, seen: Offsets, struck: Floats | None = None) -> Floats:
+        """Return the density of every link's offset, [L] per metre."""
+        return np.asarray(self.parts(seen, struck).sum(axis=0))
+
+
+def strikable(kind: type[Effect], view: View) -> bool:
+    """Return whether an effect is judged link by link: it strikes a share, and ranges are all."""
+    names = {p.name for p in kind.parameters()}
+    return kind.per_link and kind.without_cir and "share" in names and not view.waveform
+
+
+def strike(
+    world: World, view: View, added: Added, rival: Added, kinds: Mapping[str, type[Effect]]
+) -> Strike | None:
+    """Return the effect of `kinds` that strikes links of `view`, None without evidence for one.
+
+    `added` are the effects so far; `rival` those with the best that all links share, which must
+    not explain the offsets as well.
+    """
+    able = [kind for kind in kinds.values() if strikable(kind, view)]
+    if not able or "error_m" not in view.recorded.names:
+        return None
+    found = [one for one in (_one(world, view, added, kind) for kind in able) if one]
+    if not found:
+        return None
+    best, nats = max(found, key=lambda one: one[0].evidence.value)
+    behind = rival != added and _plain(offsets(world, view, rival, able[0])).nats > nats
+    return None if behind else best
+
+
+def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[Strike, float] | None:
+    """Return a kind of effect with its evidence and penalised log likelihood."""
+    seen = offsets(world, view, added, kind)
+    bare = world.ensemble(view, added, MEMBERS // 2, FIRST)
+    sizes = {size: _struck(world, view, added, kind, size, seen, bare) for size in _sizes(kind)}
+    likely = _every(seen, sizes)
+    plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
+    likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
+    outlying = likeliest > 0
+    if mixed.nats - plain.nats < ENOUGH or mixed.size < APART_M:
+        return None
+    if (likeliest == 2).sum() > STRAY * outlying.sum():
+        return None
+    effect = kind.from_values({"share": mixed.share, _size(kind).name: mixed.size})
+    each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
+    evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
+    parameters = _intervals(likely, mixed, kind)
+    cost = np.log(len(each))  # of two parameters (Schwarz 1978)
+    return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost
+
+
+def apart(world: World, view: View, added: Added) -> float:
+    """Return the evidence, in nats, that links have offsets of their own beside the simulator.
+
+    The log likelihood of scatter between links beyond the simulator's over that of none; links
+    may be anything at all in both.
+    """
+    if "error_m" not in view.recorded.names:
+        return 0.0
+    every = _chances(offsets(world, view, added, None))
+    none = max(one.nats for one in every if one.extra_m == 0)
+    return max(one.nats for one in every) - none
+
+
+def witnessed(world: World, view: View, added: Added, effects: tuple[Effect, ...]) -> Effect | None:
+    """Return the effect that the offsets of links speak for, None where they do for none alone.
+
+    For causes so rare (a few walls, one device) that a mean over all links hardly sees them. Each
+    effect pays for its parameters (Schwarz 1978) and must be ahead of the others.
+    """
+    if "error_m" not in view.recorded.names:
+        return None
+    able = [e for e in effects if not (type(e).per_link or type(e).independent)]
+    nats = [_alone(world, view, (*added, e)) - _cost(e, view) for e in able]
+    ranked = sorted(range(len(able)), key=lambda i: -nats[i])
+    if not ranked or nats[ranked[0]] - _alone(world, view, added) < ENOUGH:
+        return None
+    if len(ranked) > 1 and nats[ranked[0]] - nats[ranked[1]] < AHEAD:
+        return None
+    return able[ranked[0]]
+
+
+def _alone(world: World, view: View, added: Added) -> float:
+    """Return the log likelihood of the offsets with some effects, in nats."""
+    return _plain(offsets(world, view, added, None)).nats
+
+
+def _cost(effect: Effect, view: View) -> float:
+    """Return what the parameters, or values per device or level, of an effect cost in nats."""
+    values = [v for v in vars(effect).values() if isinstance(v, tuple) and v]
+    count = len(values[-1]) if values else len(free_parameters(type(effect)))
+    return 0.5 * count * float(np.log(len(np.unique(view.links))))
+
+
+def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -> Offsets:
+    """Return the offset of every link of the view beside the simulator with `added`.
+
+    Without a `kind` all links count as spared.
+    """
+    made = world.ensemble(view, added, MEMBERS, FIRST).first(world.distinct(view))
+    members = len(made.simulated)
+    links, code = np.unique(made.links, return_inverse=True)
+    which = made.names.index("error_m")
+    middle = made.simulated[..., which].mean(axis=0)
+    per_version = link_medians(made.versions[..., which] - middle, code)
+    inert = kind().inert(Base().paths(view.scene)) if kind else np.ones(len(code), bool)
+    spared = np.bincount(code, inert) == np.bincount(code)
+    scatter = per_version[1:].std(axis=0, ddof=1) * np.sqrt(1 + 1 / members)
+    return Offsets(links, per_version[0], np.maximum(scatter, 1e-4), spared, members)
+
+
+def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
+    """Return the median over the rows of each link, [v, L], of values [v, n]."""
+    order = np.argsort(code, kind="stable")
+    parts = np.split(values[:, order], np.flatnonzero(np.diff(code[order])) + 1, axis=1)
+    return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
+
+
+def _size(kind: type[Effect]) -> Parameter:
+    """Return the first parameter of an effect that is a length: how hard it strikes."""
+    return next(p for p in kind.parameters() if p.unit == "m")
+
+
+def _sizes(kind: type[Effect]) -> list[float]:
+    """Return the sizes that are tried."""
+    high = _size(kind).high
+    return [float(s) for s in np.geomspace(SMALLEST * high, high, SIZES)]
+
+
+def _struck(
+    world: World,
+    view: View,
+    added: Added,
+    kind: type[Effect],
+    size: float,
+    seen: Offsets,
+    bare: Ensemble,
+) -> Floats:
+    """Return the density of the recorded offsets if every link were struck, [L] per metre.
+
+    `bare` is the ensemble of the same replicates with `added` alone.
+    """
+    effect = kind.from_values({"share": 1.0, _size(kind).name: size})
+    with_it = world.ensemble(view, (*added, effect), MEMBERS // 2, FIRST)
+    shift = _shift(with_it, bare)[:, ~seen.inert].ravel()
+    if not len(shift):
+        return np.zeros(len(seen.links))
+    smooth = gaussian_kde(np.arcsinh(shift[np.isfinite(shift)] / BEND_M))
+    slope = 1 / np.hypot(seen.offset_m, BEND_M)
+    return np.where(seen.inert, 0.0, smooth(np.arcsinh(seen.offset_m / BEND_M)) * slope)
+
+
+def _shift(with_it: Ensemble, bare: Ensemble) -> Floats:
+    """Return how far every link of every replicate lies from the simulator without it, [m, L]."""
+    which = bare.names.index("error_m")
+    code = np.unique(bare.links, return_inverse=True)[1]
+    middle = bare.simulated[..., which].mean(axis=0)
+    return link_medians(with_it.simulated[..., with_it.names.index("error_m")] - middle, code)
+
+
+def _plain(seen: Offsets) -> Mixture:
+    """Return the likeliest mixture without strikes."""
+    return max(_chances(seen), key=lambda one: one.nats)
+
+
+def _chances(seen: Offsets) -> list[Mixture]:
+    """Return every mixture without strikes that is tried."""
+    every = []
+    behinds = BEHIND_M[:1] if seen.inert.all() else BEHIND_M  # spared links are behind nothing
+    for extra, behind, wild in product(EXTRA_M, behinds, WILD):
+        one = Mixture(0.0, extra, behind, wild)
+        every.append(replace(one, nats=float(np.log(one.density(seen)).sum())))
+    return every
+
+
+def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
+    """Return the mixtures with strikes of some `sizes` (densities by size), the likely ones."""
+    chance = SHARES[:, None] * np.where(seen.inert, 0.0, 1.0)
+    hits = {size: chance * struck for size, struck in sizes.items()}
+    out: list[Mixture] = []
+    top = -np.inf
+    for extra, behind in product(EXTRA_M, BEHIND_M):
+        calm = (1 - chance) * seen.calm(extra, behind)
+        for (size, hit), wild in product(hits.items(), WILD):
+            nats = np.log((1 - wild) * (calm + hit) + wild / (2 * WIDEST_M)).sum(axis=1)
+            top = max(top, float(nats.max()))
+            near = np.flatnonzero(nats > top - LEVEL)
+            out += [
+                Mixture(float(nats[i]), extra, behind, wild, float(SHARES[i]), size) for i in near
+            ]
+    return [one for one in out if one.nats > top - LEVEL]
+
+
+def _intervals(
+    likely: list[Mixture], best: Mixture, kind: type[Effect]
+) -> tuple[ParameterEstimate, ...]:
+    """Return share and size with the 90 % intervals of the profile likelihood (on the grid)."""
+    share = next(p for p in kind.parameters() if p.name == "share")
+    out = []
+    for item, now, near in (
+        (share, best.share, [one.share for one in likely]),
+        (_size(kind), best.size, [one.size for one in likely]),
+    ):
+        bound = now >= item.high
+        out.append(ParameterEstimate(item.name, now, min(near), max(near), item.unit, bound))
+    return tuple(out)

@@ -1,0 +1,140 @@
+"""What a diagnosis says, as data: every verdict with the figures it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.physics.effect import Effect
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """A fitted parameter with its 90 % interval, and whether it stopped at a physical bound."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    at_bound: bool = False
+
+    def __str__(self) -> str:
+        edge = " (at its physical bound)" if self.at_bound else ""
+        return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}] {self.unit}{edge}"
+
+
+@dataclass(frozen=True)
+class Control:
+    """The negative control of an effect: where it must vanish, what is seen there.
+
+    `left` is the mean residual in the observable's unit on rows where the effect must do nothing;
+    `passed` is None where there are no such rows.
+    """
+
+    words: str
+    passed: bool | None
+    rows: int = 0
+    left: Estimate | None = None
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """The simulator leaves out one effect of the library."""
+
+    effect: Effect
+    parameters: tuple[ParameterEstimate, ...]
+    gain: Estimate
+    share: float
+    control: Control
+    findings: tuple[Finding, ...] = ()
+    note: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The name of the physics, as a tuple of one."""
+        return (self.effect.physics,)
+
+    def __str__(self) -> str:
+        return f"left out: {self.names[0]} ({type(self.effect).signature})"
+
+
+@dataclass(frozen=True)
+class Ambiguous:
+    """Several effects explain it equally well on held-out links; best first."""
+
+    options: tuple[LeftOut, ...]
+    separate: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the equivalence class, best first."""
+        return tuple(option.names[0] for option in self.options)
+
+    def __str__(self) -> str:
+        return f"{' or '.join(self.names)}: these recordings cannot tell; {self.separate}"
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Something is there that no known effect explains."""
+
+    findings: tuple[Finding, ...]
+    removable: Estimate
+    tried: dict[str, float] = field(default_factory=dict)
+    note: str = ""
+
+    names: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        what = self.findings[0] if self.findings else "the held-out score"
+        return f"something is there that no known effect explains: {what}"
+
+
+@dataclass(frozen=True)
+class NoMismatch:
+    """Nothing significant; `detectable` is the smallest shift per observable that would show."""
+
+    detectable: dict[str, float]
+    p: float
+
+    names: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        seen = self.detectable.get("error_m")
+        least = "" if seen is None else f"; a range shift of {seen:.2g} m would have been seen"
+        return f"no mismatch found (p = {self.p:.2g}){least}"
+
+
+Verdict = LeftOut | Ambiguous | Unknown | NoMismatch
+
+
+def as_dict(verdict: Verdict) -> dict[str, Any]:
+    """Return a verdict as plain data for JSON."""
+    kind = {LeftOut: "left out", Ambiguous: "ambiguous", Unknown: "unknown"}
+    out: dict[str, Any] = {
+        "verdict": kind.get(type(verdict), "no mismatch"),
+        "names": list(verdict.names),
+        "words": str(verdict),
+    }
+    if isinstance(verdict, NoMismatch):
+        return out | {"detectable": verdict.detectable, "p": verdict.p}
+    if isinstance(verdict, Unknown):
+        removable = vars(verdict.removable)
+        return out | {"findings": list(map(str, verdict.findings)), "removable": removable}
+    options = verdict.options if isinstance(verdict, Ambiguous) else (verdict,)
+    return out | {"options": [_option(option) for option in options]}
+
+
+def _option(option: LeftOut) -> dict[str, Any]:
+    """Return one named effect as plain data."""
+    return {
+        "effect": option.effect.name,
+        "parameters": [vars(p) for p in option.parameters],
+        "gain": vars(option.gain),
+        "share_of_removable": option.share,
+        "control": {"words": option.control.words, "passed": option.control.passed},
+        "note": option.note,
+    }

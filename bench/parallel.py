@@ -1,0 +1,157 @@
+"""The one rule for threads, processes and Dask.
+
+What a piece of work gives depends on the piece alone (every draw has a key of its own), so results
+do not depend on how it was spread. Nothing is timed here: work beside other work cannot be.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from threading import Lock, Thread
+from typing import Any, TypeVar
+
+from bench.errors import BenchError
+
+T = TypeVar("T")
+R = TypeVar("R")
+MOST = 16
+VARIABLE = "BENCH_THREADS"
+
+
+def threads() -> int:
+    """Return how many threads to use: BENCH_THREADS, else the cores this process may use."""
+    asked = os.environ.get(VARIABLE, "")
+    if asked.isdigit() and int(asked) > 0:
+        return int(asked)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return max(1, min(cores or 1, MOST))
+
+
+def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
+    """Return `work` of every item in order. The first exception, in order, is raised."""
+    count = threads()
+    if count == 1:
+        return [work(item) for item in items]
+    with ThreadPoolExecutor(count) as pool:
+        return list(pool.map(work, items))
+
+
+Work = Callable[[Any, Any], Any]
+"""work(shared, task) -> result; importable by name, so that another process can run it."""
+
+_PATIENCE_S = 15
+
+
+@dataclass(frozen=True)
+class Spread:
+    """`jobs` processes on this machine, or the Dask scheduler at an address (`tcp://host:port`)."""
+
+    jobs: int = 1
+    scheduler: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.jobs < 1:
+            raise BenchError(f"--jobs {self.jobs}: expected a whole number of at least 1")
+        if self.scheduler and self.jobs > 1:
+            raise BenchError("--jobs and --scheduler: expected one of them")
+
+    def map(self, work: Work, shared: Any, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield (position, work(shared, task)) as they finish, in no order.
+
+        Raises BenchError where the scheduler cannot be reached or dask is not installed; what
+        `work` raises comes through.
+        """
+        if self.scheduler:
+            return _on_dask(self.scheduler, work, shared, tasks)
+        if self.jobs > 1 and len(tasks) > 1:
+            return _in_processes(min(self.jobs, len(tasks)), work, shared, tasks)
+        return ((number, work(shared, task)) for number, task in enumerate(tasks))
+
+
+def _in_processes(
+    jobs: int, work: Work, shared: Any, tasks: Sequence[Any]
+) -> Iterator[tuple[int, Any]]:
+    # spawn: a forked child of a process with threads (torch, numba) may hang
+    start = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(jobs, start, _install, (shared,))
+    try:
+        waiting = {pool.submit(_call, work, task): at for at, task in enumerate(tasks)}
+        for done in as_completed(waiting):
+            yield waiting[done], done.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+_ONE_AT_A_TIME = Lock()
+_INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
+
+
+def _install(shared: Any) -> None:
+    """Begin a worker: one thread, since there are as many workers as were asked for."""
+    Thread(target=_end_with_parent, daemon=True).start()
+    os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
+    os.environ[VARIABLE] = "1"
+    if (torch := sys.modules.get("torch")) is not None:
+        torch.set_num_threads(1)
+    _INSTALLED[:] = [shared]
+
+
+def _end_with_parent() -> None:
+    """End this worker as soon as the process that started it is gone, killed included."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _call(work: Work, task: Any) -> Any:
+    return work(_INSTALLED[0], task)
+
+
+def _on_dask(
+    address: str, work: Work, shared: Any, tasks: Sequence[Any]
+) -> Iterator[tuple[int, Any]]:
+    from_dask = _dask()
+    with _client(from_dask, address) as client:
+        everywhere = client.scatter(shared, broadcast=True)
+        futures = [client.submit(_alone, work, everywhere, task, pure=False) for task in tasks]
+        waiting = {future.key: at for at, future in enumerate(futures)}
+        for done in from_dask.as_completed(futures, loop=client.loop):
+            yield waiting[done.key], done.result()
+
+
+def _alone(work: Work, shared: Any, task: Any) -> Any:
+    """One piece at a time per process: seeds of libraries belong to the process, not the thread."""
+    with _ONE_AT_A_TIME:
+        return work(shared, task)
+
+
+def _dask() -> Any:
+    try:
+        import distributed
+    except ImportError as problem:
+        raise BenchError(
+            "--scheduler needs dask.distributed: pip install 'uwb-bench[dask]'"
+        ) from problem
+    return distributed
+
+
+@contextmanager
+def _client(from_dask: Any, address: str) -> Iterator[Any]:
+    try:
+        client = from_dask.Client(address, timeout=_PATIENCE_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as problem:
+        raise BenchError(
+            f"--scheduler {address}: no Dask scheduler answers there "
+            "(expected an address such as tcp://host:8786)"
+        ) from problem
+    try:
+        yield client
+    finally:
+        client.close()

@@ -1,0 +1,66 @@
+"""The compiled figures of a CIR's shape are those of their definitions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.data.cir_features import COLUMNS, crossings, moments, powers, shape_figures
+
+EDGES = (-4.0, 1.0, 6.0, 40.0)
+LEVELS = (0.6, 6.0, 5.0)
+
+
+def _cirs(rows: int = 12, samples: int = 60) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(0)
+    magnitude = np.abs(rng.normal(0, 1, (rows, samples)))
+    magnitude[:, 9:13] += 60.0
+    delay = np.arange(samples) - 9 + rng.uniform(0, 1, (rows, 1))
+    return magnitude, delay, np.full(rows, 1.0)
+
+
+def test_figures_follow_their_definitions():
+    magnitude, delay, noise = _cirs()
+    found, bins = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
+    power = magnitude**2
+    total = power.sum(axis=1)
+    mean_delay = (power * delay).sum(axis=1) / total
+    spread = np.sqrt((power * (delay - mean_delay[:, None]) ** 2).sum(axis=1) / total)
+    centred = magnitude - magnitude.mean(axis=1, keepdims=True)
+    kurtosis = (centred**4).mean(axis=1) / (centred**2).mean(axis=1) ** 2
+    assert found["total"] == pytest.approx(total)
+    assert found["peak"] == pytest.approx(magnitude.max(axis=1))
+    assert found["excess"] == pytest.approx(mean_delay)
+    assert found["spread"] == pytest.approx(spread)
+    assert found["kurtosis"] == pytest.approx(kurtosis)
+    assert found["rise"] == pytest.approx(0.0)  # both levels are passed in the same sample
+    assert found["lead"] == pytest.approx(-delay[:, 9])
+    middle = (delay >= 1.0) & (delay < 6.0)
+    assert bins[:, 1] == pytest.approx((power * middle).sum(axis=1) / middle.sum(axis=1))
+
+
+def test_what_is_not_known_takes_no_part():
+    magnitude, delay, noise = _cirs()
+    whole, _ = shape_figures(magnitude[:, :50], delay[:, :50], noise, EDGES, LEVELS)
+    magnitude[:, 50:] = np.nan
+    noise[3] = np.nan
+    part, bins = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
+    for name in ("total", "peak", "excess", "spread", "kurtosis"):
+        assert part[name] == pytest.approx(whole[name])
+    assert np.isnan(part["lead"][3])
+    magnitude[5] = np.nan
+    empty, bins = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
+    assert empty["total"][5] == 0
+    assert np.isnan(empty["kurtosis"][5])
+    assert np.isnan(bins[5]).all()
+
+
+def test_the_compiled_loop_is_the_written_one():
+    magnitude, delay, noise = _cirs(4)
+    out, bins = np.full((4, len(COLUMNS)), np.nan), np.empty((4, len(EDGES) - 1))
+    powers(magnitude, delay, np.array(EDGES), out, bins)
+    moments(magnitude, delay, out)
+    crossings(magnitude, delay, noise, np.array(LEVELS), out)
+    figures, fast = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
+    assert np.stack(list(figures.values()), axis=1) == pytest.approx(out)
+    assert fast == pytest.approx(bins)

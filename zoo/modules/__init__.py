@@ -1,0 +1,1 @@
+"""Torch modules that models are put together from."""

@@ -1,0 +1,1 @@
+"""Training engines: plain, many at once, and fused."""

@@ -1,0 +1,1 @@
+"""REMnet training with fused kernels."""
