@@ -10,7 +10,7 @@ import pytest
 
 import zoo
 
-MODULES = sorted(module.name for module in pkgutil.iter_modules(zoo.__path__, "zoo."))
+MODULES = sorted(module.name for module in pkgutil.walk_packages(zoo.__path__, "zoo."))
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -18,6 +18,8 @@ def test_examples(name: str) -> None:
     assert doctest.testmod(import_module(name)).failed == 0
 
 
-@pytest.mark.parametrize("name", ["features", "none", "remnet", "cnn1d", "svm", "mlp", "scaling"])
+@pytest.mark.parametrize(
+    "name", ["modules.features", "none", "remnet", "cnn1d", "svm", "mlp", "modules.scaling"]
+)
 def test_modules_show_an_example(name: str) -> None:
     assert doctest.testmod(import_module(f"zoo.{name}")).attempted > 0

@@ -12,12 +12,12 @@ import pytest
 
 from bench.checkpoint.codec import NotPlainError, from_plain, to_plain
 from bench.checkpoint.journal import FOLDER, Kept
-from bench.discrepancy import model
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.diagnose import Options, study
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.document import summary
+from bench.discrepancy.select import stepwise as model
 from bench.physics.base import Base
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from bench.cli.main import main
-from bench.discrepancy import explain
+from bench.discrepancy.select import candidates as explain
 from bench.physics.base import Base
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter

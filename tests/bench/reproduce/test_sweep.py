@@ -18,9 +18,9 @@ import numpy as np
 import psutil
 import pytest
 
+from bench import parallel as spread
 from bench.errors import BenchError
 from bench.parallel import Spread
-from bench.reproduce import spread
 from bench.reproduce.context import Context
 from bench.reproduce.experiments.cir_size import Data, Point, train_point
 from bench.reproduce.experiments.generalisation import Bar, Classes, Part, train_bar
