@@ -16,7 +16,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.diagnose import Options, study
 from bench.discrepancy.fit.clocks import device_clock
 from bench.physics.base import Base
-from bench.physics.effects.fitted.terms import DeviceClock
+from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.simulator import Simulator
 from bench.physics.units import C_M_PER_NS
 from bench.recordings.table import Recordings

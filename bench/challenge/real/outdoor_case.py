@@ -20,7 +20,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.diagnose import Options, Study, study
 from bench.discrepancy.fit.per_device import UNCOMPRESSED_DBM, power_curve
 from bench.physics.base import Base
-from bench.physics.effects.fitted.terms import LOGGED_DBM, TRUE_DBM, PowerCurve
+from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.effects.ranging.power_bias import published_bias_m
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings

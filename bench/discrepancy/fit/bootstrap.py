@@ -18,7 +18,10 @@ from bench.discrepancy.fit.headings import HEADINGS_DEG, SMOOTH, curve_over
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
 from bench.discrepancy.select.verdict import ParameterEstimate
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.terms import DeviceClock, DeviceDelay, PatternCurve, PowerCurve
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.device_delay import DeviceDelay
+from bench.physics.effects.fitted.pattern_curve import PatternCurve
+from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from bench.discrepancy.compare.resimulation import View, measured
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
-from bench.physics.effects.fitted.terms import DeviceClock
+from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]

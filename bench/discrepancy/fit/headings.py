@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.resimulation import Added, View, World, common
-from bench.physics.effects.fitted.terms import PatternCurve, closed
+from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]

@@ -14,7 +14,8 @@ from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.terms import LOGGED_DBM, TRUE_DBM, DeviceDelay, PowerCurve
+from bench.physics.effects.fitted.device_delay import DeviceDelay
+from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]

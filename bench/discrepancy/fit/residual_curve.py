@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.discrepancy.compare.resimulation import Added, View, World, measured
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.physics.effects.fitted.terms import Unnamed
+from bench.physics.effects.fitted.unnamed import Unnamed
 
 KNOTS = 9
 MEMBERS = 8

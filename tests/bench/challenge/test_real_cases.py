@@ -21,7 +21,7 @@ from bench.challenge.real.outdoor_case import (
     slope_at_fixed_distance,
 )
 from bench.challenge.real.two_ray import PERMITTIVITY, excess_m, gain_of_sum, reflected, shift_m
-from bench.physics.effects.fitted.terms import LOGGED_DBM, TRUE_DBM
+from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM
 from bench.physics.effects.ranging.power_bias import published_bias_m
 from bench.physics.units import C_M_PER_NS
 

@@ -17,7 +17,8 @@ from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.terms import DeviceClock, Unnamed
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.unnamed import Unnamed
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.temperature import TemperatureDrift

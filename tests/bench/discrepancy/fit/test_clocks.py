@@ -12,7 +12,8 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.clocks import device_clock
 from bench.errors import BenchError
 from bench.physics.base import Base
-from bench.physics.effects.fitted.terms import DeviceClock, bridge
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.wander import bridge
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import from_toml, to_toml

@@ -11,7 +11,8 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.per_device import device_delay, device_terms, latent_effects, power_curve
 from bench.physics.base import Base
-from bench.physics.effects.fitted.terms import DeviceDelay, PowerCurve, true_level_dbm
+from bench.physics.effects.fitted.device_delay import DeviceDelay
+from bench.physics.effects.fitted.power_curve import PowerCurve, true_level_dbm
 from bench.physics.effects.ranging.power_bias import published_bias_m
 from bench.physics.simulator import Simulator
 from bench.physics.units import C_M_PER_NS

@@ -13,7 +13,7 @@ from bench.discrepancy.fit.bootstrap import latent_intervals
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over, pattern_curve, smoothest
 from bench.errors import BenchError
 from bench.physics.base import Base
-from bench.physics.effects.fitted.terms import PatternCurve, closed
+from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.simulator import Simulator
 

@@ -35,7 +35,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.terms import PowerCurve
+from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay

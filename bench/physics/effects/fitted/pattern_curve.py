@@ -1,0 +1,48 @@
+"""Bias over the heading as a curve, for patterns that two harmonics do not follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.device_values import as_tuples
+from bench.physics.effects.propagation.antenna_pattern import heading_rad
+from bench.physics.randomness import Draws
+from bench.physics.units import Floats
+
+
+@dataclass(frozen=True)
+class PatternCurve(Effect):
+    """Range error over the heading as a curve: `bias_m` at `headings_deg`, linear between, closed.
+
+    For patterns that two harmonics do not follow, such as a narrow lobe. The heading is that of
+    the library's `antenna-pattern`.
+    """
+
+    name = "pattern-curve"
+    explains: ClassVar[str] = "antenna-pattern"
+    contains = ("antenna-pattern",)  # the library's two harmonics
+    fitted: ClassVar[bool] = False
+    stage = "ranging"
+    source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); curve fitted to recordings"
+    signature = "periodic in heading, the same at all distances"
+
+    headings_deg: tuple[float, ...] = (0.0,)
+    bias_m: tuple[float, ...] = (0.0,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        as_tuples(self, headings_deg=None, bias_m=len(self.headings_deg))
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by the curve at each row's heading."""
+        return batch.longer(closed(heading_rad(batch.rows), self.headings_deg, self.bias_m))
+
+
+def closed(heading: Floats, headings_deg: tuple[float, ...], values: tuple[float, ...]) -> Floats:
+    """Return a closed curve at headings [n] in radians."""
+    return np.asarray(np.interp(np.degrees(heading), headings_deg, values, period=360.0))
