@@ -15,7 +15,7 @@ A table without phases is taken as real; without a CIR, effects act on a single 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import pandas as pd
@@ -26,11 +26,11 @@ from bench.physics.batch import Batch
 from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
+from bench.physics.pipeline import Pipeline
 from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.sampling import sampled
 from bench.physics.scene import Scene, scene
-from bench.physics.simulator import applied
 from bench.physics.units import (
     C_M_PER_NS,
     Complexes,
@@ -103,9 +103,9 @@ class ForeignTable:
         arriving = self._arriving(slice(start, start + BLOCK))
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        batch = self._received(applied(effects, "propagation", arriving, draws), offset_db)
-        batch = self.base.detected(applied(effects, "receiver", batch, draws))
-        return applied(effects, "ranging", batch, draws)
+        receive = partial(self._received, offset_db=offset_db)
+        pipeline = Pipeline(effects, receive, self.base.detected)
+        return pipeline.simulated(lambda: arriving, draws)
 
     def _arriving(self, part: slice) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
-import numpy as np
 import pandas as pd
 
-from bench.errors import BenchError, unknown_name
+from bench.errors import unknown_name
 from bench.parallel import threads
 from bench.physics.base import Base
 from bench.physics.batch import Batch
-from bench.physics.effect import STAGES, Effect, Stage
+from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined, outcome
+from bench.physics.pipeline import Pipeline, at_stage, check_once
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene, scene
 from bench.recordings.table import Recordings
@@ -34,10 +34,7 @@ class Simulator:
     name: str = "simulator"
 
     def __post_init__(self) -> None:
-        names = [effect.name for effect in self.effects]
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise BenchError(f"simulator {self.name!r}: effect {twice!r} is listed twice")
+        check_once(self.effects, f"simulator {self.name!r}: ")
 
     def with_effect(self, effect: Effect) -> Simulator:
         """Return the simulator with `effect` added, or put in place of the one of its name."""
@@ -55,8 +52,7 @@ class Simulator:
 
     def at_stage(self, stage: str) -> tuple[Effect, ...]:
         """Return its effects of one stage: as listed, those marked `last` behind the others."""
-        found = [effect for effect in self.effects if effect.stage == stage]
-        return tuple(sorted(found, key=lambda effect: type(effect).last))
+        return at_stage(self.effects, stage)
 
     def simulate(
         self, geometry: Recordings | pd.DataFrame, seed: int | None = None, replicate: int = 0
@@ -111,36 +107,10 @@ class Simulator:
 
     def _block(self, rows: Scene, draws: Draws, cir: bool) -> Batch:
         """Return one block of at most BLOCK rows after all stages."""
-        stages = {stage: self.at_stage(stage) for stage in STAGES}
-        batch = applied(stages["propagation"], "propagation", self.base.paths(rows), draws)
-        batch = self.base.received(batch, draws) if cir else self.base.counted(batch)
-        batch = self.base.detected(applied(stages["receiver"], "receiver", batch, draws))
-        return applied(stages["ranging"], "ranging", batch, draws)
+        base = self.base
 
+        def receive(batch: Batch) -> Batch:
+            return base.received(batch, draws) if cir else base.counted(batch)
 
-def applied(effects: Sequence[Effect], stage: Stage, batch: Batch, draws: Draws) -> Batch:
-    """Return the batch after the effects of one stage, each with random numbers of its own.
-
-    Effects on the waveform are left out where there is none. Raises BenchError naming an effect
-    that fails.
-    """
-    for effect in effects:
-        needless = stage == "receiver" and batch.waveform is None and not effect.without_cir
-        if effect.stage == stage and not needless:
-            batch = _with(effect, batch, replace(draws, name=effect.name))
-    return batch
-
-
-def _with(effect: Effect, batch: Batch, draws: Draws) -> Batch:
-    """Return the batch with one effect. Raises BenchError naming an effect that fails."""
-    try:
-        with np.errstate(all="ignore"):
-            made = effect.apply(batch, draws)
-    except Exception as problem:
-        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
-        raise BenchError(f"effect {effect.name!r} failed: {reason}") from problem
-    if not isinstance(made, Batch):
-        raise BenchError(f"effect {effect.name!r} gave {type(made).__name__}, expected a Batch")
-    if made.range_m is not None and not np.isfinite(made.range_m).all():
-        raise BenchError(f"effect {effect.name!r} gave a range that is no number")
-    return made
+        pipeline = Pipeline(self.effects, receive, base.detected)
+        return pipeline.simulated(lambda: base.paths(rows), draws)

@@ -12,9 +12,9 @@ from threading import Lock
 from typing import Generic, TypeVar
 
 from bench.physics.batch import Batch
+from bench.physics.pipeline import Step
 
 T = TypeVar("T")
-Step = tuple[Hashable, Callable[[Batch], Batch]]
 
 
 class Memory(Generic[T]):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 
 import numpy as np
 
-from bench.discrepancy.compare.prefix_cache import Memory, Prefixes, Step
+from bench.discrepancy.compare.prefix_cache import Memory, Prefixes
 from bench.discrepancy.data.observables import (
     SCALARS,
     Floats,
@@ -20,7 +21,7 @@ from bench.discrepancy.data.observables import (
 )
 from bench.errors import BenchError
 from bench.physics.batch import Batch
-from bench.physics.effect import Effect
+from bench.physics.pipeline import EffectError, Pipeline
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
@@ -80,9 +81,9 @@ class Stages:
                 key, lambda: self._detected(simulator, rows, replicate, cir)
             )
             batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
-        except BenchError:
-            raise
         except Exception as problem:
+            if isinstance(problem, BenchError) and not isinstance(problem, EffectError):
+                raise
             raise self._blamed(simulator, rows, replicate, cir, problem) from problem
         columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
         scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
@@ -143,16 +144,14 @@ class Stages:
         """
         base = simulator.base
         same = _SameNoise(draws.seed, draws.replicate, draws.name, draws.block, self)
-        late = [e for e in simulator.at_stage("receiver") if cir or e.without_cir]
 
         def received(batch: Batch) -> Batch:
             return base.received(batch, same) if cir else base.counted(batch)
 
-        steps: list[Step] = [_step(e, draws) for e in simulator.at_stage("propagation")]
-        steps += [("received", received), *(_step(e, draws) for e in late)]
         key = (place, base, draws.seed, draws.replicate, draws.block, cir)
-        chain = self._prefixes if place is not None else Prefixes(1)
-        return base.detected(chain.run(key, lambda: base.paths(rows), steps))
+        run = self._prefixes.run if place is not None else Prefixes(1).run
+        pipeline = Pipeline(simulator.effects, received, base.detected)
+        return pipeline.detected(lambda: base.paths(rows), draws, partial(run, key))
 
     def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
         """Return a copy of the noise that `draws` gives first after its alignments."""
@@ -174,29 +173,9 @@ class Stages:
 
 def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
     """Return a detected block after the ranging stage."""
+    base = simulator.base
     draws = Draws(simulator.seed, replicate, "base", block)
-    return _applied(simulator.at_stage("ranging"), batch, draws)
-
-
-def _applied(effects: tuple[Effect, ...], batch: Batch, draws: Draws) -> Batch:
-    """Return the batch after some effects."""
-    for effect in effects:
-        batch = _step(effect, draws)[1](batch)
-    return batch
-
-
-def _step(effect: Effect, draws: Draws) -> Step:
-    """Return an effect as a step. The step raises RuntimeError naming an effect that fails."""
-
-    def apply(batch: Batch) -> Batch:
-        try:
-            with np.errstate(all="ignore"):
-                return effect.apply(batch, replace(draws, name=effect.name))
-        except Exception as problem:
-            why = f"effect {effect.name!r}: {type(problem).__name__}: {problem}"
-            raise RuntimeError(why) from problem
-
-    return (type(effect), effect), apply
+    return Pipeline(simulator.effects, base.counted, base.detected).ranged(batch, draws)
 
 
 def _column(batch: Batch, name: str) -> Floats:

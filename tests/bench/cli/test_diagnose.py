@@ -200,7 +200,7 @@ def test_failing_effects_are_told_and_skipped_and_json_is_alone(call, tmp_path):
     found = json.loads(printed)
     assert found["verdicts"][0]["names"] == ["temperature-drift"]
     assert "boom" in found["skipped_effects"]["broken"]
-    assert "not finite" in found["skipped_effects"]["nothing"]
+    assert "no number" in found["skipped_effects"]["nothing"]
     assert "unavailable" in found["skipped_effects"]["absent"]
     assert "report:" in err
     assert json.loads((out / "diagnosis.json").read_text()) == found
