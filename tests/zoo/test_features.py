@@ -25,6 +25,15 @@ def test_rise_time_runs_from_six_sigma_to_six_tenths_of_the_maximum() -> None:
     assert column("rise_time_ns", row, noise_samples=2) == pytest.approx(2 * SAMPLE_PERIOD_NS)
 
 
+def test_noise_is_that_of_the_first_four_samples_unless_told_otherwise() -> None:
+    # noise 1 -> 6 sigma_n = 4.24: first above at sample 4, 0.6 x 20 reached at 6. Were sample 4
+    # taken for noise too, nothing before sample 6 would stand out.
+    row = [1, 1, 1, 1, 10, 11, 13, 20, 0]
+    assert column("rise_time_ns", row) == pytest.approx(2 * SAMPLE_PERIOD_NS)
+    module = MaranoFeatures(9)(torch.tensor([row], dtype=torch.float32)).numpy()
+    assert module[0, FEATURES.index("rise_time_ns")] == pytest.approx(2 * SAMPLE_PERIOD_NS)
+
+
 def test_constants_of_the_rise_time_are_parameters() -> None:
     row = [1, 1, 4, 5, 11, 12, 20, 0]
     early = column("rise_time_ns", row, noise_samples=2, noise_multiple=5.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import statistics
 import time
 from pathlib import Path
 
@@ -89,6 +90,22 @@ def test_a_runner_of_known_cost_is_timed_right_at_every_batch(toy) -> None:
     assert 0 < found.throughput_rows_per_s <= 1 / 3e-4
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
+
+
+def test_throughput_is_rows_over_the_median_time_of_a_large_batch(toy, monkeypatch) -> None:
+    times_us: list[float] = []
+
+    def ask(self, **request):
+        answer = honest(self, **request)
+        if request["do"] == "sample" and request["batch"] == THROUGHPUT_ROWS:
+            times_us.extend(answer["samples_us"])
+        return answer
+
+    honest = latency.WorkerProcess.ask
+    monkeypatch.setattr(latency.WorkerProcess, "ask", ask)
+    [found] = measure([toy("per_row", "1e-5")], rounds=6)
+    expected = THROUGHPUT_ROWS / (statistics.median(times_us) * 1e-6)
+    assert found.throughput_rows_per_s == pytest.approx(expected, rel=1e-9)
 
 
 def test_quick_calls_are_looped_and_slow_ones_are_not(toy) -> None:

@@ -58,6 +58,33 @@ def test_intervals_agree_with_scipy_bca_over_link_means() -> None:
     assert ours.high == pytest.approx(theirs.high, rel=0.02)
 
 
+@pytest.mark.parametrize("figure", ["sigma_m", "r2"])
+def test_skewed_figures_have_the_bca_interval_of_scipy(figure) -> None:
+    # One row per link, few links: sigma and R2 are biased, so every term of the interval counts.
+    # The errors share an offset: the scatter of a resample is about the mean of that resample.
+    rng = np.random.default_rng(7)
+    errors = 0.5 + rng.gamma(1.0, 0.2, 15)
+    predicted = 0.5 + 0.7 * (errors - 0.5) + rng.normal(0, 0.1, 15)
+    of = {"sigma_m": lambda e, p, axis=-1: np.std(e - p, axis=axis), "r2": _r2}[figure]
+    theirs = stats.bootstrap(
+        (errors, predicted),
+        of,
+        n_resamples=50_000,
+        method="BCa",
+        paired=True,
+        rng=np.random.default_rng(0),
+    ).confidence_interval
+    ours = getattr(score(errors, predicted, np.arange(15), resamples=50_000), figure)
+    width = theirs.high - theirs.low
+    assert ours.low == pytest.approx(theirs.low, abs=0.02 * width)
+    assert ours.high == pytest.approx(theirs.high, abs=0.02 * width)
+
+
+def _r2(errors, predicted, axis=-1):
+    left = ((errors - predicted) ** 2).sum(axis=axis)
+    return 1 - left / (errors.var(axis=axis) * errors.shape[axis])
+
+
 def test_links_not_rows_are_the_unit_of_uncertainty() -> None:
     errors, predicted, link = _clustered(30, 200, seed=4)
     by_link = score(errors, predicted, link).mae_m

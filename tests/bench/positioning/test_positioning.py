@@ -84,6 +84,16 @@ def test_a_start_chooses_the_side_of_a_plane() -> None:
     assert above.positions_m[0] == pytest.approx([1.0, 2.0, 4.1], abs=1e-6)
 
 
+def test_steps_are_damped_where_whole_ones_run_away() -> None:
+    # Ranges read up to 3 m long: undamped, the iteration ends 15 km away.
+    anchors, ranges = np.array([[3.8, 2.2], [4.9, 2.1], [4.2, 0.1]]), np.array([[1.2, 1.8, 4.7]])
+    fixes = gauss_newton(anchors, ranges)
+    assert fixes.converged.all()
+    near = np.stack(np.meshgrid(np.linspace(0, 8, 81), np.linspace(0, 8, 81)), -1).reshape(-1, 2)
+    rms = np.sqrt(((ranges_to(anchors, near) - ranges) ** 2).mean(axis=1))
+    assert fixes.residual_rms_m[0] <= rms.min()
+
+
 def test_wrong_ranges_are_refused() -> None:
     with pytest.raises(BenchError, match="expected \\[epochs, 4\\]"):
         gauss_newton(SQUARE_2D, np.ones((3, 3)))

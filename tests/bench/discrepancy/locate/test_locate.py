@@ -69,6 +69,14 @@ def test_same_seed_same_answer_and_smallest_detectable_is_in_units():
     assert locate(*shifted, seed=1).significant
 
 
+def test_the_recorded_version_counts_among_its_own_permutations():
+    # So p is never below 1 / (permutations + 1): with 19 of them nothing is rarer than 5 %.
+    ensemble, known = _world(8, lambda c: 5.0 * c.groups["wall"])
+    located = locate(ensemble, known, seed=0, permutations=19)
+    assert located.p == 1 / 20
+    assert min(f.p for f in located.findings) == 1 / 20
+
+
 def test_links_are_summed_cluster_by_cluster_as_if_all_were_held_at_once():
     ensemble, known = _world(7)
     cells, each = link_sums(ensemble, known)
