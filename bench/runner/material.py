@@ -38,7 +38,7 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
         whole, source, name = data, None, data.source
     else:
         whole, source = open_recordings(data)
-        name = source.name if source else data
+        name = source.full_name if source else data
     window = cir_window(whole)
     recordings = whole.select(window.rows)
     chosen = split or default_split(recordings, source)

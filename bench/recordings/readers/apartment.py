@@ -35,11 +35,11 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.recordings.clean import Cleaned, add_counts, clean
+from bench.recordings.noise import noise_std
 from bench.recordings.readers.decaranging import Log, Range, accumulator, parse_log
 from bench.recordings.table import SAMPLE_PERIOD_NS
 from bench.recordings.twr import COUNTER_TURN_S, TICK_S
 
-NOISE_MARGIN = 64
 TABLES = {
     "anchors.csv": ("location", "x", "y"),
     "tags.csv": ("location", "x", "y"),
@@ -51,6 +51,7 @@ MODULES = (
     __name__,
     "bench.recordings.readers.decaranging",
     "bench.recordings.clean",
+    "bench.recordings.noise",
     "bench.recordings.twr",
 )
 
@@ -148,7 +149,7 @@ def _row(found: Range) -> dict[str, Any]:
         "preamble_count": final.preamble_count,
         "rx_power_dbm": final.rx_power_dbm,
         "first_path_power_dbm": final.first_path_power_dbm,
-        "noise_std": _noise(cir, final.first_path_index),
+        "noise_std": noise_std(cir, final.first_path_index),
         "noise_threshold": final.noise_threshold,
     }
     if poll:
@@ -157,9 +158,3 @@ def _row(found: Range) -> dict[str, Any]:
         row["poll_rx_power_dbm"] = poll.rx_power_dbm
         row["poll_first_path_power_dbm"] = poll.first_path_power_dbm
     return row | {f"{name.title()}_ticks": float(n) for name, n in found.ticks.items()}
-
-
-def _noise(cir: np.ndarray[Any, np.dtype[np.float32]], first_path: float) -> float:
-    """Return the standard deviation of the magnitude well before the first path, in counts."""
-    quiet = cir[: max(0, int(first_path) - NOISE_MARGIN)] if np.isfinite(first_path) else cir[:0]
-    return float(quiet.std()) if len(quiet) > NOISE_MARGIN else float("nan")

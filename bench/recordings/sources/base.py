@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from bench.errors import BenchError
+from bench.errors import BenchError, unknown_name
 from bench.files import cache_dir
 from bench.plugins import find
 
@@ -36,7 +36,9 @@ class Source(ABC):
     """A named data set: `available()` says why it cannot be read, `load()` reads it.
 
     `test_environment` is the environment that leave-environment-out tests on by default.
-    `publisher` is where the files come from, None where there are none to fetch.
+    `publisher` is where the files come from, None where there are none to fetch. `variants` are
+    other readings of the same files, by name: asked for as `NAME:VARIANT`, they stand in `variant`.
+    `untested` says so where the reader never saw a real file.
     """
 
     name: ClassVar[str]
@@ -45,6 +47,14 @@ class Source(ABC):
     simulated: ClassVar[bool] = False
     test_environment: ClassVar[str | None] = None
     publisher: ClassVar[Publisher | None] = None
+    variants: ClassVar[Mapping[str, str]] = {}
+    untested: ClassVar[str | None] = None
+    variant: str | None = None
+
+    @property
+    def full_name(self) -> str:
+        """The name as it is asked for: NAME or NAME:VARIANT."""
+        return f"{self.name}:{self.variant}" if self.variant else self.name
 
     @abstractmethod
     def available(self) -> str | None:
@@ -56,10 +66,12 @@ class Source(ABC):
 
 
 def open_source(name: str) -> Source:
-    """Return the data set registered under `name`.
+    """Return the data set registered under `name`, in its variant where it is `NAME:VARIANT`.
 
-    Raises BenchError for an unknown name (with a did-you-mean) and a plug-in that is no data set.
+    Raises BenchError for an unknown name or variant (with a did-you-mean) and a plug-in that is no
+    data set.
     """
+    name, _, variant = name.partition(":")
     plugin = find("datasets", name)
     made = plugin.load()
     source = made() if callable(made) else made
@@ -68,6 +80,9 @@ def open_source(name: str) -> Source:
             f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "
             f"but {type(source).__name__}"
         )
+    if variant and variant not in source.variants:
+        raise unknown_name(f"variant of {name}", variant, source.variants)
+    source.variant = variant or None
     return source
 
 
@@ -87,12 +102,17 @@ def find_file(name: str, wanted: str) -> Path | None:
 
     Looked for at any depth under $BENCH_DATA/NAME and then under the download folder.
     """
+    return next(iter(find_files(name, wanted)), None)
+
+
+def find_files(name: str, wanted: str) -> list[Path]:
+    """Return all such files or folders of the data set, from the first place that has any."""
     root = data_root()
     folders = [root / name] if root else []
     for folder in [*folders, download_folder(name)]:
         if found := sorted(folder.rglob(wanted), key=lambda path: (len(path.parts), path)):
-            return found[0]
-    return None
+            return found
+    return []
 
 
 def how_to_get(source: Source, wanted: str) -> str:
