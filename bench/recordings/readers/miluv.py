@@ -104,7 +104,7 @@ def match(ranges: pd.DataFrame, cirs: pd.DataFrame) -> tuple[pd.DataFrame, dict[
     own = initiator | (cirs["my_id"] == cirs["to_id"]).to_numpy()
     cirs = cirs.assign(initiator=initiator)[own].sort_values("timestamp")
     times = ranges[[*_PAIR, "timestamp"]].assign(row=ranges.index).sort_values("timestamp")
-    found = pd.merge_asof(cirs, times, on="timestamp", by=_PAIR, tolerance=LATEST_S)
+    found = pd.merge_asof(cirs, times, on="timestamp", by=_PAIR, tolerance=LATEST_S)  # type: ignore[arg-type]
     partners = found.dropna(subset="row")
     chosen = partners.sort_values("initiator", ascending=False, kind="stable")
     chosen = chosen.drop_duplicates("row").astype({"row": np.int64}).sort_values("row")
@@ -191,4 +191,4 @@ def from_timestamps_m(rows: pd.DataFrame) -> dict[str, Floats]:
 def _elapsed_ns(rows: pd.DataFrame, start: str, end: str) -> Floats:
     """Return the time between two timestamps of one clock that turns over every 67.2 ms."""
     difference = rows[f"{end}_raw"].to_numpy(np.float64) - rows[f"{start}_raw"].to_numpy(np.float64)
-    return np.mod(difference, TURN_NS)
+    return np.asarray(np.mod(difference, TURN_NS), np.float64)
