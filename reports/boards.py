@@ -35,6 +35,8 @@ class Entry:
     own_timing: bool
     estimates: list[Estimate]
     notes: tuple[str, ...]
+    files: tuple[str, ...] = ()
+    """Names of its run records, without their ending, one per seed."""
 
     @property
     def is_floor(self) -> bool:
@@ -150,6 +152,7 @@ def _entry(pair: Pair, runs: Sequence[Run], timings: Sequence[Timing]) -> Entry:
         own_timing=own,
         estimates=estimates_over_seeds(runs),
         notes=tuple(dict.fromkeys(run.note for run in runs if run.note)),
+        files=tuple(run.file for run in runs),
     )
 
 

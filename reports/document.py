@@ -61,5 +61,13 @@ class Image:
     alt: str
 
 
-Block = Heading | Paragraph | Bullets | Table | Image
+@dataclass(frozen=True)
+class Link:
+    """A sentence that leads to another file, by relative path."""
+
+    text: str
+    path: str
+
+
+Block = Heading | Paragraph | Bullets | Table | Image | Link
 Document = list[Block]

@@ -97,6 +97,8 @@ class Run:
     estimates: list[Estimate] = field(default_factory=list)
     host: dict[str, Any] = field(default_factory=dict)
     created_utc: str = ""
+    file: str = ""
+    """Name of its file without the ending: that of its predictions too."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +192,7 @@ def _record(path: Path, kind: type[T]) -> T:
     expected = kind.__name__.lower()
     if content.get("kind") != expected:
         raise ValueError(f"kind {content.get('kind')!r}, expected {expected!r}")
+    content["file"] = path.stem
     return msgspec.convert(content, kind)
 
 

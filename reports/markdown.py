@@ -14,6 +14,7 @@ from reports.document import (
     Document,
     Heading,
     Image,
+    Link,
     Paragraph,
     Table,
 )
@@ -56,6 +57,11 @@ def _(block: Bullets) -> str:
 @render.register
 def _(block: Image) -> str:
     return f"![{escape(block.alt)}]({quote(block.path)})"
+
+
+@render.register
+def _(block: Link) -> str:
+    return f"[{escape(block.text)}]({quote(block.path)})"
 
 
 @render.register

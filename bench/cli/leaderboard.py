@@ -18,6 +18,7 @@ from bench.files import atomic_path, write_atomically
 if TYPE_CHECKING:
     from reports import Board, Results
     from reports.document import Document
+    from reports.overview import Ranked
 
 
 @click.command(epilog="Example: bench leaderboard --results results --out LEADERBOARD.md")
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 )
 @click.option("--device", help="With --plot: this device's estimated latency, not the measured.")
 @click.option("--machine", help="Show timings of this machine (part of its name).")
+@click.option("--details", is_flag=True, help="Print every column, not the short table.")
 @click.option("--json", "as_json", is_flag=True, help="Print the boards as JSON.")
 def command(
     folder: Path,
@@ -44,46 +46,63 @@ def command(
     plot: Path | None,
     device: str | None,
     machine: str | None,
+    details: bool,
     as_json: bool,
 ) -> None:
     """Rebuild the leaderboard from result files alone.
 
-    One table per data set and split, sorted by NLoS MAE: metres of error, microseconds of
-    latency, bytes of size, millijoules of energy. Prints it unless --out is given.
+    One table per data set and split, sorted by NLoS MAE (metres), with rank intervals and tie
+    groups from paired differences over links, latency (microseconds) and size (kB). With --out
+    NAME.md everything else (devices, energy, versions) goes to NAME-details.md beside it; without
+    --out it is printed.
     """
     from reports import ReportError, make_boards, read_results
+    from reports.overview import ranked
 
     try:
         results = read_results(folder)
         boards = make_boards(results, machine)
         _check_device(boards, plot, device)
         pictures = _draw(boards, plot, device) if plot else []
+        short = [ranked(board, results) for board in boards]
     except ReportError as problem:
         raise BenchError(str(problem)) from problem
-    _report(results, boards, out, pictures, as_json)
-
-
-def _report(
-    results: Results,
-    boards: Sequence[Board],
-    out: Path | None,
-    pictures: Sequence[Path],
-    as_json: bool,
-) -> None:
-    """Write or print the leaderboard; printed content has stdout to itself."""
-    from reports.leaderboard import leaderboard
-    from reports.markdown import to_markdown
-
-    picture = _relative(pictures[0], out) if pictures else None
-    document = leaderboard(boards, results.unreadable, picture)
-    if out is not None:
-        write_atomically(out, to_markdown(document))
-    for path in (*pictures, *([out] if out else [])):
+    written = _write(results, short, out, pictures) if out else []
+    for path in (*pictures, *written):
         click.echo(f"wrote {path}", err=as_json or out is None)
     if as_json:
-        click.echo(json.dumps(_jsonable(_content(results, boards)), indent=1, sort_keys=True))
+        click.echo(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
     elif out is None:
-        _print(document)
+        _print(_document(results, short, details, pictures))
+
+
+def _document(
+    results: Results, short: Sequence[Ranked], details: bool, pictures: Sequence[Path]
+) -> Document:
+    """Return what is printed: the short leaderboard, or the one with every column."""
+    from reports.leaderboard import leaderboard
+    from reports.overview import overview
+
+    picture = _relative(pictures[0], None) if pictures else None
+    if details:
+        return leaderboard([one.board for one in short], results.unreadable, picture)
+    return overview(short, None, picture, results.unreadable)
+
+
+def _write(
+    results: Results, short: Sequence[Ranked], out: Path, pictures: Sequence[Path]
+) -> list[Path]:
+    """Write the short leaderboard and its details beside it; return both paths."""
+    from reports.leaderboard import leaderboard
+    from reports.markdown import to_markdown
+    from reports.overview import overview
+
+    more = out.with_name(f"{out.stem}-details{out.suffix}")
+    picture = _relative(pictures[0], out) if pictures else None
+    full = leaderboard([one.board for one in short], results.unreadable, picture)
+    write_atomically(out, to_markdown(overview(short, more.name, picture, results.unreadable)))
+    write_atomically(more, to_markdown(full))
+    return [out, more]
 
 
 def _print(document: Document) -> None:
@@ -133,10 +152,23 @@ def _relative(picture: Path, out: Path | None) -> str:
     return Path(os.path.relpath(picture, start)).as_posix()
 
 
-def _content(results: Results, boards: Sequence[Board]) -> dict[str, Any]:
+def _content(results: Results, short: Sequence[Ranked]) -> dict[str, Any]:
     return {
-        "boards": [asdict(board) for board in boards],
+        "boards": [asdict(one.board) | {"ranking": _ranking(one)} for one in short],
         "unreadable": [asdict(one) for one in results.unreadable],
+    }
+
+
+def _ranking(one: Ranked) -> dict[str, Any] | None:
+    """Return ranks and tie groups; None where the models cannot be compared."""
+    if one.ranking is None:
+        return None
+    models = [asdict(model) for model in one.ranking.models]
+    return {
+        "links": one.ranking.links,
+        "detectable_m": one.ranking.detectable_m,
+        "models": models,
+        "left_out": dict(one.left_out or {}),
     }
 
 

@@ -14,6 +14,7 @@ from bench.errors import BenchError, unknown_name
 COMMANDS = {
     "run": "Benchmark models on backends: error, latency, size, energy.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",
+    "compare": "Compare two result folders or two runs on the same rows.",
     "models": "List the mitigation models.",
     "backends": "List the backends a model can run on.",
     "devices": "List the device profiles and what their figures rest on.",

@@ -46,8 +46,12 @@ def test_prints_tables_on_a_terminal(folder: Path, monkeypatch: pytest.MonkeyPat
 def test_writes_the_file_it_would_print(folder: Path) -> None:
     printed = call().stdout
     result = call("--out", "deep/BOARD.md")
-    assert result.stdout == "wrote deep/BOARD.md\n"
-    assert (folder / "deep" / "BOARD.md").read_text(encoding="utf-8") == printed
+    assert result.stdout == "wrote deep/BOARD.md\nwrote deep/BOARD-details.md\n"
+    written = (folder / "deep" / "BOARD.md").read_text(encoding="utf-8")
+    link = "[All columns, devices, versions, what the figures rest on](BOARD-details.md)\n\n"
+    assert written.replace(link, "") == printed
+    details = (folder / "deep" / "BOARD-details.md").read_text(encoding="utf-8")
+    assert details == call("--details").stdout
     (folder / "usual").touch()
     assert (folder / "deep" / "BOARD.md").stat().st_mode == (folder / "usual").stat().st_mode
 
@@ -70,7 +74,7 @@ def test_a_plot_is_written_twice_and_shown_in_the_report(folder: Path) -> None:
     result = call("--plot", "figures/front.png", "--out", "docs/BOARD.md")
     assert result.stdout.split() == [
         *("wrote", "figures/front.svg", "wrote", "figures/front.png"),
-        *("wrote", "docs/BOARD.md"),
+        *("wrote", "docs/BOARD.md", "wrote", "docs/BOARD-details.md"),
     ]
     assert (folder / "figures" / "front.svg").read_text().startswith("<?xml")
     assert (folder / "figures" / "front.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,138 @@
+"""`bench compare`: two result folders or two runs, difference by difference."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from reports.document import Document
+    from reports.ranking.compare import Comparison, Difference
+
+LEVEL = 0.05
+
+
+@click.command(
+    epilog="Examples:\n\n  bench compare results-before results-after\n\n"
+    "  bench compare results/runs/1f0c.json results/runs/9ab3.json"
+)
+@click.argument("first", type=click.Path(path_type=Path))
+@click.argument("second", type=click.Path(path_type=Path))
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed.")
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def command(first: Path, second: Path, seed: int, as_json: bool) -> None:
+    """Compare two result folders, or two run records, on the same rows.
+
+    Differences of MAE in metres (negative: SECOND is better) with 95 % intervals over links, the
+    chance of such a difference where there is none (adjusted for all comparisons), and the ratio
+    of latencies on one machine. What is not comparable (other recordings, another split, another
+    machine for timings) is refused by name.
+    """
+    from reports import ReportError
+    from reports.ranking.compare import compare
+
+    for source in (first, second):
+        if not source.exists():
+            raise BenchError(f"{source} is not here: expected a result folder or a run record")
+    try:
+        found = compare(first, second, seed)
+    except ReportError as problem:
+        raise BenchError(str(problem)) from problem
+    if as_json:
+        click.echo(json.dumps(_content(found), indent=1, default=str))
+        return
+    _print(_document(found, first, second))
+
+
+def _print(document: Document) -> None:
+    from rich.console import Console
+
+    from reports.terminal import print_document
+
+    print_document(document, Console(markup=False, emoji=False, highlight=False))
+
+
+def _content(found: Comparison) -> dict[str, Any]:
+    """Return the comparison as plain data."""
+    return {
+        "differences": [_plain(one) for one in found.differences],
+        "refused": list(found.refused),
+    }
+
+
+def _plain(one: Difference) -> dict[str, Any]:
+    return {
+        "first": one.first.name,
+        "second": one.second.name,
+        "simulated": one.first.simulated,
+        "rows": one.rows,
+        "links": one.links,
+        "mae_m": list(one.mae_m),
+        "difference_m": asdict(one.difference_m),
+        "p_adjusted": one.p,
+        "latency_ratio": asdict(one.latency) if one.latency else None,
+        "latency_note": one.latency_reason,
+        "file_size_ratio": one.size_ratio,
+    }
+
+
+def _document(found: Comparison, first: Path, second: Path) -> Document:
+    from reports.document import Bullets, Cell, Column, Heading, Paragraph, Table
+
+    columns = (
+        Column("Run", number=False),
+        Column("Rows", "error", number=False),
+        Column("MAE first (m)", "error"),
+        Column("MAE second (m)", "error"),
+        Column("Difference (m)", "error"),
+        Column("p (adjusted)", "error"),
+        Column("Latency ratio", "cost"),
+        Column("File ratio", "cost"),
+    )
+    rows = tuple(
+        tuple(Cell(text, details) for text, details in _cells(one)) for one in found.differences
+    )
+    document: Document = [
+        Heading(f"{second} against {first}", 1),
+        Table(columns, rows),
+        Paragraph(
+            "Difference: MAE of the second minus that of the first on the same rows, with its 95 % "
+            "interval over links; p: chance of as much where there is none, adjusted for all rows "
+            "of this table."
+        ),
+    ]
+    if found.refused:
+        document += [Paragraph("Not compared:"), Bullets(found.refused)]
+    return document
+
+
+def _cells(one: Difference) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the text and the details of every cell of a row."""
+    kind = " (SIMULATED)" if one.first.simulated else ""
+    told = () if one.first.name == one.second.name else (f"against {one.second.name}",)
+    yield f"{one.first.name}{kind}", told
+    yield f"{one.rows}, {one.links} links", ()
+    yield f"{one.mae_m[0]:.4f}", ()
+    yield f"{one.mae_m[1]:.4f}", ()
+    gap = one.difference_m
+    yield f"{gap.value:+.4f}", _ends(gap.low, gap.high, "+.4f")
+    yield ("< 0.001" if one.p < 0.001 else f"{one.p:.3f}"), ()
+    if one.latency is None:
+        yield "-", (one.latency_reason,)
+    else:
+        ends = _ends(one.latency.low, one.latency.high, ".3f")
+        yield f"{one.latency.value:.3f}", (*ends, one.latency_reason)
+    yield ("-" if one.size_ratio is None else f"{one.size_ratio:.3f}"), ()
+
+
+def _ends(low: float | None, high: float | None, form: str) -> tuple[str, ...]:
+    if low is None or high is None:
+        return ()
+    return (f"[{low:{form}}, {high:{form}}]",)

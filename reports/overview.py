@@ -1,0 +1,170 @@
+"""The leaderboard on one screen: ten columns a board, rank intervals instead of a bold best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from reports.boards import Board, Entry
+from reports.document import Bullets, Cell, Column, Document, Heading, Image, Link, Paragraph
+from reports.leaderboard import title
+from reports.load import Results, Unreadable
+from reports.measures import KEYS, Figure, Measure, accuracy_measures, cost_measures, table
+from reports.numbers import UNKNOWN, metres
+from reports.pareto import pareto_front
+from reports.ranking.predictions import compared
+from reports.ranking.ranks import Ranking, rank
+
+_INTRODUCTION = (
+    "Ranging error that remains after mitigation and what each model costs, one table per data "
+    "set and split. Models that share a letter cannot be told apart on these links."
+)
+_LEGEND = (
+    "Error = measured - true range; corrected = measured - predicted. MAE: mean |error| that "
+    "remains, in metres, with its 95 % interval over links.",
+    "Rank: 95 % interval of the rank among all rows of the table, from paired differences over "
+    "links, all pairs at once (wild cluster bootstrap, step-down): one false difference in a "
+    "table is a 5 % event. Bold: may be the best.",
+    "Ties: rows that share a letter cannot be told apart. Differences below 0.1 mm are none.",
+    "Latency: median of one call, one thread, of the machine named in the details; a timing that "
+    "is not steady says so. kB = 1000 bytes.",
+    "Front ●: no other row is better in MAE, latency and file size at once (floors aside).",
+)
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A board and its ranking; None with the reason where its models cannot be compared."""
+
+    board: Board
+    ranking: Ranking | None
+    reason: str = ""
+    left_out: Mapping[str, str] | None = None
+
+
+def ranked(board: Board, results: Results) -> Ranked:
+    """Return a board with the ranking of its models on the NLoS rows (LoS where none are)."""
+    los = all(entry.nlos is None for entry in board.entries)
+    found = compared(board, results.folder, los)
+    if found.paired is None:
+        return Ranked(
+            board, None, "no two models with predictions of the same rows", found.left_out
+        )
+    return Ranked(board, rank(found.paired), "", found.left_out)
+
+
+def overview(
+    boards: Sequence[Ranked],
+    details: str | None = None,
+    picture: str | None = None,
+    unreadable: Sequence[Unreadable] = (),
+) -> Document:
+    """Return the short leaderboard. `details`, `picture`: paths relative to the report."""
+    document: Document = [Heading("Leaderboard", 1), Paragraph(_INTRODUCTION)]
+    if picture:
+        document.append(Image(picture, "Latency against MAE, with the Pareto front"))
+    for one in boards:
+        document += _section(one)
+    if unreadable:
+        document.append(
+            Paragraph(f"Files left out as unreadable: {len(unreadable)} (see details).")
+        )
+    if details:
+        document.append(Link("All columns, devices, versions, what the figures rest on", details))
+    return [*document, Heading("How to read it", 2), Bullets(_LEGEND)]
+
+
+def _section(one: Ranked) -> Document:
+    board = one.board
+    if not board.entries:
+        return [Heading(title(board), 2), Paragraph("No run of this board has finished.")]
+    return [
+        Heading(title(board), 2),
+        table(board.entries, _columns(one)),
+        Paragraph(" ".join(_facts(one))),
+    ]
+
+
+def _columns(one: Ranked) -> list[Measure]:
+    known = {measure.column.header: measure for measure in (*accuracy_measures(), *cost_measures())}
+    front = _front(one.board.entries)
+    return [
+        Measure(Column("Rank", number=False), _rank(one.ranking)),
+        *KEYS,
+        replace(known["NLoS MAE (m)"], better=None),
+        Measure(Column("Ties", number=False), _letters(one.ranking)),
+        replace(known["NLoS R²"], better=None),
+        replace(known["LoS MAE (m)"], better=None),
+        replace(known["Latency, batch 1 (µs)"], better=None),
+        replace(known["File (kB)"], better=None),
+        Measure(
+            Column("Front", number=False), lambda entry: Figure(Cell(front.get(entry.name, "")))
+        ),
+    ]
+
+
+def _rank(ranking: Ranking | None) -> Callable[[Entry], Figure]:
+    found = {one.name: one for one in ranking.models} if ranking else {}
+
+    def read(entry: Entry) -> Figure:
+        one = found.get(entry.name)
+        return Figure(Cell(one.ranks, best=one.best_rank == 1) if one else Cell(UNKNOWN))
+
+    return read
+
+
+def _letters(ranking: Ranking | None) -> Callable[[Entry], Figure]:
+    found = {one.name: one.letters for one in ranking.models} if ranking else {}
+    return lambda entry: Figure(Cell(found.get(entry.name, UNKNOWN)))
+
+
+def _front(entries: Sequence[Entry]) -> dict[str, str]:
+    """Return a dot for the rows that no other row beats in error, latency and size at once."""
+    names, points = [], []
+    for entry in entries:
+        latency = entry.latency(1)
+        scored = entry.nlos or entry.los
+        if entry.is_floor or scored is None or entry.size is None:
+            continue
+        cost = (latency.median_us,) if latency is not None else ()
+        names.append(entry.name)
+        points.append((scored.mae_m.value, *cost, entry.size.file_bytes))
+    same = [point for point in points if len(point) == max(map(len, points))]
+    if len(same) < 2 or len(same) < len(points):
+        return {}  # one point is no front, and points without a latency cannot be compared
+    return {names[at]: "●" for at in pareto_front(points)}
+
+
+def _facts(one: Ranked) -> list[str]:
+    board, ranking = one.board, one.ranking
+    texts = [_raw(board)]
+    if ranking is None:
+        texts.append(f"No ranks: {one.reason}.")
+    else:
+        texts.append(
+            f"Ranks rest on {ranking.links} links; a difference of "
+            f"{metres(ranking.detectable_m)} m between two models would be seen in four of five "
+            "cases (median over pairs)."
+        )
+    if one.left_out:
+        texts.append(f"Not ranked: {', '.join(sorted(one.left_out))}.")
+    skipped = sorted({f"{pair.model}/{pair.backend}" for pair in board.skipped})
+    return [
+        *texts,
+        *([f"Skipped, with reasons in the details: {', '.join(skipped)}."] if skipped else []),
+    ]
+
+
+def _raw(board: Board) -> str:
+    parts = []
+    for name, scores in (
+        ("NLoS", [entry.nlos for entry in board.entries if entry.nlos]),
+        ("LoS", [entry.los for entry in board.entries if entry.los]),
+    ):
+        if scores:
+            first = scores[0]
+            parts.append(
+                f"{first.rows} {name} rows on {first.links} links "
+                f"(MAE before {metres(first.raw_mae_m)} m)"
+            )
+    return f"Tested on {' and '.join(parts)}."
