@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -94,17 +94,15 @@ def train_quantised(
 
     start = quantise(form.graph, sample_rows(data)).ranges
     rounded = fake_quantised(form.module(), start)
-    train(
-        rounded,
-        data.cirs,
-        data.errors_m,
-        loss=recipe.loss,
+    further = replace(
+        recipe,
         learning_rate=PACE * recipe.learning_rate,
         batch_size=max(recipe.batch_size, BATCH_ROWS),
         epochs=EPOCHS,
         seed=data.seed,
-        progress=progress,
+        stopping=None,
     )
+    train(rounded, data.cirs, data.errors_m, further, progress=progress)
     weights = {name: value.detach().numpy() for name, value in rounded.named_parameters()}
     return Learnt(with_weights(form.graph, weights), learnt_ranges(rounded))
 

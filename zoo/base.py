@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
+
+from zoo.training.recipe import TrainingRecipe
 
 if TYPE_CHECKING:
     from torch import nn
@@ -17,16 +18,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float32]
 Progress = Callable[[float], None]
 """Called now and then during a fit with the fraction done, 0 to 1."""
-
-
-@dataclass(frozen=True)
-class TrainingRecipe:
-    """How a gradient-trained model is trained; quantisation-aware training continues with it."""
-
-    loss: Literal["mae", "mse"]
-    learning_rate: float
-    batch_size: int
-    epochs: int
+__all__ = ["Floats", "MitigationModel", "Progress", "TrainingRecipe"]
 
 
 class MitigationModel(RegressorMixin, BaseEstimator, ABC):
@@ -39,6 +31,8 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     Width rule: a model that wants `k` samples starting at `offset` crops wider rows to
     `X[:, offset:offset + k]` and refuses narrower ones with ValueError naming both widths.
 
+    `floor` says that the model is there to be beaten: boards mark what does not beat it.
+
     The module from `to_module()` takes rows of exactly the width the model was fitted on, so
     cropping, normalisation and hand-crafted features are inside it and inside every latency.
 
@@ -47,6 +41,8 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     >>> model.predict(np.ones((2, 157))).tolist()
     [0.0, 0.0]
     """
+
+    floor: ClassVar[bool] = False
 
     @abstractmethod
     def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:

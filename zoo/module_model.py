@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -16,6 +17,7 @@ from torch import Tensor, nn
 from zoo.base import Floats, MitigationModel, Progress, TrainingRecipe
 from zoo.modules.preparation import Preparation, apply_in_blocks
 from zoo.training.eager import train
+from zoo.training.recipe import TrainingLog
 
 
 class RangeErrorModule(nn.Module):
@@ -90,10 +92,12 @@ class Start(NamedTuple):
 class NeuralModel(ModuleModel):
     """A model trained by gradient descent: `_preparation`, `_network` and a recipe are enough.
 
-    A fit depends on the rows, the parameters and `random_state` (an int) alone.
+    A fit depends on the rows, the parameters and `random_state` (an int) alone. `training_log_`
+    says what the training did: engine, epochs, rows, seconds; a restored fit has none.
     """
 
     module_: RangeErrorModule
+    training_log_: TrainingLog
     learning_rate: float
     batch_size: int
     epochs: int
@@ -117,19 +121,22 @@ class NeuralModel(ModuleModel):
         Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
         """
         start = self.prepare(X, y)
-        recipe = self.training_recipe()
-        self._trainer()(
+        log = self._trainer()(
             start.module.network,
             start.rows,
             start.errors_m,
-            loss=recipe.loss,
-            learning_rate=recipe.learning_rate,
-            batch_size=recipe.batch_size,
-            epochs=recipe.epochs,
-            seed=self.random_state,
+            self.seeded_recipe(),
             progress=progress,
         )
-        self.module_ = start.module.eval()
+        return self.trained(start, log)
+
+    def seeded_recipe(self) -> TrainingRecipe:
+        """Return the recipe with this model's seed."""
+        return replace(self.training_recipe(), seed=self.random_state)
+
+    def trained(self, start: Start, log: TrainingLog) -> Self:
+        """Take over a module that was trained, and the log of how."""
+        self.module_, self.training_log_ = start.module.eval(), log
         return self
 
     def prepare(self, X: ArrayLike, y: ArrayLike) -> Start:
@@ -149,7 +156,7 @@ class NeuralModel(ModuleModel):
         preparation = self._preparation(width)
         return RangeErrorModule(preparation, self._network(preparation))
 
-    def _trainer(self) -> Callable[..., object]:
+    def _trainer(self) -> Callable[..., TrainingLog]:
         """Return what trains: called like `zoo.training.eager.train`."""
         return train
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import torch
 from numpy.typing import ArrayLike
@@ -30,6 +30,8 @@ class NoMitigation(ModuleModel):
     >>> NoMitigation().fit(np.ones((3, 157)), [0.1, 0.2, 0.3]).predict(np.ones((2, 157))).tolist()
     [0.0, 0.0]
     """
+
+    floor: ClassVar[bool] = True
 
     def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
         """Check CIRs [n, width] and errors [n]; there is nothing to learn."""

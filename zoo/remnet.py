@@ -12,7 +12,8 @@ from zoo.module_model import NeuralModel
 from zoo.modules.preparation import Crop, Preparation
 from zoo.modules.remnet import RemnetModule
 from zoo.modules.scaling import GlobalScale, PeakScale
-from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training import fused_remnet
+from zoo.training.recipe import TrainingLog
 
 
 class REMnet(NeuralModel):
@@ -81,5 +82,5 @@ class REMnet(NeuralModel):
             seed=self.random_state,
         )
 
-    def _trainer(self) -> Callable[..., object]:
-        return fast_remnet.train  # which trains plainly whatever its kernels cannot
+    def _trainer(self) -> Callable[..., TrainingLog]:
+        return fused_remnet.train  # which trains plainly whatever its kernels cannot

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,10 @@ from torch import nn
 from zoo.modules.remnet import RemnetModule
 from zoo.training.eager import FloatArray
 from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training.recipe import TrainingRecipe
 
 THREADS = 2
-PROTOCOL = {"loss": "mae", "learning_rate": 3e-4, "batch_size": 32}
+RECIPE = TrainingRecipe("mae", 3e-4, 32, 1)
 DEMO_ROWS, DEMO_EPOCHS = 36_023, 30
 
 
@@ -46,10 +48,10 @@ def eager(module: nn.Module, X: FloatArray, y: FloatArray, epochs: int, seed: in
     """Train plainly; return the last epoch's mean loss."""
     torch.manual_seed(seed)
     inputs, targets = torch.from_numpy(X), torch.from_numpy(y)
-    adam = torch.optim.Adam(module.parameters(), PROTOCOL["learning_rate"])
+    adam = torch.optim.Adam(module.parameters(), RECIPE.learning_rate)
     for _ in range(epochs):
         total = 0.0
-        for batch in torch.randperm(len(inputs)).split(PROTOCOL["batch_size"]):
+        for batch in torch.randperm(len(inputs)).split(RECIPE.batch_size):
             adam.zero_grad()
             loss = nn.functional.l1_loss(module(inputs[batch]), targets[batch])
             loss.backward()
@@ -59,8 +61,9 @@ def eager(module: nn.Module, X: FloatArray, y: FloatArray, epochs: int, seed: in
 
 
 def fused(module: RemnetModule, X: FloatArray, y: FloatArray, epochs: int, seed: int) -> float:
-    options = PROTOCOL | {"epochs": epochs, "seed": seed, "threads": THREADS}
-    return fast_remnet.train(module, X, y, **options).epoch_losses[-1]
+    return fast_remnet.train(module, X, y, replace(RECIPE, epochs=epochs, seed=seed)).epoch_losses[
+        -1
+    ]
 
 
 def seconds(run: Callable[[], object]) -> float:
@@ -88,10 +91,9 @@ def test_ten_networks_are_four_times_eager() -> None:
     seeds = range(10)
     fused(RemnetModule(), X, y, 1, 0)
     one_eager = seconds(lambda: eager(RemnetModule(), X, y, 1, 0))
-    options = {key: value for key, value in PROTOCOL.items() if key != "loss"}
     modules = [RemnetModule(seed=seed) for seed in seeds]
     together = seconds(lambda: fast_remnet.train_many(
-        modules, [X] * 10, [y] * 10, epochs=1, seeds=seeds, threads=THREADS, **options
+        modules, [X] * 10, [y] * 10, RECIPE, seeds=seeds, threads=THREADS
     ))  # fmt: skip
     one_eager = (one_eager + seconds(lambda: eager(RemnetModule(), X, y, 1, 0))) / 2
     print(f"\nten networks: {10 * one_eager / together:.1f} times eager one by one")

@@ -1,10 +1,10 @@
-"""The fused REMnet kernels against autograd, and their promises about seeds and threads."""
+"""The fused REMnet kernels against autograd, and their promises about seeds."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,8 +18,9 @@ from zoo.training.fused_remnet import fit as fast_remnet
 from zoo.training.fused_remnet.layout import flatten, layout_of, unflatten
 from zoo.training.fused_remnet.network import FusedNetwork
 from zoo.training.fused_remnet.steps import Data
+from zoo.training.recipe import Stopping, TrainingRecipe
 
-PROTOCOL = {"loss": "mae", "learning_rate": 3e-4, "batch_size": 32, "epochs": 2}
+RECIPE = TrainingRecipe("mae", 3e-4, 32, 2)
 SHAPES = [(128, 3, 8), (152, 3, 8), (37, 2, 4), (8, 3, 8), (5, 1, 16), (1, 1, 2)]
 
 
@@ -62,7 +63,7 @@ def sizes(module: RemnetModule) -> tuple[int, int, int, int]:
 @pytest.mark.parametrize(("samples", "modules", "reduction"), SHAPES)
 def test_gradient_is_autograds(samples: int, modules: int, reduction: int, count: int) -> None:
     module = RemnetModule(samples, 16, modules, reduction, seed=1)
-    fused = FusedNetwork(module, batch_size=count)
+    fused = FusedNetwork(module, replace(RECIPE, batch_size=count))
     X, y = rows(count, samples)
     data = Data(X, y, fused.draws(count, np.random.default_rng(3)))
     expected = autograd_gradient(module, data, fused.network.parameters)
@@ -79,21 +80,20 @@ def used(fused: FusedNetwork, flat: np.ndarray) -> np.ndarray:
 
 def test_each_step_is_autograd_and_torch_adam() -> None:
     module = RemnetModule(seed=2)
-    fused = FusedNetwork(module, learning_rate=1e-3, weight_decay=0.01)
+    fused = FusedNetwork(module, replace(RECIPE, learning_rate=1e-3, weight_decay=0.01))
     weights = torch.nn.Parameter(torch.from_numpy(flatten(module, fused.layout).copy()))
     adam = torch.optim.Adam([weights], 1e-3, weight_decay=0.01)
-    with fast_remnet.ThreadPoolExecutor(1) as pool:
-        for step in range(10):
-            X, y = rows(32, 128, seed=step)
-            data = Data(X, y, fused.draws(32, np.random.default_rng(step)))
-            start = fused.network.parameters.copy()
-            expected = autograd_gradient(module, data, start)
-            assert used(fused, fused.gradient(data)) == pytest.approx(expected, rel=1e-3, abs=3e-6)
-            weights.data.copy_(torch.from_numpy(start))
-            weights.grad = torch.from_numpy(fused.network.grads[0].copy())
-            adam.step()
-            fused.learn(data, pool, helpers=1)
-            assert fused.network.parameters == pytest.approx(weights.detach().numpy(), abs=1e-6)
+    for step in range(10):
+        X, y = rows(32, 128, seed=step)
+        data = Data(X, y, fused.draws(32, np.random.default_rng(step)))
+        start = fused.network.parameters.copy()
+        expected = autograd_gradient(module, data, start)
+        assert used(fused, fused.gradient(data)) == pytest.approx(expected, rel=1e-3, abs=3e-6)
+        weights.data.copy_(torch.from_numpy(start))
+        weights.grad = torch.from_numpy(fused.network.grads.copy())
+        adam.step()
+        fused.learn(data)
+        assert fused.network.parameters == pytest.approx(weights.detach().numpy(), abs=1e-6)
 
 
 def test_flatten_and_back_changes_nothing() -> None:
@@ -104,44 +104,30 @@ def test_flatten_and_back_changes_nothing() -> None:
         assert torch.equal(a, b)
 
 
-def weights_after(threads: int, seed: int = 4, count: int = 333) -> torch.Tensor:
+def weights_after(seed: int = 4, count: int = 333) -> torch.Tensor:
     module = RemnetModule(seed=7)
-    log = fast_remnet.train(module, *rows(count, 128), seed=seed, threads=threads, **PROTOCOL)
-    assert log.engine == "fused"
+    log = fast_remnet.train(module, *rows(count, 128), replace(RECIPE, seed=seed))
+    assert (log.engine, log.epochs, log.rows, log.steps) == ("fused", 2, count, 2 * -(-count // 32))
     return nn.utils.parameters_to_vector(module.parameters()).detach()
 
 
 def test_weights_depend_on_the_seed_alone() -> None:
-    alone = weights_after(threads=1)
-    assert torch.equal(alone, weights_after(threads=1))
-    assert torch.equal(alone, weights_after(threads=2))
-    assert torch.equal(alone, weights_after(threads=5))
-    assert not torch.equal(alone, weights_after(threads=1, seed=5))
-
-
-def test_several_teams_at_once_do_not_meet() -> None:
-    alone, results = weights_after(threads=1), []
-    teams = [threading.Thread(target=lambda: results.append(weights_after(2))) for _ in range(3)]
-    for team in teams:
-        team.start()
-    for team in teams:
-        team.join()
-    assert len(results) == 3
-    assert all(torch.equal(alone, result) for result in results)
+    first = weights_after()
+    assert torch.equal(first, weights_after())
+    assert not torch.equal(first, weights_after(seed=5))
 
 
 def test_many_networks_end_as_each_alone() -> None:
     lengths, seeds = [333, 64, 200], [4, 9, 2]
     data = [rows(n, 128, seed) for n, seed in zip(lengths, seeds, strict=True)]
     together, alone = ([RemnetModule(seed=s) for s in seeds] for _ in "ab")
-    options = {key: value for key, value in PROTOCOL.items() if key != "loss"}
     fractions: list[float] = []
     logs = fast_remnet.train_many(
-        together, [X for X, _ in data], [y for _, y in data], seeds=seeds,
-        progress=fractions.append, **options,
+        together, [X for X, _ in data], [y for _, y in data], RECIPE, seeds=seeds,
+        progress=fractions.append,
     )  # fmt: skip
     for module, (X, y), seed, log in zip(alone, data, seeds, logs, strict=True):
-        expected = fast_remnet.train(module, X, y, seed=seed, **PROTOCOL)
+        expected = fast_remnet.train(module, X, y, replace(RECIPE, seed=seed))
         assert log.epoch_losses == expected.epoch_losses
     for a, b in zip(together, alone, strict=True):
         assert all(torch.equal(p, q) for p, q in zip(a.parameters(), b.parameters(), strict=True))
@@ -150,9 +136,12 @@ def test_many_networks_end_as_each_alone() -> None:
 
 def test_learns_what_the_plain_loop_learns() -> None:
     X, y = rows(600, 128)
-    options = PROTOCOL | {"epochs": 5, "learning_rate": 2e-3}
+    recipe = replace(RECIPE, epochs=5, learning_rate=2e-3)
     fused, plain = (
-        [engine(RemnetModule(seed=s), X, y, seed=s, **options).epoch_losses[-1] for s in range(2)]
+        [
+            engine(RemnetModule(seed=s), X, y, replace(recipe, seed=s)).epoch_losses[-1]
+            for s in range(2)
+        ]
         for engine in (fast_remnet.train, training.train)
     )
     spread = np.std([*fused, *plain])
@@ -163,7 +152,7 @@ def test_learns_what_the_plain_loop_learns() -> None:
 def test_torch_and_numpy_random_state_stay() -> None:
     torch.manual_seed(0)
     state, numpy_state = torch.get_rng_state(), np.random.get_state()[1].copy()
-    weights_after(threads=1, count=40)
+    weights_after(count=40)
     assert torch.equal(state, torch.get_rng_state())
     assert np.array_equal(numpy_state, np.random.get_state()[1])
 
@@ -171,7 +160,7 @@ def test_torch_and_numpy_random_state_stay() -> None:
 def test_progress_rises_to_one_and_may_stop_the_training() -> None:
     fractions: list[float] = []
     X, y = rows(100, 128)
-    fast_remnet.train(RemnetModule(), X, y, seed=0, progress=fractions.append, **PROTOCOL)
+    fast_remnet.train(RemnetModule(), X, y, RECIPE, progress=fractions.append)
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
 
@@ -179,21 +168,22 @@ def test_progress_rises_to_one_and_may_stop_the_training() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        fast_remnet.train(RemnetModule(), X, y, seed=0, progress=interrupt, **PROTOCOL)
+        fast_remnet.train(RemnetModule(), X, y, RECIPE, progress=interrupt)
 
 
 @pytest.mark.parametrize(
-    ("module", "loss", "part"),
+    ("module", "change", "part"),
     [
-        (nn.Linear(8, 1), "mae", "not a REMnet"),
-        (RemnetModule(8, 8, 1, 4), "mae", "16 features"),
-        (RemnetModule(8, 16, 0, 4), "mae", "16 features"),
-        (RemnetModule(8, 16, 1, 4), "mse", "'mse'"),
-        (RemnetModule(8, 16, 1, 4).double(), "mae", "float32"),
+        (nn.Linear(8, 1), {}, "not a REMnet"),
+        (RemnetModule(8, 8, 1, 4), {}, "16 features"),
+        (RemnetModule(8, 16, 0, 4), {}, "16 features"),
+        (RemnetModule(8, 16, 1, 4), {"loss": "mse"}, "'mse'"),
+        (RemnetModule(8, 16, 1, 4), {"stopping": Stopping()}, "held out"),
+        (RemnetModule(8, 16, 1, 4).double(), {}, "float32"),
     ],
 )
-def test_says_why_not(module: nn.Module, loss: training.Loss, part: str) -> None:
-    reason = fast_remnet.why_not(module, loss)
+def test_says_why_not(module: nn.Module, change: dict[str, object], part: str) -> None:
+    reason = fast_remnet.why_not(module, replace(RECIPE, **change))
     assert reason is not None
     assert part in reason
 
@@ -201,8 +191,8 @@ def test_says_why_not(module: nn.Module, loss: training.Loss, part: str) -> None
 def test_another_width_falls_back_to_the_plain_loop() -> None:
     X, y = rows(70, 20)
     fallen, plain = (RemnetModule(20, 8, 2, 4, seed=3) for _ in "ab")
-    log = fast_remnet.train(fallen, X, y, seed=1, **PROTOCOL)
-    training.train(plain, X, y, seed=1, **PROTOCOL)
+    log = fast_remnet.train(fallen, X, y, RECIPE)
+    training.train(plain, X, y, RECIPE)
     assert log.engine == "eager"
     assert all(
         torch.equal(a, b) for a, b in zip(fallen.parameters(), plain.parameters(), strict=True)
@@ -217,10 +207,11 @@ import numpy as np
 from zoo.training.fused_remnet import fit as fast_remnet
 from zoo.modules.remnet import RemnetModule
 module = RemnetModule(8, modules=1)
-assert "numba" in fast_remnet.why_not(module, "mae")
+from zoo.training.recipe import TrainingRecipe
+recipe = TrainingRecipe("mae", 1e-3, 2, 1)
+assert "numba" in fast_remnet.why_not(module, recipe)
 X, y = np.zeros((4, 8), np.float32), np.zeros(4, np.float32)
-print(fast_remnet.train(
-    module, X, y, loss="mae", learning_rate=1e-3, batch_size=2, epochs=1, seed=0).engine)
+print(fast_remnet.train(module, X, y, recipe).engine)
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.stdout.strip() == "eager", done.stderr
@@ -238,11 +229,11 @@ print(fast_remnet.train(
 )
 def test_refuses(X: FloatArray, y: FloatArray, options: dict[str, int], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        fast_remnet.train(RemnetModule(), X, y, seed=0, **(PROTOCOL | options))
+        fast_remnet.train(RemnetModule(), X, y, replace(RECIPE, **options))
 
 
 def test_a_nan_shows_in_the_loss() -> None:
     X, y = rows(40, 128)
     X[3, 5] = np.nan
-    log = fast_remnet.train(RemnetModule(), X, y, seed=0, **PROTOCOL)
+    log = fast_remnet.train(RemnetModule(), X, y, RECIPE)
     assert np.isnan(log.epoch_losses).all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,9 +14,10 @@ from torch import nn
 from zoo.modules.remnet import RemnetModule
 from zoo.training.eager import FloatArray, train
 from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training.recipe import TrainingRecipe
 from zoo.training.stacked.fit import train_stacked, why_not
 
-OPTIONS = {"loss": "mae", "learning_rate": 1e-3, "batch_size": 16, "epochs": 3}
+RECIPE = TrainingRecipe("mae", 1e-3, 16, 3)
 SEEDS = [3, 1, 4]
 
 
@@ -75,10 +77,10 @@ def test_ends_as_alone(make: Callable[[int], nn.Module], loss: object) -> None:
     X, y = rows(70)  # the last batch has six rows
     together, alone = ([make(seed) for seed in SEEDS] for _ in "ab")
     assert why_not(together, [X] * 3) is None
-    options = OPTIONS | {"loss": loss}
-    logs = train_stacked(together, X, y, seeds=SEEDS, **options)
+    recipe = replace(RECIPE, loss=loss)
+    logs = train_stacked(together, X, y, recipe, seeds=SEEDS)
     for module, other, seed, log in zip(together, alone, SEEDS, logs, strict=True):
-        expected = train(other, X, y, seed=seed, **options)
+        expected = train(other, X, y, replace(recipe, seed=seed))
         assert log.engine == "stacked"
         assert not module.training
         assert log.epoch_losses == pytest.approx(expected.epoch_losses, abs=1e-5)
@@ -88,11 +90,9 @@ def test_ends_as_alone(make: Callable[[int], nn.Module], loss: object) -> None:
 def test_networks_may_have_different_rows() -> None:
     data = [rows(count, seed=count) for count in (70, 16, 37)]
     together, alone = ([mlp(seed) for seed in SEEDS] for _ in "ab")
-    logs = train_stacked(
-        together, [X for X, _ in data], [y for _, y in data], seeds=SEEDS, **OPTIONS
-    )
+    logs = train_stacked(together, [X for X, _ in data], [y for _, y in data], RECIPE, seeds=SEEDS)
     for module, other, seed, log, (X, y) in zip(together, alone, SEEDS, logs, data, strict=True):
-        expected = train(other, X, y, seed=seed, **OPTIONS)
+        expected = train(other, X, y, replace(RECIPE, seed=seed))
         assert log.rows == len(y)
         assert log.epoch_losses == pytest.approx(expected.epoch_losses, abs=1e-5)
         assert predictions(module, X) == pytest.approx(predictions(other, X), abs=1e-4)
@@ -101,7 +101,7 @@ def test_networks_may_have_different_rows() -> None:
 def test_trained_networks_share_no_memory() -> None:
     X, y = rows(20)
     modules = [mlp(seed) for seed in SEEDS]
-    train_stacked(modules, X, y, seeds=SEEDS, **OPTIONS)
+    train_stacked(modules, X, y, RECIPE, seeds=SEEDS)
     before = predictions(modules[1], X)
     nn.init.zeros_(modules[0][0].weight)  # type: ignore[index]
     assert np.array_equal(before, predictions(modules[1], X))
@@ -110,9 +110,9 @@ def test_trained_networks_share_no_memory() -> None:
 def test_remnets_go_to_the_fused_kernels() -> None:
     X, y = rows(70, samples=32)
     together, alone = ([RemnetModule(32, seed=seed) for seed in SEEDS] for _ in "ab")
-    logs = train_stacked(together, X, y, seeds=SEEDS, **OPTIONS)
+    logs = train_stacked(together, X, y, RECIPE, seeds=SEEDS)
     for module, other, seed, log in zip(together, alone, SEEDS, logs, strict=True):
-        expected = fast_remnet.train(other, X, y, seed=seed, **OPTIONS)
+        expected = fast_remnet.train(other, X, y, replace(RECIPE, seed=seed))
         assert log.engine == "fused"
         assert log.epoch_losses == expected.epoch_losses
         assert np.array_equal(predictions(module, X), predictions(other, X))
@@ -143,9 +143,9 @@ def test_what_cannot_be_stacked_is_trained_in_turn() -> None:
     X, y = rows(40)
     together, fractions = [mlp(0), scaled(1)], list[float]()
     alone = copy.deepcopy(together)
-    logs = train_stacked(together, X, y, seeds=[0, 1], progress=fractions.append, **OPTIONS)
+    logs = train_stacked(together, X, y, RECIPE, seeds=[0, 1], progress=fractions.append)
     for module, other, seed, log in zip(together, alone, [0, 1], logs, strict=True):
-        train(other, X, y, seed=seed, **OPTIONS)
+        train(other, X, y, replace(RECIPE, seed=seed))
         assert log.engine == "eager"
         assert np.array_equal(predictions(module, X), predictions(other, X))
     assert fractions == [0.5, 1.0]
@@ -154,7 +154,7 @@ def test_what_cannot_be_stacked_is_trained_in_turn() -> None:
 def test_random_state_stays_and_progress_reaches_one() -> None:
     state, fractions = torch.get_rng_state(), list[float]()
     modules = [mlp(seed) for seed in SEEDS]
-    train_stacked(modules, *rows(20), seeds=SEEDS, progress=fractions.append, **OPTIONS)
+    train_stacked(modules, *rows(20), RECIPE, seeds=SEEDS, progress=fractions.append)
     assert torch.equal(state, torch.get_rng_state())
     assert fractions[-1] == 1.0
 
@@ -163,6 +163,6 @@ def test_refuses_unequal_numbers() -> None:
     X, y = rows(20)
     modules = [mlp(seed) for seed in SEEDS]
     with pytest.raises(ValueError, match="2 seeds"):
-        train_stacked(modules, X, y, seeds=[1, 2], **OPTIONS)
+        train_stacked(modules, X, y, RECIPE, seeds=[1, 2])
     with pytest.raises(ValueError, match="1 arrays"):
-        train_stacked(modules, [X], y, seeds=SEEDS, **OPTIONS)
+        train_stacked(modules, [X], y, RECIPE, seeds=SEEDS)

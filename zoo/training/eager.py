@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
+
+from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe
 
 FloatArray = NDArray[np.float32]
 Progress = Callable[[float], object]
@@ -23,79 +24,63 @@ _LOSSES: dict[str, LossFunction] = {
 }
 
 
-@dataclass(frozen=True)
-class TrainingLog:
-    """What one training did.
-
-    `epoch_losses`: mean loss of each epoch over its rows, dropout active (metres for "mae").
-    `rows`: rows per epoch. `seconds`: wall time. `engine`: "eager", "fused" or "stacked".
-    """
-
-    epoch_losses: tuple[float, ...]
-    rows: int
-    seconds: float
-    engine: str
-
-    @property
-    def rows_per_second(self) -> float:
-        """Rows trained on per second, all epochs together."""
-        return self.rows * len(self.epoch_losses) / self.seconds
-
-
 def train(
     module: nn.Module,
     X: FloatArray,
     y: FloatArray,
+    recipe: TrainingRecipe,
     *,
-    loss: Loss,
-    learning_rate: float,
-    batch_size: int,
-    epochs: int,
-    seed: int,
-    weight_decay: float = 0.0,
+    groups: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> TrainingLog:
     """Train `module` in place with Adam, and leave it in eval mode.
 
-    X is [n, ...] and y [n]; the module maps a batch of X to [batch]. The last partial batch
-    counts. Shuffling and dropout come from `seed`; the global random state is left as it was.
-    `progress` is called after every epoch with the fraction done.
+    X is [n, ...] and y [n]; the module maps a batch of X to predictions. The last partial batch
+    counts. Shuffling and dropout come from the recipe's seed; the global random state is left as
+    it was. `groups` [n], links, is what a recipe with `stopping` holds out by. `progress` is
+    called after every epoch with the fraction done.
     Raises ValueError on empty or mismatched data, or sizes below one.
     """
+    from zoo.training.stopping import train_until
+
+    if recipe.stopping is not None:
+        return train_until(module, X, y, recipe, recipe.stopping, groups, progress)
     inputs, targets = as_tensors(X, y)
-    check_protocol(len(inputs), batch_size, epochs)
-    optimiser = torch.optim.Adam(
-        trainable(module), learning_rate, weight_decay=weight_decay, fused=True
-    )
-    started, criterion = time.perf_counter(), loss_function(loss)
-    losses = []
+    check_recipe(recipe, len(inputs))
+    loop, losses, started = Loop(module, recipe), [], time.perf_counter()
     with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+        torch.manual_seed(recipe.seed)
         module.train()
-        for epoch, order in enumerate(epoch_orders(len(inputs), epochs, seed)):
+        for epoch, order in enumerate(epoch_orders(len(inputs), recipe.epochs, recipe.seed)):
             rows = torch.from_numpy(order)
-            pieces = (torch.split(tensor[rows], batch_size) for tensor in (inputs, targets))
-            total = _train_epoch(module, optimiser, criterion, zip(*pieces, strict=True))
-            losses.append(total / len(inputs))
-            report(progress, (epoch + 1) / epochs)
+            pieces = (torch.split(data[rows], recipe.batch_size) for data in (inputs, targets))
+            losses.append(loop.run(zip(*pieces, strict=True)) / len(inputs))
+            report(progress, (epoch + 1) / recipe.epochs)
     module.eval()
-    return TrainingLog(tuple(losses), len(inputs), time.perf_counter() - started, "eager")
+    seconds = time.perf_counter() - started
+    return TrainingLog(tuple(losses), len(inputs), seconds, "eager", loop.steps)
 
 
-def _train_epoch(
-    module: nn.Module,
-    optimiser: torch.optim.Optimizer,
-    criterion: LossFunction,
-    batches: Iterator[tuple[Tensor, Tensor]],
-) -> float:
-    total = torch.zeros((), dtype=torch.float64)
-    for inputs, targets in batches:
-        optimiser.zero_grad()
-        error = criterion(module(inputs), targets)
-        error.backward()  # type: ignore[no-untyped-call]
-        optimiser.step()
-        total += error.detach() * len(inputs)  # no .item(): it would cost a call per step
-    return float(total)
+class Loop:
+    """Adam on one module; counts its steps."""
+
+    def __init__(self, module: nn.Module, recipe: TrainingRecipe) -> None:
+        self._module, self._criterion, self.steps = module, loss_function(recipe.loss), 0
+        self._optimiser = torch.optim.Adam(
+            trainable(module), recipe.learning_rate, weight_decay=recipe.weight_decay, fused=True
+        )
+
+    def run(self, batches: Iterator[tuple[Tensor, Tensor]]) -> float:
+        """Take a step per batch of inputs and targets; return the loss summed over the rows."""
+        total = torch.zeros((), dtype=torch.float64)
+        for inputs, targets in batches:
+            self._optimiser.zero_grad()
+            error = self._criterion(self._module(inputs), targets)
+            error.backward()  # type: ignore[no-untyped-call]
+            self._optimiser.step()
+            total += error.detach() * len(inputs)  # no .item(): it would cost a call per step
+            self.steps += 1
+        return float(total)
 
 
 def epoch_orders(rows: int, epochs: int, seed: int) -> Iterator[NDArray[np.int64]]:
@@ -112,14 +97,6 @@ def as_tensors(X: FloatArray, y: FloatArray) -> tuple[Tensor, Tensor]:
     if targets.ndim != 1 or inputs.ndim < 1 or len(inputs) != len(targets):
         raise ValueError(f"X {tuple(inputs.shape)} and y {tuple(targets.shape)} do not match")
     return inputs, targets
-
-
-def check_protocol(rows: int, batch_size: int, epochs: int) -> None:
-    """Raise ValueError unless there are rows, and batch size and epochs are positive."""
-    if rows < 1:
-        raise ValueError("no rows to train on")
-    if batch_size < 1 or epochs < 1:
-        raise ValueError(f"batch_size {batch_size} and epochs {epochs} must be positive")
 
 
 def trainable(module: nn.Module) -> list[nn.Parameter]:

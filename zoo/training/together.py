@@ -34,19 +34,16 @@ def fit_together(
         return
     recipe = _common_recipe(models)
     starts = _starts(models, X, y)
-    train_stacked(
+    logs = train_stacked(
         [start.module.network for start in starts],
         [start.rows for start in starts],
         [start.errors_m for start in starts],
-        loss=recipe.loss,
-        learning_rate=recipe.learning_rate,
-        batch_size=recipe.batch_size,
-        epochs=recipe.epochs,
+        recipe,
         seeds=[model.random_state for model in models],
         progress=progress,
     )
-    for model, start in zip(models, starts, strict=True):
-        model.module_ = start.module.eval()
+    for model, start, log in zip(models, starts, logs, strict=True):
+        model.trained(start, log)
 
 
 def _common_recipe(models: Sequence[NeuralModel]) -> TrainingRecipe:

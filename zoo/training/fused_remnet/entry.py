@@ -10,35 +10,31 @@ from typing import Any
 
 import numba
 
-from zoo.training.fused_remnet.steps import HELP, Data, Network, Recipe, help_out, lead
+from zoo.training.fused_remnet.steps import Data, Network, Settings, lead
 
-Run = Callable[[Network, Data, Recipe, int, int], float]
+Run = Callable[[Network, Data, Settings, int, bool], float]
 _njit: Any = numba.njit  # numba's own types change from version to version
 
 
 @cache
 def entry() -> Run:
-    """Return `run(network, data, recipe, steps_done, role)`, which holds no Python lock.
+    """Return `run(network, data, settings, steps_done, learn)`, which holds no Python lock.
 
-    `role` is LEAD, HELP or GRADIENT: one function, so that the kernels below it are compiled
-    once. It returns the summed absolute error in metres (0 from a helper). The counters must be
-    zero before; then any number of helpers may run beside the leader.
+    It returns the summed absolute error in metres; without `learn` weights stay and the last
+    batch's gradient is left in `network.grads`.
     """
     # numba's disk cache watches this file only: the closure puts every source into its key
     fingerprint = _source_fingerprint()
 
-    def run(network: Network, data: Data, recipe: Recipe, steps_done: int, role: int) -> float:
+    def run(network: Network, data: Data, settings: Settings, done: int, learn: bool) -> float:
         fingerprint  # noqa: B018
-        if role == HELP:
-            help_out(network, data, recipe, role)
-            return 0.0
-        return lead(network, data, recipe, steps_done, role)
+        return lead(network, data, settings, done, learn)
 
     return _compiled(run)
 
 
 def _source_fingerprint() -> str:
-    files = sorted(Path(__file__).parent.glob("fast_remnet*.py"))
+    files = sorted(Path(__file__).parent.glob("*.py"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 

@@ -2,7 +2,7 @@
 
 A step of this network is some 300 small tensor operations in eager torch, almost all of it
 overhead. Here numba compiles one function that does whole epochs: per sample, forward and
-backward stay in cache; per batch, threads share the samples; then Adam.
+backward stay in cache; per batch, gradients are added up; then Adam.
 """
 
 from __future__ import annotations
@@ -10,45 +10,40 @@ from __future__ import annotations
 import importlib
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import replace
 from functools import partial
 from threading import Event
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
+from numpy.typing import ArrayLike
 from torch import nn
 
 from zoo.modules.remnet import RemnetModule
-from zoo.training import eager as training
-from zoo.training.eager import FloatArray, Loss, Progress, TrainingLog, epoch_orders, report
+from zoo.training import eager
+from zoo.training.eager import FloatArray, Progress, as_tensors, epoch_orders, report
+from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe
 
 if TYPE_CHECKING:
     from zoo.training.fused_remnet.network import FusedNetwork
     from zoo.training.fused_remnet.steps import Data
 
-_STEPS_PER_CALL = 64  # between calls Ctrl-C works; 64 steps last some 30 ms
+_STEPS_PER_CALL = 64  # between calls Ctrl-C works; 64 steps last some 50 ms
 _SECONDS_BETWEEN_REPORTS = 0.2
 
 
-class Protocol(NamedTuple):
-    """How to train; see `zoo.training.eager.train`."""
-
-    learning_rate: float
-    batch_size: int
-    epochs: int
-    weight_decay: float
-    seed: int
-
-
-def why_not(module: nn.Module, loss: Loss) -> str | None:
-    """Return why the fused kernels cannot train `module` with `loss`, or None if they can."""
+def why_not(module: nn.Module, recipe: TrainingRecipe) -> str | None:
+    """Return why the fused kernels cannot train `module` by `recipe`, or None if they can."""
     if type(module) is not RemnetModule:
         return "not a REMnet"
     if module.features != 16 or len(module.rrms) == 0 or module.reduction > 16:
         return f"the kernels need 16 features and a module, not {module.features}"
-    if loss != "mae":
-        return f"the kernels know the loss 'mae', not {loss!r}"
+    if recipe.loss != "mae":
+        return f"the kernels know the loss 'mae', not {recipe.loss!r}"
+    if recipe.stopping is not None:
+        return "the kernels train whole epochs, none is held out"
     if any(not p.requires_grad or p.dtype != torch.float32 for p in module.parameters()):
         return "a parameter is frozen or not float32"
     try:
@@ -62,59 +57,45 @@ def train(
     module: nn.Module,
     X: FloatArray,
     y: FloatArray,
+    recipe: TrainingRecipe,
     *,
-    loss: Loss,
-    learning_rate: float,
-    batch_size: int,
-    epochs: int,
-    seed: int,
-    weight_decay: float = 0.0,
+    groups: ArrayLike | None = None,
     progress: Progress | None = None,
-    threads: int | None = None,
 ) -> TrainingLog:
     """Train as `zoo.training.eager.train` does, fused if `why_not` has no objection.
 
     X is [n, samples] and y [n] in metres. The weights depend on the seed and the machine's
-    instruction set, not on `threads` (default: torch's). Dropout masks differ from the plain
-    loop's, so the two agree as two seeds do. Raises ValueError as the plain loop.
+    instruction set. Dropout masks differ from the plain loop's, so the two agree as two seeds
+    do. Raises ValueError as the plain loop.
     """
-    if why_not(module, loss) is not None:
-        return training.train(
-            module, X, y, loss=loss, learning_rate=learning_rate, batch_size=batch_size,
-            epochs=epochs, seed=seed, weight_decay=weight_decay, progress=progress,
-        )  # fmt: skip
+    if why_not(module, recipe) is not None:
+        return eager.train(module, X, y, recipe, groups=groups, progress=progress)
     assert isinstance(module, RemnetModule)
-    data = _checked(module, X, y, batch_size, epochs)
-    protocol = Protocol(learning_rate, batch_size, epochs, weight_decay, seed)
-    helpers = (threads or torch.get_num_threads()) - 1
-    with ThreadPoolExecutor(max(1, helpers)) as pool:
-        return _train(module, *data, protocol, partial(report, progress), pool, helpers)
+    return _train(module, *_checked(module, X, y, recipe), recipe, partial(report, progress))
 
 
 def train_many(
     modules: Sequence[RemnetModule],
     X: Sequence[FloatArray],
     y: Sequence[FloatArray],
+    recipe: TrainingRecipe,
     *,
-    learning_rate: float,
-    batch_size: int,
-    epochs: int,
     seeds: Sequence[int],
-    weight_decay: float = 0.0,
     progress: Progress | None = None,
     threads: int | None = None,
 ) -> list[TrainingLog]:
     """Train each module on its own X, y and seed, one network per thread, loss "mae".
 
-    Every network ends bit for bit as `train` would have left it. All must pass `why_not`.
+    Every network ends bit for bit as `train` would have left it with that seed in the recipe.
+    All must pass `why_not`. `threads`: torch's number where not given.
     """
-    data = [_checked(m, a, b, batch_size, epochs) for m, a, b in zip(modules, X, y, strict=True)]
-    protocols = [Protocol(learning_rate, batch_size, epochs, weight_decay, s) for s in seeds]
+    data = [_checked(m, a, b, recipe) for m, a, b in zip(modules, X, y, strict=True)]
+    recipes = [replace(recipe, seed=seed) for seed in seeds]
     with ThreadPoolExecutor(threads or torch.get_num_threads()) as pool:
         watch = _Watch(len(modules))
         jobs = [
-            pool.submit(_train, module, *rows, protocol, partial(watch.note, i), pool, 0)
-            for i, (module, rows, protocol) in enumerate(zip(modules, data, protocols, strict=True))
+            pool.submit(_train, module, *rows, one, partial(watch.note, i))
+            for i, (module, rows, one) in enumerate(zip(modules, data, recipes, strict=True))
         ]
         watch.until_done(jobs, progress)
     return [job.result() for job in jobs]
@@ -145,49 +126,36 @@ class _Watch:
 
 
 def _train(
-    module: RemnetModule,
-    X: FloatArray,
-    y: FloatArray,
-    protocol: Protocol,
-    tell: Progress,
-    pool: Executor,
-    helpers: int,
+    module: RemnetModule, X: FloatArray, y: FloatArray, recipe: TrainingRecipe, tell: Progress
 ) -> TrainingLog:
     from zoo.training.fused_remnet.network import FusedNetwork  # numba loads only when it is used
 
-    started = time.perf_counter()
-    network = FusedNetwork(
-        module,
-        learning_rate=protocol.learning_rate,
-        batch_size=protocol.batch_size,
-        weight_decay=protocol.weight_decay,
-    )
-    losses = []
-    for chunk, data in enumerate(_chunks(network, X, y, protocol)):
-        losses.append(network.learn(data, pool, helpers))
-        tell((chunk + 1) / (protocol.epochs * _chunks_per_epoch(len(y), protocol)))
+    started, losses, network = time.perf_counter(), [], FusedNetwork(module, recipe)
+    for chunk, data in enumerate(_chunks(network, X, y, recipe)):
+        losses.append(network.learn(data))
+        tell((chunk + 1) / (recipe.epochs * _chunks_per_epoch(len(y), recipe)))
     network.write_back()
     module.eval()
-    per_epoch = np.reshape(losses, (protocol.epochs, -1)).sum(axis=1) / len(y)
+    per_epoch = np.reshape(losses, (recipe.epochs, -1)).sum(axis=1) / len(y)
     seconds = time.perf_counter() - started
-    return TrainingLog(tuple(per_epoch.tolist()), len(y), seconds, "fused")
+    return TrainingLog(tuple(per_epoch.tolist()), len(y), seconds, "fused", network.steps)
 
 
 def _chunks(
-    network: FusedNetwork, X: FloatArray, y: FloatArray, protocol: Protocol
+    network: FusedNetwork, X: FloatArray, y: FloatArray, recipe: TrainingRecipe
 ) -> Iterator[Data]:
     """Yield all epochs' rows in order, a limited number of whole batches at a time."""
     from zoo.training.fused_remnet.steps import Data
 
-    dropout, size = _dropout_stream(protocol.seed), protocol.batch_size * _STEPS_PER_CALL
-    for order in epoch_orders(len(y), protocol.epochs, protocol.seed):
+    dropout, size = _dropout_stream(recipe.seed), recipe.batch_size * _STEPS_PER_CALL
+    for order in epoch_orders(len(y), recipe.epochs, recipe.seed):
         for start in range(0, len(order), size):
             rows = order[start : start + size]
             yield Data(X[rows], y[rows], network.draws(len(rows), dropout))
 
 
-def _chunks_per_epoch(rows: int, protocol: Protocol) -> int:
-    return -(-rows // (protocol.batch_size * _STEPS_PER_CALL))
+def _chunks_per_epoch(rows: int, recipe: TrainingRecipe) -> int:
+    return -(-rows // (recipe.batch_size * _STEPS_PER_CALL))
 
 
 def _dropout_stream(seed: int) -> np.random.Generator:
@@ -196,11 +164,11 @@ def _dropout_stream(seed: int) -> np.random.Generator:
 
 
 def _checked(
-    module: RemnetModule, X: FloatArray, y: FloatArray, batch_size: int, epochs: int
+    module: RemnetModule, X: FloatArray, y: FloatArray, recipe: TrainingRecipe
 ) -> tuple[FloatArray, FloatArray]:
     """Return contiguous float32 data that the kernels can read without looking."""
-    inputs, targets = training.as_tensors(X, y)
-    training.check_protocol(len(inputs), batch_size, epochs)
+    inputs, targets = as_tensors(X, y)
+    check_recipe(recipe, len(inputs))
     if inputs.ndim != 2 or inputs.shape[1] != module.samples:
         raise ValueError(f"X is {tuple(inputs.shape)}, the network wants [n, {module.samples}]")
     return inputs.numpy(), targets.numpy()

@@ -1,8 +1,7 @@
 """Training steps of REMnet inside numba: gradients over the batch, then Adam.
 
-A batch is always cut into SLOTS pieces, each with its own gradient sums, which are then added
-in order. So the weights do not depend on how many threads share the pieces, nor on which does
-which.
+A batch is cut into PARTS, each with its own gradient sums, which are then added in order: fewer
+roundings follow one another than in one long sum.
 """
 
 from __future__ import annotations
@@ -13,19 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from zoo.training.fused_remnet.layers import backward, forward, transpose_weights
-from zoo.training.fused_remnet.team import (
-    all_done,
-    close,
-    closed,
-    finish_ticket,
-    open_tickets,
-    take_ticket,
-    wait_a_little,
-)
 from zoo.training.fused_remnet.vector import address, inlined, kernel, put, shift
 
-SLOTS = 8
-LEAD, HELP, GRADIENT = 0, 1, 2  # roles: train, help the one that does, gradients only
+PARTS = 8
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 _ZERO = np.float32(0)
 
@@ -34,8 +23,7 @@ class Network(NamedTuple):
     """One network in training: its offsets, weights, Adam's moments and the scratch arrays.
 
     `net`, `blocks`: see Layout. `parameters`, `mean`, `square`: [parameters]. `back`:
-    [transposed]. `grads`: [SLOTS, parameters]. `work`: [SLOTS, work]. `losses`: [SLOTS].
-    `counters`: [COUNTERS], of its team of threads.
+    [transposed]. `grads` of a batch and `part` of it: [parameters]. `work`: [work].
     """
 
     net: Any
@@ -45,9 +33,8 @@ class Network(NamedTuple):
     square: Any
     back: Any
     grads: Any
+    part: Any
     work: Any
-    losses: Any
-    counters: Any
 
 
 class Data(NamedTuple):
@@ -62,7 +49,7 @@ class Data(NamedTuple):
     draws: Any
 
 
-class Recipe(NamedTuple):
+class Settings(NamedTuple):
     """Batch rows; dropout (a draw below `drop_below` drops, the rest times `keep_scale`); Adam."""
 
     batch_size: int
@@ -73,20 +60,20 @@ class Recipe(NamedTuple):
 
 
 @inlined
-def _set_mask(work: Any, start: int, data: Data, row: int, recipe: Recipe) -> None:
+def _set_mask(work: Any, start: int, data: Data, row: int, settings: Settings) -> None:
     draws = data.draws[row]
     for i in range(len(draws)):
-        kept = draws[i] >= recipe.drop_below
-        put(work, start + i, recipe.keep_scale if kept else _ZERO)
+        kept = draws[i] >= settings.drop_below
+        put(work, start + i, settings.keep_scale if kept else _ZERO)
 
 
 @kernel
 def _row_gradient(
-    network: Network, work: Any, grads: Any, data: Data, row: int, recipe: Recipe, share: Any
+    network: Network, work: Any, grads: Any, data: Data, row: int, settings: Settings, share: Any
 ) -> Any:
     """Add the gradient of one row's absolute error times `share`; return that error."""
     net, blocks, weights = network.net[0], network.blocks, address(network.parameters)
-    _set_mask(work, net.mask, data, row, recipe)
+    _set_mask(work, net.mask, data, row, settings)
     signal = shift(address(data.signals), row * net.samples)
     difference = forward(net, blocks, weights, signal, work) - data.errors[row]
     slope = share * np.float32(np.sign(difference))
@@ -95,40 +82,37 @@ def _row_gradient(
 
 
 @inlined
-def _slot_gradient(
-    network: Network, slot: int, data: Data, first: int, last: int, recipe: Recipe
-) -> None:
-    """Gradient of the mean absolute error, over this slot's share of rows first..last."""
-    net = network.net[0]
-    grads = shift(address(network.grads), slot * net.parameters)
-    work = shift(address(network.work), slot * net.work)
-    for i in range(net.parameters):
+def _part_gradient(
+    network: Network, part: int, data: Data, first: int, last: int, settings: Settings
+) -> Any:
+    """Leave in network.part the gradient of one part of rows first..last; return their error."""
+    grads, work, count = address(network.part), address(network.work), last - first
+    for i in range(len(network.part)):
         put(grads, i, _ZERO)
-    total, count = 0.0, last - first
-    share = np.float32(1.0 / count)
-    for row in range(first + slot * count // SLOTS, first + (slot + 1) * count // SLOTS):
-        total += _row_gradient(network, work, grads, data, row, recipe, share)
-    network.losses[slot] = total
-
-
-@inlined
-def _add_slots(network: Network) -> Any:
-    """Add every slot's gradient to slot 0, in order; return the summed absolute error."""
-    total = network.losses[0]
-    for slot in range(1, SLOTS):
-        total += network.losses[slot]
-        into, other = network.grads[0], network.grads[slot]
-        for i in range(len(into)):
-            into[i] += other[i]
+    total, share = 0.0, np.float32(1.0 / count)
+    for row in range(first + part * count // PARTS, first + (part + 1) * count // PARTS):
+        total += _row_gradient(network, work, grads, data, row, settings, share)
     return total
 
 
 @kernel
-def _adam(network: Network, step: int, recipe: Recipe) -> None:
+def _batch_gradient(network: Network, data: Data, first: int, settings: Settings) -> Any:
+    """Leave the batch's gradient in network.grads; return its summed absolute error."""
+    last, total = min(first + settings.batch_size, len(data.errors)), 0.0
+    network.grads[:] = _ZERO
+    for part in range(PARTS):
+        total += _part_gradient(network, part, data, first, last, settings)
+        for i in range(len(network.grads)):
+            network.grads[i] += network.part[i]
+    return total
+
+
+@kernel
+def _adam(network: Network, step: int, settings: Settings) -> None:
     """Kingma & Ba 2015, algorithm 1, ordered as in torch.optim.Adam."""
     mean, square, weights = network.mean, network.square, network.parameters
-    grads, decay = network.grads[0], np.float32(recipe.weight_decay)
-    rate = np.float32(recipe.learning_rate / (1.0 - BETA_1**step))
+    grads, decay = network.grads, np.float32(settings.weight_decay)
+    rate = np.float32(settings.learning_rate / (1.0 - BETA_1**step))
     root = np.float32(1.0 / math.sqrt(1.0 - BETA_2**step))
     new_mean, new_square = np.float32(1.0 - BETA_1), np.float32(1.0 - BETA_2)
     old_square, epsilon = np.float32(BETA_2), np.float32(EPSILON)
@@ -140,47 +124,16 @@ def _adam(network: Network, step: int, recipe: Recipe) -> None:
 
 
 @inlined
-def _do_ticket(network: Network, ticket: int, data: Data, recipe: Recipe) -> None:
-    step, slot = divmod(ticket, SLOTS)
-    first = step * recipe.batch_size
-    last = min(first + recipe.batch_size, len(data.errors))
-    _slot_gradient(network, slot, data, first, last, recipe)
-    finish_ticket(address(network.counters))
-
-
-@kernel
-def _work_until(network: Network, data: Data, recipe: Recipe, role: int) -> None:
-    """Do pieces until the batch is done (the leader) or the team is closed (a helper)."""
-    counters, spins = address(network.counters), 0
-    while not (closed(counters) if role == HELP else all_done(counters)):
-        ticket = take_ticket(counters)
-        if ticket >= 0:
-            _do_ticket(network, ticket, data, recipe)
-            spins = 0
-        else:
-            spins = wait_a_little(spins)
-
-
-@inlined
-def lead(network: Network, data: Data, recipe: Recipe, done: int, role: int) -> float:
+def lead(network: Network, data: Data, settings: Settings, done: int, learn: bool) -> float:
     """Go once over `data` in order, `done` steps in; return the summed absolute error.
 
-    With role GRADIENT the weights stay, and the last batch's gradient is left in slot 0.
+    Without `learn` the weights stay, and the last batch's gradient is left in network.grads.
     """
-    total, counters = 0.0, address(network.counters)
-    for _ in range(0, len(data.errors), recipe.batch_size):
+    total = 0.0
+    for first in range(0, len(data.errors), settings.batch_size):
         transpose_weights(network.blocks, address(network.parameters), address(network.back))
-        open_tickets(counters, SLOTS)
-        _work_until(network, data, recipe, role)
-        total += _add_slots(network)
+        total += _batch_gradient(network, data, first, settings)
         done += 1
-        if role == LEAD:
-            _adam(network, done, recipe)
-    close(counters)
+        if learn:
+            _adam(network, done, settings)
     return total
-
-
-@inlined
-def help_out(network: Network, data: Data, recipe: Recipe, role: int) -> None:
-    """Do pieces of the leader's batches until it closes."""
-    _work_until(network, data, recipe, role)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,63 +19,52 @@ from torch import Tensor, nn
 from zoo.modules.remnet import RemnetModule
 from zoo.training.eager import (
     FloatArray,
-    Loss,
     Progress,
-    TrainingLog,
     as_tensors,
-    check_protocol,
     epoch_orders,
     report,
     train,
 )
-from zoo.training.fused_remnet import fit as fast_remnet
+from zoo.training.fused_remnet import fit as fused_remnet
+from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe
 from zoo.training.stacked.step import Stack
 
 Arrays = FloatArray | Sequence[FloatArray]
 _STEPS_BETWEEN_REPORTS = 100
 
 
-class _Protocol(NamedTuple):
-    loss: Loss
-    learning_rate: float
-    batch_size: int
-    epochs: int
-    weight_decay: float
-
-
 def train_stacked(
     modules: Sequence[nn.Module],
     X: Arrays,
     y: Arrays,
+    recipe: TrainingRecipe,
     *,
-    loss: Loss,
-    learning_rate: float,
-    batch_size: int,
-    epochs: int,
     seeds: Sequence[int],
-    weight_decay: float = 0.0,
     progress: Progress | None = None,
 ) -> list[TrainingLog]:
     """Train `modules` in place with Adam, network m with seeds[m], and leave them in eval mode.
 
     X is one array [n, ...] for all, or a sequence with one per network, of any lengths; y
     likewise. Each network gets the shuffling and dropout that `eager.train` (a REMnet:
-    `fused_remnet.fit.train`) would give it with its seed, and ends with the same weights within
+    `fused_remnet.train`) would give it with its seed, and ends with the same weights within
     rounding. `loss` must be a mean over rows. Modules that cannot be stacked (see `why_not`)
-    are trained one after the other. Logs of stacked networks share the wall time.
+    are trained one after the other, as is a recipe with `stopping`.
+    The recipe's own seed is not used. Logs of stacked networks share the wall time.
     Raises ValueError on unequal numbers of modules, arrays and seeds, or bad data.
     """
     inputs, targets = (_per_network(array, len(modules)) for array in (X, y))
     if len(seeds) != len(modules):
         raise ValueError(f"{len(modules)} modules but {len(seeds)} seeds")
     for a, b in zip(inputs, targets, strict=True):
-        check_protocol(len(as_tensors(a, b)[0]), batch_size, epochs)
-    protocol = _Protocol(loss, learning_rate, batch_size, epochs, weight_decay)
-    if modules and all(fast_remnet.why_not(module, loss) is None for module in modules):
-        return _train_remnets(modules, inputs, targets, seeds, protocol, progress)
-    if why_not(modules, inputs) is not None:
-        return _train_in_turn(modules, inputs, targets, seeds, protocol, progress)
-    return _train_stack(modules, inputs, targets, seeds, protocol, progress)
+        check_recipe(recipe, len(as_tensors(a, b)[0]))
+    if modules and all(fused_remnet.why_not(module, recipe) is None for module in modules):
+        remnets = [module for module in modules if isinstance(module, RemnetModule)]
+        return fused_remnet.train_many(
+            remnets, inputs, targets, recipe, seeds=seeds, progress=progress
+        )
+    if recipe.stopping is not None or why_not(modules, inputs) is not None:
+        return _train_in_turn(modules, inputs, targets, seeds, recipe, progress)
+    return _train_stack(modules, inputs, targets, seeds, recipe, progress)
 
 
 def why_not(modules: Sequence[nn.Module], X: Sequence[FloatArray]) -> str | None:
@@ -116,33 +106,17 @@ def _per_network(array: Arrays, count: int) -> list[FloatArray]:
     return list(array)
 
 
-def _train_remnets(
-    modules: Sequence[nn.Module],
-    X: list[FloatArray],
-    y: list[FloatArray],
-    seeds: Sequence[int],
-    protocol: _Protocol,
-    progress: Progress | None,
-) -> list[TrainingLog]:
-    remnets = [module for module in modules if isinstance(module, RemnetModule)]
-    _, rate, batch_size, epochs, decay = protocol
-    return fast_remnet.train_many(
-        remnets, X, y, learning_rate=rate, batch_size=batch_size, epochs=epochs, seeds=seeds,
-        weight_decay=decay, progress=progress,
-    )  # fmt: skip
-
-
 def _train_in_turn(
     modules: Sequence[nn.Module],
     X: list[FloatArray],
     y: list[FloatArray],
     seeds: Sequence[int],
-    protocol: _Protocol,
+    recipe: TrainingRecipe,
     progress: Progress | None,
 ) -> list[TrainingLog]:
     logs = []
     for i, (module, a, b, seed) in enumerate(zip(modules, X, y, seeds, strict=True)):
-        logs.append(train(module, a, b, seed=seed, **protocol._asdict()))
+        logs.append(train(module, a, b, replace(recipe, seed=seed)))
         report(progress, (i + 1) / len(modules))
     return logs
 
@@ -150,11 +124,11 @@ def _train_in_turn(
 class _Schedule:
     """Which rows one network trains on at each step."""
 
-    def __init__(self, first: int, rows: int, protocol: _Protocol, seed: int) -> None:
-        self._first, self._batch_size, self.rows = first, protocol.batch_size, rows
-        self.steps_per_epoch = -(-rows // protocol.batch_size)
-        self.steps = self.steps_per_epoch * protocol.epochs
-        self._orders = epoch_orders(rows, protocol.epochs, seed)
+    def __init__(self, first: int, rows: int, recipe: TrainingRecipe, seed: int) -> None:
+        self._first, self._batch_size, self.rows = first, recipe.batch_size, rows
+        self.steps_per_epoch = -(-rows // recipe.batch_size)
+        self.steps = self.steps_per_epoch * recipe.epochs
+        self._orders = epoch_orders(rows, recipe.epochs, seed)
 
     def batch(self, step: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
         """Rows of the pooled data for `step`, to be asked in order; none after the last."""
@@ -189,19 +163,21 @@ def _train_stack(
     X: list[FloatArray],
     y: list[FloatArray],
     seeds: Sequence[int],
-    protocol: _Protocol,
+    recipe: TrainingRecipe,
     progress: Progress | None,
 ) -> list[TrainingLog]:
     started = time.perf_counter()
     pool = _pooled(X, y)
     schedules = [
-        _Schedule(start, len(errors), protocol, seed)
+        _Schedule(start, len(errors), recipe, seed)
         for start, errors, seed in zip(pool.starts, y, seeds, strict=True)
     ]
-    losses = _run(modules, pool, schedules, seeds, protocol, progress)
+    losses = _run(modules, pool, schedules, seeds, recipe, progress)
     seconds = time.perf_counter() - started
     return [
-        TrainingLog(_epoch_losses(losses[:, m], schedule), schedule.rows, seconds, "stacked")
+        TrainingLog(
+            _epoch_losses(losses[:, m], schedule), schedule.rows, seconds, "stacked", schedule.steps
+        )
         for m, schedule in enumerate(schedules)
     ]
 
@@ -211,14 +187,14 @@ def _run(
     pool: _Pool,
     schedules: Sequence[_Schedule],
     seeds: Sequence[int],
-    protocol: _Protocol,
+    recipe: TrainingRecipe,
     progress: Progress | None,
 ) -> Tensor:
     """Take every step; return the summed losses [steps, networks]."""
-    stack = Stack(modules, pool.inputs[:1], protocol.loss, seeds, protocol.batch_size)
+    stack = Stack(modules, pool.inputs[:1], recipe.loss, seeds, recipe.batch_size)
     steps = max(schedule.steps for schedule in schedules)
     together = all(schedule.steps == steps for schedule in schedules)
-    optimiser = stack.adam(protocol.learning_rate, protocol.weight_decay, together)
+    optimiser = stack.adam(recipe.learning_rate, recipe.weight_decay, together)
     losses = torch.zeros(steps, len(modules))
     for step in range(steps):
         batches = [schedule.batch(step) for schedule in schedules]

@@ -1,0 +1,84 @@
+"""The one type of training settings, and what a training leaves to be read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    LossFunction = Callable[[Tensor, Tensor], Tensor]
+
+Engine = Literal["eager", "fused", "stacked"]
+
+
+@dataclass(frozen=True)
+class Stopping:
+    """Training by steps, ended when the loss on held-out links has stopped falling.
+
+    `share` of the links are held out; every `every` steps the mean loss over their rows is taken,
+    each link counting alike; training ends after `patience` such looks without a better one, or
+    after `most_steps` steps, and the best weights are kept.
+    """
+
+    most_steps: int = 6000
+    every: int = 100
+    patience: int = 10
+    share: float = 0.2
+
+
+@dataclass(frozen=True)
+class TrainingRecipe:
+    """How a gradient-trained model is trained; every engine takes this and nothing else.
+
+    `loss`: "mae" or "mse" (metres, metres squared), or a function of predictions and targets that
+    is a mean over rows. Adam at a constant `learning_rate`; `weight_decay` is its L2 penalty.
+    `epochs` passes over all rows, unless `stopping` says to train by steps. `seed` drives shuffling,
+    dropout and which links are held out.
+    """
+
+    loss: Literal["mae", "mse"] | LossFunction
+    learning_rate: float
+    batch_size: int
+    epochs: int
+    weight_decay: float = 0.0
+    seed: int = 0
+    stopping: Stopping | None = None
+
+
+@dataclass(frozen=True)
+class TrainingLog:
+    """What one training did.
+
+    `epoch_losses`: mean loss of each epoch over its rows, dropout active (metres for "mae"); with
+    `Stopping`, that between two looks. `rows`: rows per epoch. `seconds`: wall time.
+    `held_out_losses`: the loss at each look, none where nothing was held out. `steps`: batches.
+    """
+
+    epoch_losses: tuple[float, ...]
+    rows: int
+    seconds: float
+    engine: Engine
+    steps: int
+    held_out_losses: tuple[float, ...] = ()
+
+    @property
+    def epochs(self) -> int:
+        """How many passes, or looks with `Stopping`, there were."""
+        return len(self.epoch_losses)
+
+    @property
+    def rows_per_second(self) -> float:
+        """Rows trained on per second, all epochs together (not with `Stopping`)."""
+        return self.rows * self.epochs / self.seconds
+
+
+def check_recipe(recipe: TrainingRecipe, rows: int) -> None:
+    """Raise ValueError unless there are rows, and batch size and epochs are positive."""
+    if rows < 1:
+        raise ValueError("no rows to train on")
+    if recipe.batch_size < 1 or recipe.epochs < 1:
+        sizes = f"batch_size {recipe.batch_size} and epochs {recipe.epochs}"
+        raise ValueError(f"{sizes} must be positive")
