@@ -1,7 +1,7 @@
 """REMnet training in plain numba with BLAS: what `zoo.training.fused_remnet` is measured against.
 
-Whole batches, feature maps [rows, time, features]; a convolution is one copy of its windows (im2col)
-and one `np.dot`, its gradients two more. Nothing here knows of vectors or threads.
+Whole batches, feature maps [rows, time, features]; a convolution is one copy of its windows
+(im2col) and one `np.dot`, its gradients two more. Nothing here knows of vectors or threads.
 """
 
 from __future__ import annotations

@@ -7,7 +7,16 @@ import pytest
 import torch
 from scipy import stats
 
-from zoo.modules.features import FEATURES, SAMPLE_PERIOD_NS, MaranoFeatures, marano_features
+from bench.discrepancy.data.cir_features import shape_figures
+from zoo.modules.features import (
+    FEATURES,
+    NOISE_MULTIPLE,
+    NOISE_SAMPLES,
+    PEAK_FRACTION,
+    SAMPLE_PERIOD_NS,
+    MaranoFeatures,
+    marano_features,
+)
 
 
 def column(name: str, row: list[float], **options: float) -> float:
@@ -76,6 +85,24 @@ def test_the_module_agrees_with_numpy(scale: float) -> None:
     rows = scale * cirs(200)
     module = MaranoFeatures(157)(torch.from_numpy(rows)).numpy()
     np.testing.assert_allclose(module, marano_features(rows), rtol=2e-5)
+
+
+def test_numpy_torch_and_the_compiled_loop_of_the_diagnosis_are_equal() -> None:
+    """Three implementations for three uses: training, the exported graph, millions of waveforms."""
+    rows = cirs(200).astype(np.float64)
+    noise = np.sqrt((rows[:, :NOISE_SAMPLES] ** 2).mean(axis=1) / 2)
+    delay = np.tile(np.arange(rows.shape[1]) * SAMPLE_PERIOD_NS, (len(rows), 1))
+    levels = (PEAK_FRACTION, NOISE_MULTIPLE, NOISE_MULTIPLE)
+    figures, _ = shape_figures(rows, delay, noise, (0.0, 1.0), levels)
+    names = ("total", "peak", "rise", "excess", "spread", "kurtosis")
+    compiled = np.column_stack([figures[name] for name in names])
+    compiled[:, 2] = np.clip(compiled[:, 2], 0, None)  # never above the noise: NaN or negative
+    compiled[:, 2] = np.nan_to_num(compiled[:, 2])
+    plain = marano_features(rows)
+    assert (plain[:, 2] > 0).mean() > 0.5
+    np.testing.assert_allclose(compiled, plain, rtol=1e-9)
+    torched = MaranoFeatures(157)(torch.from_numpy(rows.astype(np.float32))).numpy()
+    np.testing.assert_allclose(torched, plain, rtol=2e-5)
 
 
 def test_the_module_takes_its_constants() -> None:

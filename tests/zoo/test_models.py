@@ -189,6 +189,18 @@ def test_an_unknown_scaling_is_refused(rows: Rows) -> None:
         REMnet(scaling="loud").fit(*rows)
 
 
+def test_a_model_says_whether_it_is_a_floor() -> None:
+    assert {name for name, make in FAST.items() if make().floor} == {"none"}
+
+
+def test_a_network_keeps_its_training_log(rows: Rows) -> None:
+    log = REMnet(epochs=2).fit(*rows).training_log_
+    assert (log.engine, log.epochs, log.rows) == ("fused", 2, 300)
+    assert log.seconds > 0
+    log = FeatureMLP(epochs=1).fit(*rows).training_log_
+    assert (log.engine, log.epochs, log.steps) == ("eager", 1, 3)
+
+
 def test_progress_reaches_the_end(rows: Rows) -> None:
     seen: list[float] = []
     FeatureMLP(epochs=3).fit(*rows, progress=seen.append)

@@ -35,8 +35,8 @@ class TrainingRecipe:
 
     `loss`: "mae" or "mse" (metres, metres squared), or a function of predictions and targets that
     is a mean over rows. Adam at a constant `learning_rate`; `weight_decay` is its L2 penalty.
-    `epochs` passes over all rows, unless `stopping` says to train by steps. `seed` drives shuffling,
-    dropout and which links are held out.
+    `epochs` passes over all rows, unless `stopping` says to train by steps. `seed` drives
+    shuffling, dropout and which links are held out.
     """
 
     loss: Literal["mae", "mse"] | LossFunction
