@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from bench.challenge.mitigation import Effort, Mitigated, mitigated
 from bench.challenge.obstruction import link_log_odds
-from bench.challenge.real.case import Check, RealCase, Tell, markdown_table
+from bench.challenge.real.case import Check, Progress, RealCase, markdown_table
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.compare.resimulation import Resimulation, view
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window, window_of
-from bench.discrepancy.data.split import link_codes, split_links
-from bench.discrepancy.diagnose import Options, Study, study, thinned
+from bench.discrepancy.data.split import link_codes, split_links, thinned
+from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
@@ -51,7 +52,7 @@ class Separation:
 def apartment(
     table: Recordings,
     seed: int,
-    tell: Tell,
+    progress: Progress,
     options: Options | None = None,
     effort: Effort | None = None,
 ) -> RealCase:
@@ -64,28 +65,28 @@ def apartment(
     shown = table.frame[[name for name in SEEN if name in table.frame]]
     shown = shown.assign(error_m=shown["range_m"] - shown["true_range_m"]).reset_index(drop=True)
     recorded = Recordings(shown, "apartment, labels hidden", table.licence)
-    found = study(recorded, ORIGINAL, asked, tell)
-    tell("which links are obstructed")
+    found = diagnose(recorded, ORIGINAL, asked, progress)
+    progress("which links are obstructed")
     told = separation(found, shown, table.frame["los"].to_numpy(bool), seed)
     assert found.simulator is not None
     split = split_links(shown, asked.seed)
     parts = split.work, split.confirm.open()
     simulators = ORIGINAL, found.simulator
-    trained = mitigated(recorded, *parts, simulators, seed, effort or Effort(), tell)
+    trained = mitigated(recorded, *parts, simulators, seed, effort or Effort(), progress)
     checks = (*_named_checks(found), *_which_links(told), _order_check(found))
     lines = (*ladder_lines(found, window_of(shown)), *_link_lines(told), *mitigation_lines(trained))
     return RealCase("apartment, labels hidden", found, (*checks, *_trained_checks(trained)), lines)
 
 
 def separation(
-    found: Study, shown: pd.DataFrame, sight: NDArray[np.bool_], seed: int
+    found: Diagnosis, shown: pd.DataFrame, sight: NDArray[np.bool_], seed: int
 ) -> Separation | None:
     """Return the score of every link beside its hidden label, None where nothing obstructs."""
     codes, window = link_codes(shown), window_of(shown)
     every = np.arange(len(shown))
     few = thinned(every, codes, ROWS_PER_LINK * (int(codes.max()) + 1))
-    world = Resimulation(ORIGINAL, window)
-    odds = link_log_odds(world, view(shown, codes, few, window), found.added)
+    comparison = Resimulation(ORIGINAL, window)
+    odds = link_log_odds(comparison, view(shown, codes, few, window), found.added)
     if odds is None:
         return None
     label = pd.Series(sight).groupby(shown["link"].to_numpy()).first()
@@ -108,10 +109,10 @@ def auc_interval(links: pd.DataFrame, seed: int, draws: int = 1000) -> Estimate:
     return Estimate(float(higher.mean()), float(low), float(high))
 
 
-def _named_checks(found: Study) -> tuple[Check, ...]:
+def _named_checks(found: Diagnosis) -> tuple[Check, ...]:
     """Return whether each of the four is named, alone or in an honest class."""
-    said = "; ".join(" or ".join(names) for names in found.diagnosis.names) or "nothing"
-    every = {name for names in found.diagnosis.names for name in names}
+    said = "; ".join(" or ".join(names) for names in found.selection.names) or "nothing"
+    every = {name for names in found.selection.names for name in names}
     asked = {
         "finds the constant delay": {"antenna-delay"},
         "finds the obstructed direct path": OBSTRUCTED,
@@ -131,14 +132,14 @@ def _which_links(told: Separation | None) -> tuple[Check, ...]:
     return (Check(asked, words, told.auc.value >= GOOD_AUC),)
 
 
-def ladder(found: Study, window: Window) -> pd.DataFrame:
+def ladder(found: Diagnosis, window: Window) -> pd.DataFrame:
     """Return one row per effect added: its gain, the runner-up's, and what leaving it out costs.
 
     `gain` is over the simulator of the round before on held-out discover links; `missed` is over
     the final simulator without it, on the confirm links (nats).
     """
     rows = []
-    for number, turn in enumerate(found.diagnosis.rounds, 1):
+    for number, turn in enumerate(found.selection.rounds, 1):
         if turn.added is None or turn.explanation is None:
             continue
         first, *others = turn.explanation.contenders
@@ -164,22 +165,22 @@ def _reason(gain: Estimate, others: list[Estimate]) -> str:
     return "simpler than what gains more, and as good where it acts"
 
 
-def _missed(found: Study, name: str, window: Window) -> str:
+def _missed(found: Diagnosis, name: str, window: Window) -> str:
     """Return what the final simulator loses on confirm links without one effect."""
     if name not in [effect.name for effect in found.added]:
         return "taken out again"
     seen = found.confirmed
-    world = Resimulation(ORIGINAL, window)
+    comparison = Resimulation(ORIGINAL, window)
     rest = tuple(effect for effect in found.added if effect.name != name)
-    left, whole = (tally(world.ensemble(seen.view, s, 8, 7000)) for s in (rest, found.added))
+    left, whole = (tally(comparison.ensemble(seen.view, s, 8, 7000)) for s in (rest, found.added))
     return str(gain_interval(left, whole, found.options.seed))
 
 
-def _order_check(found: Study) -> Check:
+def _order_check(found: Diagnosis) -> Check:
     """Return whether every step's gain on held-out links is above zero."""
     steps = [
         turn.explanation.contenders[0]
-        for turn in found.diagnosis.rounds
+        for turn in found.selection.rounds
         if turn.added is not None and turn.explanation is not None
     ]
     words = ", ".join(f"{step.name} {step.gain.value:.2f}" for step in steps)
@@ -187,7 +188,7 @@ def _order_check(found: Study) -> Check:
     return Check("in an order it justifies: every step gains on held-out links", words, sure)
 
 
-def ladder_lines(found: Study, window: Window) -> list[str]:
+def ladder_lines(found: Diagnosis, window: Window) -> list[str]:
     """Return the ladder as Markdown."""
     table = ladder(found, window)
     if not len(table):

@@ -15,20 +15,20 @@ from bench.challenge.generator.waveforms import draw_wave
 from bench.challenge.scoring import Outcome, outcome, removed_m
 from bench.challenge.truths import compared
 from bench.challenge.waves import FIRST, run_wave
-from bench.discrepancy.diagnose import Options, study
+from bench.discrepancy.method import Options, diagnose
 from bench.errors import BenchError
 from bench.files import write_atomically
 from bench.parallel import Spread
 from bench.provenance import packages_code_hash
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 def run_case(number: int, seed: int) -> Outcome:
     """Diagnose one case and score it."""
     case = make_case(number, seed)
     options = Options(seed, fit_rows=400, observables=("error_m",), waveform=False)
-    found = study(case.recorded, case.simulated, options)
+    found = diagnose(case.recorded, case.simulated, options)
     beside = compared(case, found)
     made = outcome(case.hidden, found, number, case.way, case.strength_z)
     removed, oracle = removed_m(case, found, seed)
@@ -54,7 +54,12 @@ def code() -> str:
 
 
 def run_blind(
-    cases: int, seed: int, folder: Path, tell: Tell, spread: Spread | None = None, waves: int = 0
+    cases: int,
+    seed: int,
+    folder: Path,
+    progress: Progress,
+    spread: Spread | None = None,
+    waves: int = 0,
 ) -> list[Outcome]:
     """Run (or resume) the blind challenge; one JSON file per case in `folder`/cases.
 
@@ -66,11 +71,11 @@ def run_blind(
     every = [*range(cases), *range(FIRST, FIRST + waves)]
     missing = [number for number in every if not _path(folder, number).exists()]
     finished = len(every) - len(missing)
-    tell(f"{finished} of {len(every)} cases")
+    progress(f"{finished} of {len(every)} cases")
     for _, made in (spread or Spread()).map(_work, seed, missing):
         write_atomically(_path(folder, made.number), _text(made))
         finished += 1
-        tell(f"{finished} of {len(every)} cases")
+        progress(f"{finished} of {len(every)} cases")
     return [_read(json.loads(_path(folder, number).read_text())) for number in every]
 
 

@@ -21,7 +21,7 @@ from bench.recordings.table import Recordings
 from bench.recordings.window import cir_window
 
 Floats = NDArray[np.float64]
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 ROWS = 12  # simulated rows of each simulated link
 STRETCH = 0.2  # simulated ranges are the known links' times 1 +- this
 
@@ -63,7 +63,7 @@ def mitigated(
     simulators: tuple[Simulator, Simulator],
     seed: int,
     effort: Effort,
-    tell: Tell = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> Mitigated:
     """Train on each simulator (before, after) and test on the `held` rows of `recorded`.
 
@@ -76,7 +76,7 @@ def mitigated(
     error = (frame["range_m"] - frame["true_range_m"]).to_numpy(np.float64)
     left = []
     for simulator, word in zip(simulators, ("before", "after"), strict=True):
-        tell(f"training REMnet on the simulator {word} the diagnosis")
+        progress(f"training REMnet on the simulator {word} the diagnosis")
         guesses = [_predicted(simulator, geometry, window.cirs, s, effort) for s in effort.seeds]
         left.append(np.mean([np.abs(error - guess) for guess in guesses], axis=0))
     return _compared(np.abs(error), left[0], left[1], frame, seed, len(geometry))

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.resimulation import Added, View, World, swapped
+from bench.discrepancy.compare.view import Added, Comparison, View, swapped
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ def obstructing(added: Added) -> Effect | None:
     return struck[0] if struck else None
 
 
-def link_log_odds(world: World, view: View, added: Added) -> pd.Series | None:
+def link_log_odds(comparison: Comparison, view: View, added: Added) -> pd.Series | None:
     """Return per link (index: its name) the log odds of being obstructed, prior odds even.
 
     None where `added` holds no effect that obstructs a share of the links. `view` are recorded
@@ -48,7 +48,7 @@ def link_log_odds(world: World, view: View, added: Added) -> pd.Series | None:
     if effect is None:
         return None
     clear, struck = (
-        world.ensemble(view, _with_share(added, effect, share), MEMBERS, FIRST)
+        comparison.ensemble(view, _with_share(added, effect, share), MEMBERS, FIRST)
         for share in (0.0, 1.0)
     )
     recorded, X, y = _figures(clear, struck)

@@ -13,7 +13,7 @@ from bench.challenge.generator.shapes import OUTSIDE as OUTSIDE_RANGES
 from bench.challenge.generator.waveforms import WAVES_OUTSIDE
 from bench.discrepancy.compare.crps import crps
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.diagnose import Study
+from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import NoMismatch, Unknown
 
 Floats = NDArray[np.float64]
@@ -50,15 +50,15 @@ class Outcome:
         return self.removed / self.oracle if self.oracle > 0 else float("nan")
 
 
-def outcome(hidden: Hidden, found: Study, number: int, way: str, strength_z: float) -> Outcome:
+def outcome(hidden: Hidden, found: Diagnosis, number: int, way: str, strength_z: float) -> Outcome:
     """Return what any case tells: what was said, how it scores, how loud the search was."""
-    located = found.diagnosis.rounds[0].located
+    located = found.selection.rounds[0].located
     return Outcome(
         number=number,
         way=way,
         hidden=hidden,
-        verdict=str(found.diagnosis.verdicts[0]),
-        names=[list(group) for group in found.diagnosis.names],
+        verdict=str(found.selection.verdicts[0]),
+        names=[list(group) for group in found.selection.names],
         score=scored(hidden, found),
         strength_z=strength_z,
         above_limit=strength_z >= LIMIT_Z,
@@ -67,10 +67,10 @@ def outcome(hidden: Hidden, found: Study, number: int, way: str, strength_z: flo
     )
 
 
-def scored(hidden: Hidden, found: Study) -> str:
+def scored(hidden: Hidden, found: Diagnosis) -> str:
     """Return right, ambiguous, partly, wrong, unknown, missed, or (empty cases) clean, alarm."""
-    verdicts = found.diagnosis.verdicts
-    said = {name for group in found.diagnosis.names for name in group}
+    verdicts = found.selection.verdicts
+    said = {name for group in found.selection.names for name in group}
     silent = isinstance(verdicts[0], NoMismatch)
     if not hidden.names:
         return "clean" if silent else "alarm"
@@ -83,16 +83,16 @@ def scored(hidden: Hidden, found: Study) -> str:
         return "wrong"
     # To cancel every aggregate, a constant was really taken off and the scatter made smaller.
     side = {"timestamp-jitter", "antenna-delay"} if hidden.conceal == "aggregate" else set()
-    if any(not (truth | side) & set(group) for group in found.diagnosis.names):
+    if any(not (truth | side) & set(group) for group in found.selection.names):
         return "wrong"
-    if not truth <= said or len(found.diagnosis.names) < len(truth):
+    if not truth <= said or len(found.selection.names) < len(truth):
         return "partly"
     unknown = any(isinstance(v, Unknown) for v in verdicts)
-    alone = all(len(group) == 1 for group in found.diagnosis.names)
+    alone = all(len(group) == 1 for group in found.selection.names)
     return "right" if alone and not unknown else "ambiguous"
 
 
-def removed_m(case: Case, found: Study, seed: int) -> tuple[float, float]:
+def removed_m(case: Case, found: Diagnosis, seed: int) -> tuple[float, float]:
     """Return how far the CRPS of held-out ranges falls (m): by the diagnosis, by the truth."""
     before, after = found.confirmed.before, found.confirmed.after
     rows = np.asarray(found.confirmed.view.rows)

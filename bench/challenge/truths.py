@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from bench.challenge.cases import Case
-from bench.discrepancy.compare.resimulation import View, view
+from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.diagnose import Study
 from bench.discrepancy.fit.bootstrap import latent_values
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.search import valued
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, ParameterEstimate
+from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.simulator import Simulator
@@ -38,7 +39,7 @@ class Compared:
     error: float
 
 
-def compared(case: Case, found: Study) -> list[Compared]:
+def compared(case: Case, found: Diagnosis) -> list[Compared]:
     """Return every determined parameter of every rightly named effect beside its true value.
 
     Cases whose amplitudes were rescaled to equal the simulator's histogram have no true
@@ -48,7 +49,7 @@ def compared(case: Case, found: Study) -> list[Compared]:
     if case.hidden.conceal == "aggregate":
         return out
     whole = _whole(case)
-    for verdict in found.diagnosis.verdicts:
+    for verdict in found.selection.verdicts:
         option = verdict.options[0] if isinstance(verdict, Ambiguous) else verdict
         if isinstance(option, LeftOut) and option.names[0] in case.hidden.names:
             shift = case.concealed.shifts_m[case.hidden.names.index(option.names[0])]

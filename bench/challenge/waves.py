@@ -19,7 +19,7 @@ from bench.challenge.generator.waveforms import (
 )
 from bench.challenge.scoring import Outcome, outcome
 from bench.discrepancy.data.observables import observe
-from bench.discrepancy.diagnose import Options, study
+from bench.discrepancy.method import Options, diagnose
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
@@ -89,6 +89,6 @@ def run_wave(number: int, seed: int) -> Outcome:
     """Diagnose one waveform case and score it; `removed` is the held-out gain in nats."""
     case = make_wave(number, seed)
     options = Options(seed, search_rows=400, fit_rows=200, confirm_rows=120)
-    found = study(case.recorded, case.simulated, options)
+    found = diagnose(case.recorded, case.simulated, options)
     made = outcome(case.hidden, found, FIRST + number, "resimulated", case.strength_z)
     return replace(made, removed=found.confirmed.gain.value)

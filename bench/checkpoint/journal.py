@@ -25,9 +25,9 @@ FOLDER = ".unfinished"
 class Journal:
     """Keeps nothing: every step is done."""
 
-    def step(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """Return `work` of the arguments; it depends on nothing else but earlier steps."""
-        return work(*args, **kwargs)
+    def kept(self, step: Callable[P, T]) -> Callable[P, T]:
+        """Return a step; it depends on nothing but its arguments and earlier steps."""
+        return step
 
     def rounds(self, most: int) -> Iterator[int]:
         """Yield 0, 1, ...: asking for the next says that a round is finished."""
@@ -61,12 +61,16 @@ class Kept(Journal):
         """Take the library of effects whose names the results may hold."""
         self._kinds = {kind.name: kind for kind in kinds.values()}
 
-    def step(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """Return the result that is kept of this step, else do it and keep its result."""
-        name = f"{self._taken:04d}-{getattr(work, '__name__', 'step')}.json"
-        self._taken += 1
-        kept: tuple[T, ...] = self._read(name, lambda data: (from_plain(data, self._kinds),), ())
-        return kept[0] if kept else self._keep(name, work(*args, **kwargs))
+    def kept(self, step: Callable[P, T]) -> Callable[P, T]:
+        """Return the step; called, it gives the result that is kept of it, else keeps its own."""
+
+        def once(*args: P.args, **kwargs: P.kwargs) -> T:
+            name = f"{self._taken:04d}-{getattr(step, '__name__', 'step')}.json"
+            self._taken += 1
+            old: tuple[T, ...] = self._read(name, lambda data: (from_plain(data, self._kinds),), ())
+            return old[0] if old else self._keep(name, step(*args, **kwargs))
+
+        return once
 
     def rounds(self, most: int) -> Iterator[int]:
         """Yield 0, 1, ...: asking for the next says that a round is finished."""

@@ -10,7 +10,7 @@ import click
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
-    from bench.challenge.blind import Tell
+    from bench.challenge.blind import Progress
     from bench.challenge.real import RealCase
 
 EPILOG = """\b
@@ -108,7 +108,7 @@ def _headed(lines: list[str], page: Path | None) -> list[str]:
     ]
 
 
-def _blind(cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell) -> Scored:
+def _blind(cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Progress) -> Scored:
     """Run the blind cases; return report lines and scores."""
     from bench.challenge.blind import run_blind, seal
     from bench.challenge.blind_report import blind_markdown, rates
@@ -123,7 +123,7 @@ def _blind(cases: int, waves: int, seed: int, jobs: int, out: Path, tell: Tell) 
     return blind_markdown(outcomes, seed), scores
 
 
-def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
+def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Progress) -> Scored:
     """Run real cases; return report lines and scores. Each case's figures go to `out`/<case>."""
     from bench.challenge.apartment import apartment
     from bench.challenge.real import ghent, outdoor
@@ -142,7 +142,7 @@ def _real(wanted: tuple[str, ...], seed: int, out: Path, tell: Tell) -> Scored:
             continue
         made = case(table, seed, tell)
         lines += _case_lines(made)
-        report = write_report(made.study, out / name).relative_to(out)
+        report = write_report(made.diagnosis, out / name).relative_to(out)
         lines += [f"The diagnosis in full, with its figures: {report} (seed {seed})", ""]
         scores += [
             {"case": made.title, "asked": c.asked, "measured": c.measured, "met": bool(c.met)}
@@ -158,6 +158,6 @@ def _case_lines(made: RealCase) -> list[str]:
     out = [f"## {made.title}", "", "| asked | measured | met |", "| --- | --- | --- |"]
     out += [f"| {c.asked} | {c.measured} | {'yes' if c.met else '**no**'} |" for c in made.checks]
     out += ["", "What the diagnosis said:", ""]
-    for verdict in made.study.diagnosis.verdicts:
+    for verdict in made.diagnosis.selection.verdicts:
         out += [*describe(verdict), ""]
     return [*out, *made.lines, ""]

@@ -11,7 +11,7 @@ from bench.errors import BenchError
 
 if TYPE_CHECKING:
     from bench.checkpoint.journal import Kept
-    from bench.discrepancy.diagnose import Options, Study
+    from bench.discrepancy.method import Diagnosis, Options
     from bench.physics.simulator import Simulator
     from bench.recordings.table import Recordings
 
@@ -60,25 +60,25 @@ def command(
     others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB. With
     -o, a diagnosis that was stopped goes on where it was when the same command is run again.
     """
-    from bench.discrepancy.diagnose import Options
+    from bench.discrepancy.method import Options
     from bench.discrepancy.report.document import summary, write_report
 
     seen = _names(observe) or None
     options = Options(seed, hide=_names(hide), observables=seen, waveform=not paths_only)
     table, against = _recorded(recorded, environment, options.hide), _simulated(simulated)
     kept = None if out is None else _kept(out, table, against, options)
-    study = _run(table, against, options, kept)
+    diagnosis = _run(table, against, options, kept)
     if out is not None:
-        path = write_report(study, out)
+        path = write_report(diagnosis, out)
         click.echo(f"report: {path}", err=True)
     if kept is not None:
         kept.clear()
     if as_json:
         import json
 
-        click.echo(json.dumps(summary(study), indent=1))
+        click.echo(json.dumps(summary(diagnosis), indent=1))
     else:
-        _print(study)
+        _print(diagnosis)
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -141,28 +141,28 @@ def _kept(
 
 def _run(
     recorded: Recordings, simulated: Simulator | Recordings, options: Options, kept: Kept | None
-) -> Study:
+) -> Diagnosis:
     """Run the diagnosis with a progress line on stderr."""
     from rich.console import Console
 
-    from bench.discrepancy.diagnose import study
+    from bench.discrepancy.method import diagnose
 
     console = Console(stderr=True)
     with console.status("diagnosing ...") as status:
-        return study(recorded, simulated, options, status.update, journal=kept)
+        return diagnose(recorded, simulated, options, status.update, journal=kept)
 
 
-def _print(study: Study) -> None:
+def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
     from bench.discrepancy.report.document import describe
 
-    for verdict in study.diagnosis.verdicts:
+    for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
             click.echo(line.replace("**", ""))
-    seen = study.confirmed
+    seen = diagnosis.confirmed
     click.echo(
         f"confirm links ({seen.links}): mean abs. range mismatch {seen.mae_before_m} -> "
         f"{seen.mae_after_m}; AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
     )
-    for name, reason in study.diagnosis.skipped.items():
+    for name, reason in diagnosis.selection.skipped.items():
         click.echo(f"skipped {name}: {reason}")

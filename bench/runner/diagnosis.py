@@ -6,7 +6,7 @@ import hashlib
 import json
 from dataclasses import asdict
 
-from bench.discrepancy.diagnose import Options
+from bench.discrepancy.method import Options
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
 from bench.plugins import plugins

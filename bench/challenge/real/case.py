@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from bench.discrepancy.diagnose import Study
+from bench.discrepancy.method import Diagnosis
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -23,17 +23,17 @@ class Check:
 
 @dataclass(frozen=True)
 class RealCase:
-    """A real case: its study, its checks, and tables for the report (Markdown lines)."""
+    """A real case: its diagnosis, its checks, and tables for the report (Markdown lines)."""
 
     title: str
-    study: Study
+    diagnosis: Diagnosis
     checks: tuple[Check, ...]
     lines: tuple[str, ...]
 
 
-def first_named(found: Study) -> str:
+def first_named(found: Diagnosis) -> str:
     """Return the names of the first verdict, or its kind."""
-    first = found.diagnosis.verdicts[0]
+    first = found.selection.verdicts[0]
     return " or ".join(first.names) or type(first).__name__
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.real.case import Check, RealCase, Tell, first_named, markdown_table
-from bench.discrepancy.compare.resimulation import View, view
+from bench.challenge.real.case import Check, Progress, RealCase, first_named, markdown_table
+from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.diagnose import Options, study
 from bench.discrepancy.fit.clocks import device_clock
+from bench.discrepancy.method import Options, diagnose
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.simulator import Simulator
@@ -33,12 +33,12 @@ STRETCH = 20  # rows
 PPM_BAR, RANGE_BAR_M = 0.05, 0.5
 
 
-def ghent(table: Recordings, seed: int, tell: Tell) -> RealCase:
+def ghent(table: Recordings, seed: int, progress: Progress) -> RealCase:
     """IIoT_20 with ranges recomputed single-sided and every clock column hidden."""
     shown, truth = prepared(table)
     recorded = Recordings(shown, "ghent IIoT_20, single-sided", table.licence)
     options = Options(seed, observables=("error_m",), waveform=False)
-    found = study(recorded, Simulator(Base(channel=3), name="base"), options, tell)
+    found = diagnose(recorded, Simulator(Base(channel=3), name="base"), options, progress)
     curves = clock_curves(shown, truth)
     links = leave_link_out(shown, truth)
     checks = (

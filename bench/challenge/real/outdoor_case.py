@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.real.case import Check, RealCase, Tell, first_named, markdown_table
+from bench.challenge.real.case import Check, Progress, RealCase, first_named, markdown_table
 from bench.challenge.real.two_ray import (
     PERMITTIVITY,
     excess_m,
@@ -14,11 +14,13 @@ from bench.challenge.real.two_ray import (
     reflected,
     shift_m,
 )
-from bench.discrepancy.compare.resimulation import Resimulation, view
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.diagnose import Options, Study, study
-from bench.discrepancy.fit.per_device import UNCOMPRESSED_DBM, power_curve
+from bench.discrepancy.fit.per_device import power_curve
+from bench.discrepancy.method import Diagnosis, Options, diagnose
+from bench.discrepancy.settings import UNCOMPRESSED_DBM
 from bench.physics.base import Base
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.effects.ranging.power_bias import published_bias_m
@@ -35,12 +37,12 @@ PERMUTATIONS = 999
 WILD_M = 0.5  # a range farther off than this is a gross error, not a bias
 
 
-def outdoor(table: Recordings, seed: int, tell: Tell) -> RealCase:
+def outdoor(table: Recordings, seed: int, progress: Progress) -> RealCase:
     """Line of sight outdoors, split by height: is it the power-dependent bias, or distance."""
     shown = prepared(table)
     recorded = Recordings(shown, "outdoor, line of sight", table.licence)
     options = Options(seed, observables=("error_m",), waveform=False)
-    found = study(recorded, Simulator(Base(channel=5), name="base"), options, tell)
+    found = diagnose(recorded, Simulator(Base(channel=5), name="base"), options, progress)
     curve = next((e for e in found.added if isinstance(e, PowerCurve)), None)
     named = first_named(found)
     places = positions(shown)
@@ -76,7 +78,7 @@ def _fixed_distance_check(places: pd.DataFrame) -> Check:
     )
 
 
-def _spread_checks(shown: pd.DataFrame, found: Study) -> tuple[Check, ...]:
+def _spread_checks(shown: pd.DataFrame, found: Diagnosis) -> tuple[Check, ...]:
     """Return how far the spread falls on held-out heights: all in turn, and the sealed ones."""
     error, by_level, by_distance = heights_out(shown)
     each = error.std(), by_level.std()
@@ -123,10 +125,10 @@ def heights_out(frame: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
     links = link_codes(frame)
     error = (frame["range_m"] - frame["true_range_m"]).to_numpy(np.float64)
     by_level, by_distance = np.empty(len(frame)), np.empty(len(frame))
-    world = Resimulation(Simulator(Base(channel=5)), Window())
+    comparison = Resimulation(Simulator(Base(channel=5)), Window())
     for height in np.unique(links):
         kept, held = np.flatnonzero(links != height)[::4], np.flatnonzero(links == height)
-        curve = power_curve(world, view(frame, links, kept, Window(), ("error_m",), False), ())
+        curve = power_curve(comparison, view(frame, links, kept, Window(), ("error_m",), False), ())
         assert curve is not None
         aside = view(frame, links, held, Window(), ("error_m",), False)
         guess = np.interp(curve.level_dbm(aside.scene), curve.levels_dbm, curve.bias_m)
@@ -137,7 +139,7 @@ def heights_out(frame: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
     return error, by_level, by_distance
 
 
-def confirm_residuals(found: Study) -> tuple[Floats, Floats]:
+def confirm_residuals(found: Diagnosis) -> tuple[Floats, Floats]:
     """Return the residual range error on the confirm heights before and after, in metres."""
     seen = found.confirmed
     which = seen.before.names.index("error_m")

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.settings import BOOTSTRAP_DRAWS, CENTRAL_95, ONE_SIDED_95, TWO_SIDED_95
+
 Floats = NDArray[np.float64]
 
 
@@ -32,7 +34,7 @@ class Estimate:
     @property
     def likely_above_zero(self) -> bool:
         """True where the one-sided 95 % bound is above zero (the interval taken as normal)."""
-        return self.value - (self.value - self.low) * 1.645 / 1.960 > 0
+        return self.value - (self.value - self.low) * ONE_SIDED_95 / TWO_SIDED_95 > 0
 
     def __str__(self) -> str:
         return f"{self.value:.3g} {self.unit} [{self.low:.3g}, {self.high:.3g}]".replace("  ", " ")
@@ -71,7 +73,7 @@ def cluster_bootstrap(
     seed: int,
     unit: str = "",
     statistic: Callable[[Floats, Floats], Floats] | None = None,
-    draws: int = 500,
+    draws: int = BOOTSTRAP_DRAWS,
 ) -> Estimate:
     """Return the mean of `values` [n] with a 95 % interval, resampling whole links.
 
@@ -93,5 +95,5 @@ def cluster_bootstrap(
     drawn = figure(np.asarray(weight @ sums), np.asarray(weight @ counts))
     # A percentile interval over few clusters is too short by about sqrt(L / (L - 1)) (Bessel).
     wide = np.sqrt(len(sums) / (len(sums) - 1))
-    low, high = np.percentile(drawn, [2.5, 97.5])
+    low, high = np.percentile(drawn, CENTRAL_95)
     return Estimate(centre, centre + (low - centre) * wide, centre + (high - centre) * wide, unit)

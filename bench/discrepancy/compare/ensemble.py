@@ -10,13 +10,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import crps
-from bench.discrepancy.data.observables import Floats, Observables, observe
+from bench.discrepancy.data.observables import RANGE, Floats, Observables, observe
+from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M
 from bench.errors import BenchError
 
 Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> simulated rows
-
-
-LARGE_M = 0.1  # several times the scatter of a range in line of sight
 
 
 class NothingSharedError(BenchError):
@@ -36,6 +34,31 @@ class Ensemble:
     versions: Floats
     links: NDArray[np.intp]
 
+    def place(self, name: str) -> int:
+        """Return the position of an observable."""
+        return self.names.index(name)
+
+    @property
+    def main(self) -> str:
+        """The range error where there is one, else the first observable."""
+        return RANGE if RANGE in self.names else self.names[0]
+
+    def versions_of(self, name: str) -> Floats:
+        """Return one observable of all versions [1 + m, n]."""
+        return np.asarray(self.versions[..., self.place(name)])
+
+    def recorded_of(self, name: str) -> Floats:
+        """Return one recorded observable [n]."""
+        return np.asarray(self.recorded[:, self.place(name)])
+
+    def simulated_of(self, name: str) -> Floats:
+        """Return one simulated observable [m, n]."""
+        return np.asarray(self.simulated[..., self.place(name)])
+
+    def residual_of(self, name: str) -> Floats:
+        """Return recorded minus ensemble mean of one observable [n], in its unit."""
+        return np.asarray(self.residual[:, self.place(name)])
+
     @property
     def recorded(self) -> Floats:
         """Recorded observables [n, p]."""
@@ -54,15 +77,15 @@ class Ensemble:
     def scores(self) -> Floats:
         """Return the CRPS per row and observable [n, p], in the observables' units.
 
-        Range errors beyond `LARGE_M` count by their logarithm: the CRPS of a strictly increasing
-        function of a value is as proper (Allen et al. 2023), and a few blocked links no longer
-        decide alone.
+        Range errors beyond `LARGE_ERROR_M` count by their logarithm: the CRPS of a strictly
+        increasing function of a value is as proper (Allen et al. 2023), and a few blocked links no
+        longer decide alone.
         """
         versions = self.versions
-        if "error_m" in self.names:
-            which = self.names.index("error_m")
+        if RANGE in self.names:
+            which = self.place(RANGE)
             versions = versions.copy()
-            versions[..., which] = LARGE_M * np.arcsinh(versions[..., which] / LARGE_M)
+            versions[..., which] = LARGE_ERROR_M * np.arcsinh(versions[..., which] / LARGE_ERROR_M)
         return crps(versions[1:], versions[0])
 
     def ranks(self) -> Floats:
@@ -114,4 +137,4 @@ def _usable(name: str, recorded: Observables, replicas: list[Observables]) -> bo
     known = np.isfinite(recorded.column(name))
     for replica in replicas:
         known = known & np.isfinite(replica.column(name))
-    return bool(known.mean() >= 0.1) if len(known) else False
+    return bool(known.mean() >= KNOWN_SHARE) if len(known) else False

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
+from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE
+
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
-ASSIGNABLE = 400  # rows of one link; longer links are matched in stretches of this length
 
 
 def assigned(left: Floats, right: Floats, versions: int) -> list[Rows]:
@@ -38,15 +39,15 @@ def assigned(left: Floats, right: Floats, versions: int) -> list[Rows]:
 
 def _one_to_one(left: Floats, right: Floats) -> Rows:
     """Return for each row of `left` a different row of `right`, near in squared distance."""
-    if len(left) <= ASSIGNABLE and len(right) <= 4 * ASSIGNABLE:
+    if len(left) <= ROWS_ASSIGNED_AT_ONCE and len(right) <= CHOICES_PER_ROW * ROWS_ASSIGNED_AT_ONCE:
         cost = ((left[:, None, :] - right[None, :, :]) ** 2).sum(axis=2)
         return np.asarray(linear_sum_assignment(cost)[1], np.intp)
-    stretches = -(-len(left) // ASSIGNABLE)
+    stretches = -(-len(left) // ROWS_ASSIGNED_AT_ONCE)
     ours = np.array_split(np.lexsort(left.T), stretches)
     theirs = np.array_split(np.lexsort(right.T), stretches)
     out = np.empty(len(left), np.intp)
     for a, b in zip(ours, theirs, strict=True):
-        near = b[: 4 * ASSIGNABLE]
+        near = b[: CHOICES_PER_ROW * ROWS_ASSIGNED_AT_ONCE]
         out[a] = near[_one_to_one(left[a], right[near])]
     return out
 

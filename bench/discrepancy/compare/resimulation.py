@@ -1,107 +1,16 @@
-"""The two ways to compare: the simulator run again at each row, or a table beside a table.
-
-Both answer one question: given these effects on top of what the simulator has, what does it say
-about these recorded rows?
-"""
+"""Comparing with a simulator that is run again at every recorded row."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
-
-import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.staged_simulation import Stages
-from bench.discrepancy.data.covariates import Covariates, covariates
-from bench.discrepancy.data.observables import (
-    Floats,
-    Observables,
-    Window,
-    observe,
-)
-from bench.discrepancy.data.split import Rows
-from bench.errors import BenchError
-from bench.physics.effect import Effect
-from bench.physics.scene import Scene, scene
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.settings import UNLIMITED_MEMBERS
 from bench.physics.simulator import Simulator
-
-Added = tuple[Effect, ...]
-MANY = 1 << 16
-
-
-def without(added: Added, effect: Effect) -> Added:
-    """Return the effects but one, by name."""
-    return tuple(known for known in added if known.name != effect.name)
-
-
-def swapped(added: Added, effect: Effect) -> Added:
-    """Return the effects with this one in place of the one of its name."""
-    return tuple(effect if known.name == effect.name else known for known in added)
-
-
-@dataclass(frozen=True)
-class View:
-    """Some recorded rows: `frame` as known to the simulator, what was recorded, link codes [n].
-
-    `waveform` False has them simulated from paths alone: faster, but powers are approximate and
-    there is no noise, so only the range and the receive level are compared.
-    """
-
-    frame: pd.DataFrame
-    recorded: Observables
-    links: NDArray[np.intp]
-    rows: Rows
-    waveform: bool = True
-
-    def leaving(self, links: NDArray[np.intp]) -> View:
-        """Return the view without some links, by code."""
-        keep = np.flatnonzero(~np.isin(self.links, links))
-        recorded = replace(self.recorded, values=self.recorded.values[keep])
-        frame = self.frame.iloc[keep].reset_index(drop=True)
-        return View(frame, recorded, self.links[keep], self.rows[keep], self.waveform)
-
-    @property
-    def rich(self) -> int:
-        """How many times the members asked for are made: paths alone cost next to nothing."""
-        return 1 if self.waveform else 3
-
-    @cached_property
-    def scene(self) -> Scene:
-        """Geometry and settings of the rows for `bench.physics`."""
-        return scene(self.frame, "recorded")
-
-    @cached_property
-    def covariates(self) -> Covariates:
-        """What can be searched over."""
-        return covariates(self.frame)
-
-
-def common(added: Added, view: View) -> Added:
-    """Return the effects whose ensemble values of devices and levels are estimated from.
-
-    One that strikes links at random shifts the mean of all of them; struck links are better left
-    to the robust fit as outliers. With waveforms, where power tells which are struck, all stay.
-    """
-    if view.waveform:
-        return added
-    return tuple(effect for effect in added if not type(effect).per_link)
-
-
-class World(Protocol):
-    """A simulated counterpart of recorded rows."""
-
-    def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
-        """Return recorded rows beside `members` simulated versions with effects `added`.
-
-        `first` numbers the replicates: the same numbers give the same random numbers.
-        """
-
-    def distinct(self, view: View) -> int:
-        """Return how many members there are that repeat nothing of each other."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +42,7 @@ class Resimulation:
 
     def distinct(self, view: View) -> int:
         """Return how many members repeat nothing of each other: any number."""
-        return MANY
+        return UNLIMITED_MEMBERS
 
     def _cropped(self, simulator: Simulator, view: View) -> Simulator:
         """Return the simulator giving just the window that is compared."""
@@ -144,41 +53,3 @@ class Resimulation:
             "cir_samples": self.window.before + self.window.after,
         }
         return replace(simulator, base=replace(simulator.base, **crop))
-
-
-NEEDS_WAVEFORM = ("noise_std", "preamble_count", "first_path_power_dbm")
-
-
-def view(
-    frame: pd.DataFrame,
-    links: NDArray[np.intp],
-    rows: Rows,
-    window: Window,
-    names: tuple[str, ...] | None = None,
-    waveform: bool = True,
-) -> View:
-    """Return a view of some rows of a recorded table; `links` are codes of the whole table.
-
-    `names` restricts the comparison to some observables; without a simulated `waveform` those
-    that belong to one take no part.
-    """
-    part = frame.iloc[rows].reset_index(drop=True)
-    seen = observe(part, window)
-    kept = [n for n in seen.names if waveform or n not in NEEDS_WAVEFORM]
-    chosen = tuple(n for n in kept if names is None or n in names)
-    if not chosen:
-        have = ", ".join(kept) or "none"
-        raise BenchError(f"recorded: no observable to compare (the table gives: {have})")
-    return View(part, seen.keep(chosen), links[rows], rows, waveform)
-
-
-def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
-    """Return the table without some columns, so that the diagnosis cannot see them."""
-    return frame.drop(columns=[c for c in columns if c in frame])
-
-
-def measured(frame: pd.DataFrame, name: str) -> Floats:
-    """Return a numeric column [n], NaN where unknown or absent."""
-    if name not in frame:
-        return np.full(len(frame), np.nan)
-    return np.asarray(pd.to_numeric(frame[name], errors="coerce"), np.float64)

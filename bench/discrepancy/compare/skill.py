@@ -14,22 +14,30 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.settings import (
+    CENTRAL_95,
+    FEATURE_WEIGHT,
+    GAIN_DRAWS,
+    LEAST_CRPS,
+    LEVEL_WEIGHT,
+    LINEAR_BELOW,
+    PROFILE_WEIGHT,
+    RANGE_WEIGHT,
+    RESOLUTION,
+)
 
 Floats = NDArray[np.float64]
 _POWERS = ("rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db")
-DRAWS = 400
-# Differences below these do not count, so a constant both sides share cannot drive the gain, nor
-# can the last tenth of a decibel of a curve that no library has quite right.
-RESOLUTION = {"m": 5e-4, "dB": 0.1, "counts": 1.0, "symbols": 4.0, "ns": 0.05, "1": 0.05}
 
 
 def weight_of(name: str) -> float:
     """Return the weight of an observable: correlated ones share theirs."""
-    if name == "error_m":
-        return 1.0
+    if name == RANGE:
+        return RANGE_WEIGHT
     if name in _POWERS or name in ("noise_std", "preamble_count"):
-        return 0.4
-    return 0.15 if name.startswith("profile_db") else 0.25
+        return LEVEL_WEIGHT
+    return PROFILE_WEIGHT if name.startswith("profile_db") else FEATURE_WEIGHT
 
 
 @dataclass(frozen=True)
@@ -74,7 +82,7 @@ def _weighted_logs(part: Tally, draws: NDArray[np.int64]) -> Floats:
     """Return weight x log mean CRPS per draw and observable, [draws, p]."""
     mean = (draws @ part.sums) / np.maximum(draws @ part.counts, 1)
     weights = np.array([weight_of(name) for name in part.names])
-    return np.asarray(weights * np.log(np.maximum(mean, 1e-9)))
+    return np.asarray(weights * np.log(np.maximum(mean, LEAST_CRPS)))
 
 
 def gains(reference: Tally, candidate: Tally) -> dict[str, float]:
@@ -103,7 +111,9 @@ def gain_interval(
     shared = tuple(n for n in reference.names if n in candidate.names)
     chosen = shared if names is None else tuple(n for n in shared if n in names)
     links = len(reference.sums)
-    pick = np.random.default_rng(seed).multinomial(links, np.full(links, 1 / links), size=DRAWS)
+    pick = np.random.default_rng(seed).multinomial(
+        links, np.full(links, 1 / links), size=GAIN_DRAWS
+    )
     draws = np.concatenate([np.ones((1, links), np.int64), pick])
     left, right = reference.keep(chosen), candidate.keep(chosen)
     total = (_weighted_logs(left, draws) - _weighted_logs(right, draws)).sum(axis=1)
@@ -111,10 +121,10 @@ def gain_interval(
     if links < 2:
         return Estimate(value, -np.inf, np.inf, "nats")
     linear = _weighted_differences(left, right, draws)
-    if abs(value) < 1 and linear[0] * value > 0:
+    if abs(value) < LINEAR_BELOW and linear[0] * value > 0:
         total = linear * (value / linear[0])
     wide = np.sqrt(links / (links - 1))
-    low, high = np.percentile(total[1:], [2.5, 97.5]) - value
+    low, high = np.percentile(total[1:], CENTRAL_95) - value
     return Estimate(value, float(value + wide * low), float(value + wide * high), "nats")
 
 
@@ -122,6 +132,6 @@ def _weighted_differences(left: Tally, right: Tally, draws: NDArray[np.int64]) -
     """Return the weighted sum of (mean CRPS of left - of right) / mean of left, per draw."""
     rows = np.maximum(draws @ left.counts, 1)
     change = (draws @ left.sums) / rows - (draws @ right.sums) / np.maximum(draws @ right.counts, 1)
-    typical = np.maximum(left.sums.sum(axis=0) / np.maximum(left.counts.sum(axis=0), 1), 1e-9)
+    typical = np.maximum(left.sums.sum(axis=0) / np.maximum(left.counts.sum(axis=0), 1), LEAST_CRPS)
     weights = np.array([weight_of(name) for name in left.names])
     return np.asarray((weights * change / typical).sum(axis=1))

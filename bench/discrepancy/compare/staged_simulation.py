@@ -11,6 +11,7 @@ import numpy as np
 
 from bench.discrepancy.compare.prefix_cache import Memory, Prefixes
 from bench.discrepancy.data.observables import (
+    RANGE,
     SCALARS,
     Floats,
     Observables,
@@ -19,6 +20,13 @@ from bench.discrepancy.data.observables import (
     collect,
     shape_observables,
 )
+from bench.discrepancy.settings import (
+    KEPT_NOISE,
+    KEPT_PATH_REPLICATES,
+    KEPT_REPLICATES,
+    KEPT_ROWS,
+    KEPT_STEPS,
+)
 from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.pipeline import EffectError, Pipeline
@@ -26,12 +34,6 @@ from bench.physics.randomness import BLOCK, Draws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
 from bench.physics.units import Complexes
-
-KEPT = 24  # detected replicates that are remembered
-KEPT_PATHS = 256  # of those from paths alone, which are small
-KEPT_STEPS = 96  # batches after a step of the chain that are remembered, up to 5 MB each
-KEPT_NOISE = 48  # blocks of noise that are remembered, up to 2 MB each
-KEPT_ROWS = 16  # tables of rows that are told apart without looking at their values
 
 
 @dataclass(frozen=True)
@@ -62,8 +64,8 @@ class Stages:
     def __init__(self, window: Window) -> None:
         self.window = window
         self._detections: dict[bool, Memory[Detected]] = {
-            True: Memory(KEPT),
-            False: Memory(KEPT_PATHS),
+            True: Memory(KEPT_REPLICATES),
+            False: Memory(KEPT_PATH_REPLICATES),
         }
         self._noise: Memory[Complexes] = Memory(KEPT_NOISE)
         self._prefixes = Prefixes(KEPT_STEPS)
@@ -180,7 +182,7 @@ def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> B
 
 def _column(batch: Batch, name: str) -> Floats:
     """Return an observable column of a detected batch [n]."""
-    if name == "error_m":
+    if name == RANGE:
         assert batch.range_m is not None
         return np.asarray(batch.range_m - batch.rows.true_range_m, np.float64)
     found = batch.symbols if name == "preamble_count" else getattr(batch, name)

@@ -18,8 +18,10 @@ from scipy.spatial import cKDTree
 
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.matching import by_link, by_neighbours
-from bench.discrepancy.compare.resimulation import Added, View, measured
+from bench.discrepancy.compare.prefix_cache import Memory
 from bench.discrepancy.compare.staged_simulation import Stages
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import MEASURED
 from bench.discrepancy.data.observables import (
     SCALARS,
@@ -32,6 +34,15 @@ from bench.discrepancy.data.observables import (
     shape_observables,
 )
 from bench.discrepancy.data.split import Rows, link_codes
+from bench.discrepancy.settings import (
+    FAR_STD,
+    KEPT_MATCHES,
+    KEPT_PATH_REPLICATES,
+    KEPT_TABLES,
+    LEAST_STD,
+    MOST_VERSIONS,
+    OVERLAP_SHARE,
+)
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
@@ -39,13 +50,10 @@ from bench.physics.simulator import Simulator
 
 MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
 CHANGED = ("error_m", "rx_power_dbm")
-KEPT_TABLES = 24
-MOST_VERSIONS = 24
-FAR = 1.0  # standard deviations: a recorded row farther from any simulated one has no counterpart
 
 
 @dataclass(frozen=True)
-class TableWorld:
+class TableComparison:
     """Rows of another simulator's table as the counterpart of recorded rows."""
 
     frame: pd.DataFrame
@@ -90,12 +98,9 @@ class TableWorld:
         self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
     ) -> Observables:
         """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
-        key = (id(view.rows), pick.tobytes())
-        if key not in self._tables:
-            while len(self._tables) >= KEPT_TABLES:
-                self._tables.pop(next(iter(self._tables)))
-            self._tables[key] = view.rows, ForeignTable(self._rows_at(view, pick))
-        made = self._tables[key][1].observe(added, self.seed, replicate)
+        key = (view.number, pick.tobytes())
+        table = self._tables.get(key, lambda: ForeignTable(self._rows_at(view, pick)))
+        made = table.observe(added, self.seed, replicate)
         scalars = {name: np.asarray(getattr(made, name), np.float64) for name in SCALARS}
         assert made.cir is not None
         assert made.first_path_index is not None
@@ -105,9 +110,9 @@ class TableWorld:
         return collect(scalars, shape)
 
     @cached_property
-    def _tables(self) -> dict[tuple[int, bytes], tuple[Rows, ForeignTable]]:
-        """Matched tables that are remembered, with the rows they were matched to."""
-        return {}
+    def _tables(self) -> Memory[ForeignTable]:
+        """Matched tables that are remembered."""
+        return Memory(KEPT_TABLES)
 
     def _rows_at(self, view: View, pick: NDArray[np.intp]) -> pd.DataFrame:
         """Return matched rows: what was measured from the table, all else as recorded."""
@@ -133,17 +138,16 @@ class TableWorld:
 
     def _bare(self, view: View, replicate: int) -> Observables:
         """Return what the bare base gives for the rows in one replicate; remembered."""
-        key = (id(view), replicate)
-        if key not in self._bares:
-            bare = Simulator(Base(), (), self.seed)
-            made = self.stages.observables(bare, view.scene, replicate, False)
-            self._bares[key] = view, made
-        return self._bares[key][1]
+        bare = Simulator(Base(), (), self.seed)
+        return self._bares.get(
+            (view.number, replicate),
+            lambda: self.stages.observables(bare, view.scene, replicate, False),
+        )
 
     @cached_property
-    def _bares(self) -> dict[tuple[int, int], tuple[View, Observables]]:
-        """Bare replicates that are remembered, with the view they belong to."""
-        return {}
+    def _bares(self) -> Memory[Observables]:
+        """Bare replicates that are remembered."""
+        return Memory(KEPT_PATH_REPLICATES)
 
     def _matches(self, view: View, members: int) -> list[NDArray[np.intp]]:
         """Return for each member the simulated row that stands for each recorded row [n].
@@ -159,23 +163,27 @@ class TableWorld:
         Those from the same links first; where they are few, rows of similar links follow, so that
         a score has enough members.
         """
-        key = id(view)
-        if key not in self._versions:
+        return self._matched(view)[0]
+
+    def _matched(self, view: View) -> tuple[list[Rows], int]:
+        """Return the matched versions, and how many of them, the first, are of one kind."""
+
+        def match() -> tuple[list[Rows], int]:
             own = self._same_links(view) if self.paired(view) else []
             more = self._similar_links(view)[bool(own) :] if len(own) < MOST_VERSIONS else []
             versions = (own + more)[:MOST_VERSIONS]
-            self._versions[key] = view, versions, len(own) or len(versions)
-        return self._versions[key][1]
+            return versions, len(own) or len(versions)
+
+        return self._versions.get(view.number, match)
 
     @cached_property
-    def _versions(self) -> dict[int, tuple[View, list[NDArray[np.intp]], int]]:
-        """Matched versions that are remembered, with their view and how many are of one kind."""
-        return {}
+    def _versions(self) -> Memory[tuple[list[Rows], int]]:
+        """Matched versions that are remembered."""
+        return Memory(KEPT_MATCHES)
 
     def distinct(self, view: View) -> int:
         """Return how many versions, the first ones, a permutation may swap with the recorded."""
-        self.versions(view)
-        return self._versions[id(view)][2]
+        return self._matched(view)[1]
 
     def _similar_links(self, view: View) -> list[NDArray[np.intp]]:
         """Match rows with those of the simulated links nearest in their covariates."""
@@ -205,8 +213,8 @@ class TableWorld:
         return [
             name
             for name in names
-            if np.isfinite(measured(view.frame, name)).all()
-            and np.isfinite(measured(self.frame, name)).all()
+            if np.isfinite(numeric(view.frame, name)).all()
+            and np.isfinite(numeric(self.frame, name)).all()
         ]
 
     def _points(self, view: View, every: bool = False) -> tuple[Floats, Floats]:
@@ -214,15 +222,15 @@ class TableWorld:
         names = self._shared(view, every)
         if not names and not self.paired(view):
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
-        left = np.stack([np.zeros(len(view.frame)), *(measured(view.frame, n) for n in names)], 1)
-        right = np.stack([np.zeros(len(self.frame)), *(measured(self.frame, n) for n in names)], 1)
-        centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), 1e-9)
+        left = np.stack([np.zeros(len(view.frame)), *(numeric(view.frame, n) for n in names)], 1)
+        right = np.stack([np.zeros(len(self.frame)), *(numeric(self.frame, n) for n in names)], 1)
+        centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), LEAST_STD)
         return (left - centre) / scale, (right - centre) / scale
 
     def _check_overlap(self, view: View, left: Floats, right: Floats) -> None:
         """Raise BenchError where most recorded rows have no simulated row near them."""
         distance = cKDTree(right).query(left)[0]
-        if np.mean(distance > FAR) > 0.5:
+        if np.mean(distance > FAR_STD) > 1 - OVERLAP_SHARE:
             raise BenchError(
                 "no overlap of covariates: most recorded rows have no simulated row within one "
                 f"standard deviation of {', '.join(self._shared(view))}"
@@ -237,9 +245,9 @@ class TableWorld:
 
         out = {}
         for name in self._shared(view):
-            left = _link_means(measured(view.frame, name), view.links)
-            right = _link_means(measured(self.frame, name), self.links)
-            shift = (left.mean() - right.mean()) / max(float(left.std()), 1e-9)
+            left = _link_means(numeric(view.frame, name), view.links)
+            right = _link_means(numeric(self.frame, name), self.links)
+            shift = (left.mean() - right.mean()) / max(float(left.std()), LEAST_STD)
             out[name] = float(shift), float(ks_2samp(left, right).pvalue)
         return out
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.compare.resimulation import measured
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import error_m
+from bench.discrepancy.settings import (
+    LONGEST_MEDIAN_RANGE_M,
+    SAMPLE_PERIOD_NS,
+    SHORTEST_MEDIAN_RANGE_M,
+    UNIT_MISTAKE,
+)
 from bench.errors import BenchError
 from bench.recordings.table import Recordings
-
-LONGEST_M = 500.0  # the median true range of ultra-wideband recordings is far below this
-PERIOD_NS = (0.2, 5.0)
 
 
 def check_recorded(recorded: Recordings) -> None:
@@ -35,26 +38,26 @@ def check_recorded(recorded: Recordings) -> None:
 
 def _check_units(frame: pd.DataFrame, source: str) -> None:
     """Raise where lengths look like millimetres or kilometres, or the period like picoseconds."""
-    truth = measured(frame, "true_range_m")
+    truth = numeric(frame, "true_range_m")
     middle = float(np.nanmedian(truth)) if np.isfinite(truth).any() else 1.0
-    if middle > LONGEST_M or middle < 0.02:
+    if middle > LONGEST_MEDIAN_RANGE_M or middle < SHORTEST_MEDIAN_RANGE_M:
         raise BenchError(
             f"{source}: the median of true_range_m is {middle:.4g} m: expected metres "
             "(millimetres or kilometres?)"
         )
-    measured_m = measured(frame, "range_m")
+    measured_m = numeric(frame, "range_m")
     ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
-    if ratio > 300 or 0 < ratio < 1 / 300:
+    if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
-    period = measured(frame, "sample_period_ns")
+    period = numeric(frame, "sample_period_ns")
     typical = float(np.nanmedian(period)) if np.isfinite(period).any() else 1.0
-    if not PERIOD_NS[0] <= typical <= PERIOD_NS[1]:
+    if not SAMPLE_PERIOD_NS[0] <= typical <= SAMPLE_PERIOD_NS[1]:
         raise BenchError(f"{source}: sample_period_ns is {typical:.4g}: expected nanoseconds")
 
 
 def _check_time(frame: pd.DataFrame, source: str) -> None:
     """Raise where time runs backwards between rows of one link and pair of devices."""
-    time = measured(frame, "time_s")
+    time = numeric(frame, "time_s")
     if not np.isfinite(time).any():
         return
     keys = [name for name in ("link", "tx", "rx", "los") if name in frame]

@@ -9,12 +9,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.observables import SCALARS, Floats
+from bench.discrepancy.settings import MOST_CATEGORIES, RAREST_CATEGORY
 from bench.recordings.table import CIR_COLUMNS
 
 # Columns that are measured, not known before; "link" is the unit, not a covariate.
 MEASURED = {*SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link"}
-MAX_CATEGORIES = 24
-MIN_SHARE = 0.02  # a category held by fewer rows is not searched on its own
 
 
 @dataclass(frozen=True)
@@ -68,9 +67,9 @@ def _categories(column: str, values: pd.Series) -> dict[str, NDArray[np.bool_]]:
         share = values.value_counts(normalize=True)
     except TypeError:  # lists or arrays: not a category
         return {}
-    if len(share) < 2 or len(share) > MAX_CATEGORIES:
+    if len(share) < 2 or len(share) > MOST_CATEGORIES:
         return {}
-    common = share.index[share > MIN_SHARE]
+    common = share.index[share > RAREST_CATEGORY]
     return {f"{column}={value}": np.asarray(values == value, bool) for value in common}
 
 
@@ -81,7 +80,7 @@ def _obstacles(values: pd.Series) -> dict[str, NDArray[np.bool_]]:
     masks = {f"obstacle={kind}": np.array([kind in row for row in lists]) for kind in kinds}
     if kinds:
         masks["obstructed"] = np.array([bool(row) for row in lists])
-    return {name: mask for name, mask in masks.items() if MIN_SHARE < mask.mean() < 1}
+    return {name: mask for name, mask in masks.items() if RAREST_CATEGORY < mask.mean() < 1}
 
 
 def _pairs(frame: pd.DataFrame) -> dict[str, NDArray[np.bool_]]:

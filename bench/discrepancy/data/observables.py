@@ -15,17 +15,24 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.cir_features import shape_figures
+from bench.discrepancy.settings import (
+    LEAD_LEVEL,
+    NOISE_BEFORE_NS,
+    PROFILE_EDGES_NS,
+    RISE_HIGH,
+    RISE_LOW,
+    WINDOW_AFTER,
+    WINDOW_BEFORE,
+    WINDOW_FULL_SHARE,
+)
 from bench.recordings.table import SAMPLE_PERIOD_NS
 
 Floats = NDArray[np.float64]
 
-# Delay bins of the power profile, ns after the detected first path (one sample is 1.0016 ns).
-PROFILE_EDGES_NS = (-4.0, -1.5, 1.5, 3.5, 6.5, 10.5, 15.5, 22.5, 32.5, 45.5, 62.5, 82.5, 105.5)
-RISE_HIGH, RISE_LOW = 0.6, 6.0  # Marano et al. 2010: share of the maximum, multiples of noise std
-LEAD_LEVEL = 5.0  # multiples of the noise standard deviation that count as energy before the path
 
+RANGE = "error_m"  # the observable every table has
 SCALARS = {
-    "error_m": "m",
+    RANGE: "m",
     "rx_power_dbm": "dB",
     "first_path_power_dbm": "dB",
     "noise_std": "counts",
@@ -126,13 +133,15 @@ class Window:
 
 
 def window_of(frame: pd.DataFrame) -> Window:
-    """Return the widest window nearly every row of a table can fill, at most 24 + 110 samples."""
+    """Return the widest window nearly every row of a table can fill, within bounds."""
     if "cir" not in frame or "first_path_index" not in frame or not len(frame):
         return Window()
     first = np.nan_to_num(_numbers(frame["first_path_index"]))
     length = np.array([len(cir) for cir in frame["cir"]])
-    before = int(np.clip(np.quantile(np.floor(first), 0.02), 2, 24))
-    after = int(np.clip(np.quantile(length - np.floor(first), 0.02), 16, 110))
+    before = int(np.clip(np.quantile(np.floor(first), 1 - WINDOW_FULL_SHARE), *WINDOW_BEFORE))
+    after = int(
+        np.clip(np.quantile(length - np.floor(first), 1 - WINDOW_FULL_SHARE), *WINDOW_AFTER)
+    )
     return Window(before, after)
 
 
@@ -194,7 +203,7 @@ def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:
     """Return the noise std [n]: as logged, else from the samples well before the path."""
     if np.isfinite(logged).all():
         return logged
-    before = (delay < -3.5) & np.isfinite(magnitude)
+    before = (delay < NOISE_BEFORE_NS) & np.isfinite(magnitude)
     power = np.where(before, magnitude, 0.0) ** 2
     return np.where(np.isfinite(logged), logged, np.sqrt(power.sum(1) / before.sum(1) / 2))
 

@@ -10,14 +10,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.settings import (
+    DISCOVER_SHARE,
+    FEWEST_LINKS,
+    FIT_SHARE,
+    RARE_DEVICE,
+    SHARED_BELOW,
+    STRETCH_ROWS,
+)
 from bench.errors import BenchError
 
 T = TypeVar("T")
 Rows = NDArray[np.intp]
-MIN_LINKS = 4
-FEW_LINKS = 8  # below this, discover and fit share links (in stretches of rows), confirm does not
-STRETCH = 20  # rows
-RARE_LINKS = 8  # a device of fewer links is spread over both working parts
 
 
 class Sealed(Generic[T]):
@@ -77,7 +81,7 @@ def link_codes(frame: pd.DataFrame) -> NDArray[np.intp]:
 
 
 def split_links(
-    frame: pd.DataFrame, seed: int, shares: tuple[float, float] = (0.4, 0.35)
+    frame: pd.DataFrame, seed: int, shares: tuple[float, float] = (DISCOVER_SHARE, FIT_SHARE)
 ) -> LinkSplit:
     """Split the links once into discover / fit / confirm, by seed.
 
@@ -87,15 +91,15 @@ def split_links(
     """
     codes = link_codes(frame)
     count = int(codes.max()) + 1 if len(codes) else 0
-    if count < MIN_LINKS:
+    if count < FEWEST_LINKS:
         raise BenchError(
-            f"{count} link(s): a diagnosis holds links out, so at least {MIN_LINKS} are expected"
+            f"{count} link(s): a diagnosis holds links out, so at least {FEWEST_LINKS} are expected"
         )
     order = np.random.default_rng(seed).permutation(count)
     wanted = max(1, round(count * (1 - sum(shares))))
     devices = _devices(frame, codes, count)
     held = _held_out(order, wanted, devices)
-    if count < FEW_LINKS:
+    if count < SHARED_BELOW:
         return _shared(codes, held, count)
     rest = [link for link in order.tolist() if link not in held]
     part = np.full(count, 1)
@@ -112,7 +116,7 @@ def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> 
     what is fitted on the one side has to be there on the other.
     """
     seen = Counter(name for link in rest for name in set(devices[link]))
-    few = {name for name, links in seen.items() if name and links < RARE_LINKS}
+    few = {name for name, links in seen.items() if name and links < RARE_DEVICE}
     first = {link: min(few & set(devices[link]), default="") for link in rest}
     rare = sorted((link for link in rest if first[link]), key=first.__getitem__)
     chosen = [link for i, link in enumerate(rare) if int((i + 1) * share) > int(i * share)]
@@ -126,7 +130,7 @@ def _shared(codes: NDArray[np.intp], held: set[int], count: int) -> LinkSplit:
     place = np.zeros(len(codes), np.intp)
     for link in range(count):
         rows = np.flatnonzero(codes == link)
-        place[rows] = np.arange(len(rows)) // STRETCH
+        place[rows] = np.arange(len(rows)) // STRETCH_ROWS
     parts = [np.flatnonzero(~aside & (place % 2 == which)) for which in (0, 1)]
     return LinkSplit(parts[0], parts[1], Sealed(np.flatnonzero(aside)), count, shared=True)
 
@@ -167,3 +171,16 @@ def _still_known(link: int, held: set[int], devices: list[tuple[str, str]]) -> b
                     reached.add(far)
                     front.append(far)
     return goal in reached
+
+
+def thinned(rows: Rows, links: NDArray[np.intp], most: int) -> Rows:
+    """Return at most about `most` rows, evenly from every link."""
+    if len(rows) <= most:
+        return rows
+    place = pd.Series(links[rows])
+    order = place.groupby(place).cumcount().to_numpy()
+    size = place.map(place.value_counts()).to_numpy()
+    quota = np.maximum(1, most // len(np.unique(links[rows])))
+    wide = np.maximum(size, quota)
+    keep = (order * quota) // wide != ((order - 1) * quota) // wide
+    return np.asarray(rows[keep])

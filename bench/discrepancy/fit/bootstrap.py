@@ -12,11 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from bench.discrepancy.compare.resimulation import Added, View, World, common
+from bench.discrepancy.compare.view import Added, Comparison, View, common
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.clocks import Heard, polynomial
-from bench.discrepancy.fit.headings import HEADINGS_DEG, SMOOTH, curve_over
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
-from bench.discrepancy.select.verdict import ParameterEstimate
+from bench.discrepancy.settings import (
+    HALF_TURN_DEG,
+    HEADING_BENDS,
+    HEADING_STEP_DEG,
+    INTERVAL_LEVEL,
+    KNOT_ROWS,
+    LEVEL_KNOTS_DBM,
+    RESIDUAL_MEMBERS,
+    VALUE_DRAWS,
+)
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
@@ -27,11 +38,6 @@ from bench.physics.effects.propagation.antenna_pattern import heading_rad
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Values = Callable[[Rows, Floats, bool], Floats]
-DRAWS = 60
-LEVEL = 0.90
-MEMBERS = 4
-SEED = 0
-LEAST_ROWS = 10  # within a knot's reach: below it a level is not determined
 
 
 def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Values] | None:
@@ -65,9 +71,11 @@ def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Val
 def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
     """Return the bias at every heading in metres, NaN where hardly a row is near it."""
     turn = np.degrees(heading[rows])[:, None] - np.array(HEADINGS_DEG)
-    near = (np.abs((turn + 180) % 360 - 180) < 15.0).sum(axis=0)
-    curve = curve_over(heading[rows], residual_m[rows], SMOOTH[0])
-    return np.where(near >= LEAST_ROWS, curve, np.nan)
+    near = (
+        np.abs((turn + HALF_TURN_DEG) % (2 * HALF_TURN_DEG) - HALF_TURN_DEG) < HEADING_STEP_DEG
+    ).sum(axis=0)
+    curve = curve_over(heading[rows], residual_m[rows], HEADING_BENDS[0])
+    return np.where(near >= KNOT_ROWS, curve, np.nan)
 
 
 def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:
@@ -78,26 +86,26 @@ def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:
 
 def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Floats:
     """Return the bias at every knot in metres, NaN where hardly a row is near it."""
-    near = (np.abs(level[rows][:, None] - KNOTS_DBM) < 3.0).sum(axis=0)
+    near = (np.abs(level[rows][:, None] - KNOTS_DBM) < LEVEL_KNOTS_DBM[2]).sum(axis=0)
     curve = curve_at_knots(level[rows], residual_m[rows], falling=bounded)
-    return np.where(near >= LEAST_ROWS, curve, np.nan)
+    return np.where(near >= KNOT_ROWS, curve, np.nan)
 
 
 def latent_intervals(
-    world: World, view: View, added: Added, effect: Effect
+    comparison: Comparison, view: View, added: Added, effect: Effect
 ) -> tuple[ParameterEstimate, ...]:
     """Return the values an effect holds with 90 % intervals, none where it holds none."""
     found = latent_values(view, effect)
-    ensemble = world.ensemble(view, common(added, view), MEMBERS)
-    if found is None or "error_m" not in ensemble.names:
+    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    if found is None or RANGE not in ensemble.names:
         return ()
     names, unit, values = found
-    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    residual = ensemble.residual_of(RANGE)
     centre = values(np.arange(len(residual)), residual, True)
     links = np.unique(view.links)
     draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
-    wide = float(student.ppf((1 + LEVEL) / 2, max(len(links) - 1, 1)))
-    wide *= np.sqrt(1 + 1 / (MEMBERS * view.rich))
+    wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(len(links) - 1, 1)))
+    wide *= np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
     half = wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
@@ -115,9 +123,10 @@ def _spread(draws: Floats) -> Floats:
 
 
 def _resampled(codes: Rows, links: Rows) -> list[Rows]:
-    """Return the rows of links drawn with replacement, `DRAWS` times."""
-    rng = np.random.default_rng(SEED)
+    """Return the rows of links drawn with replacement, `VALUE_DRAWS` times."""
+    rng = np.random.default_rng(0)
     rows = {link: np.flatnonzero(codes == link) for link in links}
     return [
-        np.concatenate([rows[link] for link in rng.choice(links, len(links))]) for _ in range(DRAWS)
+        np.concatenate([rows[link] for link in rng.choice(links, len(links))])
+        for _ in range(VALUE_DRAWS)
     ]

@@ -18,23 +18,30 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_array, hstack
 from scipy.sparse.csgraph import connected_components
 
-from bench.discrepancy.compare.resimulation import View, measured
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.discrepancy.settings import (
+    CLOCK_FOLDS,
+    CLOCK_KNOTS,
+    CLOCK_LINK_FOLDS,
+    CLOCK_SHORTEST_S,
+    CLOCK_STRETCHES,
+    DRIFT_PRIOR_PPM_PER_HOUR,
+    HUBER,
+    MAD_TO_STD,
+    OFFSET_PRIOR_PPM,
+    RICHER_CLOCK,
+    SCALE_SETTLED,
+    WANDER_PASSES,
+    WANDER_SETTLES_S,
+    WANDER_SPREADS_PPM,
+)
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
-DRIFT_PRIOR_PPM_PER_HOUR = 0.5  # crystals drift by tenths of a ppm per hour indoors
-OFFSET_PRIOR_PPM = 20.0
-SPREADS_PPM = (0.01, 0.03, 0.1, 0.3, 1.0)
-SETTLES_S = (600.0, 3600.0, 21600.0, 129600.0)
-KNOTS = 32  # at most, per device
-SHORTEST_S = 10.0  # between knots
-FOLDS = 4
-STRETCHES = 8  # per pair of devices and link
-BETTER = 0.9  # error on left-out rows, against the simpler clock, that a richer one must reach
-PASSES = 20
 
 
 @dataclass(frozen=True)
@@ -66,8 +73,8 @@ class Heard:
     def of(cls, view: View, residual_m: Floats) -> Heard:
         """Return the rows of a view with their residual ranges [n]."""
         names, tx, rx = ends(view)
-        time = measured(view.frame, "time_s")
-        reply_s = np.nan_to_num(measured(view.frame, "reply_time_s"))
+        time = numeric(view.frame, "time_s")
+        reply_s = np.nan_to_num(numeric(view.frame, "reply_time_s"))
         per_ppm = C_M_PER_NS * reply_s / 2 * 1e3
         return cls(names, tx, rx, time, per_ppm, residual_m, view.links, view)
 
@@ -92,14 +99,16 @@ class Heard:
         for pair in np.unique(code):
             rows = np.flatnonzero(code == pair)
             rows = rows[np.argsort(self.time_s[rows], kind="stable")]
-            fold[rows] = (np.arange(len(rows)) * STRETCHES // len(rows) + pair) % FOLDS
+            fold[rows] = (np.arange(len(rows)) * CLOCK_STRETCHES // len(rows) + pair) % CLOCK_FOLDS
         return fold
 
     @cached_property
     def parts(self) -> Rows:
         """Fold of each row [n]: whole links."""
         names = np.unique(self.links)
-        return np.asarray(np.searchsorted(names, self.links) % max(min(5, len(names)), 1))
+        return np.asarray(
+            np.searchsorted(names, self.links) % max(min(CLOCK_LINK_FOLDS, len(names)), 1)
+        )
 
 
 def device_clock(view: View, residual_m: Floats) -> DeviceClock:
@@ -110,7 +119,7 @@ def device_clock(view: View, residual_m: Floats) -> DeviceClock:
     heard = Heard.of(view, residual_m)
     every = np.arange(len(view.links))
     linear = _drift_helps(heard)
-    curved = walking(heard, every) if _times(heard) >= 2 * STRETCHES else None
+    curved = walking(heard, every) if _times(heard) >= 2 * CLOCK_STRETCHES else None
     if curved and _wander_helps(heard, Wander(curved.spread_ppm, curved.settle_s), linear):
         return curved
     return polynomial(heard, every, linear)
@@ -129,7 +138,7 @@ def _drift_helps(heard: Heard) -> bool:
     for kept, held in _folds(heard, heard.parts):
         for drift in (False, True):
             left[drift] += heard.error(polynomial(heard, kept, drift), held) * len(held)
-    return left[True] < BETTER * left[False]
+    return left[True] < RICHER_CLOCK * left[False]
 
 
 def _wander_helps(heard: Heard, wander: Wander, linear: bool) -> bool:
@@ -139,7 +148,7 @@ def _wander_helps(heard: Heard, wander: Wander, linear: bool) -> bool:
     """
     ways = [heard.stretches] + [heard.parts] * (len(np.unique(heard.links)) >= 3)
     left = np.sum([_compared(heard, wander, linear, fold) for fold in ways], axis=0)
-    return bool(left[1] < BETTER * left[0])
+    return bool(left[1] < RICHER_CLOCK * left[0])
 
 
 def _compared(heard: Heard, wander: Wander, linear: bool, fold: Rows) -> tuple[float, float]:
@@ -199,7 +208,7 @@ def walking(
     if not len(rows) or max(map(len, knots)) < 2:
         return None
     problem = _Walk(heard, rows, knots)
-    tried = wanders or tuple(Wander(s, t) for s in SPREADS_PPM for t in SETTLES_S)
+    tried = wanders or tuple(Wander(s, t) for s in WANDER_SPREADS_PPM for t in WANDER_SETTLES_S)
     weight = problem.weights(tried[-1])
     fits = [problem.solve(wander, weight) for wander in tried]
     best = int(np.argmax([evidence for _, evidence in fits]))
@@ -207,13 +216,13 @@ def walking(
 
 
 def _knots(heard: Heard, rows: Rows, device: int) -> Floats:
-    """Return when a device was heard [k], at most KNOTS mean times of equal intervals."""
+    """Return when a device was heard [k], at most CLOCK_KNOTS mean times of equal intervals."""
     here = (heard.tx[rows] == device) | (heard.rx[rows] == device)
     time = np.sort(heard.time_s[rows][here])
     if not len(time):
         return time
-    width = SHORTEST_S
-    while len(np.unique(time // width)) > KNOTS:
+    width = CLOCK_SHORTEST_S
+    while len(np.unique(time // width)) > CLOCK_KNOTS:
         width *= 1.5
     code = np.unique(time // width, return_inverse=True)[1]
     return np.asarray(np.bincount(code, time) / np.bincount(code))
@@ -271,11 +280,11 @@ class _Walk:
         """Return weight / variance of each row [n], Huber-weighted around its own solution."""
         scale = max(float(np.std(self.target)), 1e-6)
         weight = np.full(len(self.target), scale**-2)
-        for _ in range(PASSES):
+        for _ in range(WANDER_PASSES):
             left = np.abs(self.target - self.design @ self.solve(wander, weight)[0])
-            last, scale = scale, max(float(1.4826 * np.median(left)), 1e-3)
-            weight = np.minimum(1.0, 1.5 * scale / np.maximum(left, 1e-12)) / scale**2
-            if abs(scale - last) < 0.02 * scale:
+            last, scale = scale, max(float(MAD_TO_STD * np.median(left)), 1e-3)
+            weight = np.minimum(1.0, HUBER * scale / np.maximum(left, 1e-12)) / scale**2
+            if abs(scale - last) < SCALE_SETTLED * scale:
                 break
         return weight
 

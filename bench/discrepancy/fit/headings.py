@@ -5,19 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.resimulation import Added, View, World, common
+from bench.discrepancy.compare.view import Added, Comparison, View, common
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.settings import (
+    HALF_TURN_DEG,
+    HEADING_BENDS,
+    HEADING_FOLDS,
+    HEADING_SECTOR_DEG,
+    HEADING_SECTORS,
+    HEADING_STEP_DEG,
+    RESIDUAL_MEMBERS,
+)
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
-MEMBERS = 4
-HEADINGS_DEG = tuple(np.arange(-180.0, 180.0, 15.0).tolist())
-SMOOTH = (0.03, 0.1, 0.3, 1.0)  # weights of the bends, tried on links left out
-FOLDS = 4
-SECTORS = 6  # of 12: headings that fill fewer are no circle
+HEADINGS_DEG = tuple(np.arange(-HALF_TURN_DEG, HALF_TURN_DEG, HEADING_STEP_DEG).tolist())
 
 
-def pattern_curve(world: World, view: View, added: Added) -> PatternCurve | None:
+def pattern_curve(comparison: Comparison, view: View, added: Added) -> PatternCurve | None:
     """Return the curve that the residual range of the rows follows over the heading.
 
     None where headings are not known or all alike. A constant is no pattern: the curve's mean over
@@ -25,12 +31,12 @@ def pattern_curve(world: World, view: View, added: Added) -> PatternCurve | None
     leaves least.
     """
     heading = heading_rad(view.scene)
-    if len(np.unique(np.floor(np.degrees(heading) / 30))) < SECTORS:
+    if len(np.unique(np.floor(np.degrees(heading) / HEADING_SECTOR_DEG))) < HEADING_SECTORS:
         return None
-    ensemble = world.ensemble(view, common(added, view), MEMBERS)
-    if "error_m" not in ensemble.names:
+    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    if RANGE not in ensemble.names:
         return None
-    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    residual = ensemble.residual_of(RANGE)
     bias = curve_over(heading, residual, smoothest(heading, residual, view.links))
     return PatternCurve(HEADINGS_DEG, tuple(bias.tolist()))
 
@@ -51,17 +57,17 @@ def curve_over(heading: Floats, residual: Floats, smooth: float) -> Floats:
 
 def smoothest(heading: Floats, residual: Floats, links: NDArray[np.intp]) -> float:
     """Return the weight of the bends that leaves least on links left out."""
-    fold = np.unique(links, return_inverse=True)[1] % FOLDS
+    fold = np.unique(links, return_inverse=True)[1] % HEADING_FOLDS
     left = []
-    for smooth in SMOOTH:
+    for smooth in HEADING_BENDS:
         miss = 0.0
-        for part in range(FOLDS):
+        for part in range(HEADING_FOLDS):
             out = fold == part
             bias = curve_over(heading[~out], residual[~out], smooth)
             guess = closed(heading[out], HEADINGS_DEG, tuple(bias.tolist()))
             miss += float(np.nansum(np.abs(residual[out] - guess)))
         left.append(miss)
-    return SMOOTH[int(np.argmin(left))]
+    return HEADING_BENDS[int(np.argmin(left))]
 
 
 _EYE = np.eye(len(HEADINGS_DEG))

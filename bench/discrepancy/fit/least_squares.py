@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 from scipy.sparse.linalg import lsqr
 
-from bench.discrepancy.compare.resimulation import View
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.settings import HUBER, MAD_TO_STD, ROBUST_PASSES
 
 Floats = NDArray[np.float64]
 
@@ -35,12 +36,12 @@ def robust(design: csr_array, target: Floats, prior: Floats) -> Floats:
     weight = np.ones(len(y))
     found = np.zeros(design.shape[1])
     scale = max(float(np.std(y)), 1e-6)
-    for _ in range(6):
+    for _ in range(ROBUST_PASSES):
         root = np.sqrt(weight) / scale
         ridge = csr_array(np.diag(1 / prior))
         matrix = vstack([rows.multiply(root[:, None]), ridge])
         found = lsqr(matrix, np.concatenate([y * root, np.zeros(len(prior))]), atol=1e-12)[0]
         left = np.abs(y - rows @ found)
-        scale = max(float(1.4826 * np.median(left)), 1e-4)
-        weight = np.minimum(1.0, 1.5 * scale / np.maximum(left, 1e-12))
+        scale = max(float(MAD_TO_STD * np.median(left)), 1e-4)
+        weight = np.minimum(1.0, HUBER * scale / np.maximum(left, 1e-12))
     return np.asarray(found, np.float64)

@@ -9,64 +9,89 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.sparse import csr_array
 
-from bench.discrepancy.compare.resimulation import Added, View, World, common, measured
+from bench.discrepancy.compare.view import Added, Comparison, View, common
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.discrepancy.settings import (
+    BUDGET_AT_1M_DBM,
+    BUDGET_SPREADS_DB,
+    DELAY_PRIOR_NS,
+    LEVEL_BEND,
+    LEVEL_KNOTS_DBM,
+    LEVEL_KNOWN_SHARE,
+    LEVEL_WEAK_ROWS,
+    LONGEST_DELAY_NS,
+    MAD_TO_STD,
+    MOST_LEVEL_BIAS_M,
+    RESIDUAL_MEMBERS,
+    STEEPEST_M_PER_KNOT,
+    UNCOMPRESSED_DBM,
+)
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]
-MEMBERS = 4
-DELAY_PRIOR_NS = 3.0
 
 
-def latent_effects(world: World, view: View, added: Added) -> list[Effect]:
+def latent_effects(comparison: Comparison, view: View, added: Added) -> list[Effect]:
     """Return the effects with values per device or level that the rows support."""
-    curves = power_curve(world, view, added), pattern_curve(world, view, added)
-    return [*device_terms(world, view, added), *(curve for curve in curves if curve)]
+    curves = power_curve(comparison, view, added), pattern_curve(comparison, view, added)
+    return [*device_terms(comparison, view, added), *(curve for curve in curves if curve)]
 
 
-def device_terms(world: World, view: View, added: Added) -> list[Effect]:
+def device_terms(comparison: Comparison, view: View, added: Added) -> list[Effect]:
     """Return the device effects that the residual range of the rows supports, none without ids."""
     if "tx" not in view.frame or "rx" not in view.frame:
         return []
-    ensemble = world.ensemble(view, common(added, view), MEMBERS)
-    if "error_m" not in ensemble.names:
+    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    if RANGE not in ensemble.names:
         return []
-    residual = ensemble.residual[:, ensemble.names.index("error_m")]
+    residual = ensemble.residual_of(RANGE)
     out: list[Effect] = []
-    if np.nanmax(measured(view.frame, "reply_time_s"), initial=0) > 0:
+    if np.nanmax(numeric(view.frame, "reply_time_s"), initial=0) > 0:
         out.append(device_clock(view, residual))
     delay = device_delay(view, residual)
     return [*out, delay] if delay else out
 
 
-UNCOMPRESSED_DBM = -80.5  # logged levels below this follow the true one
-MAX_BIAS_M = 0.3  # APS011: -11 to +8 cm at 64 MHz PRF and 500 MHz, -28 to +15 cm at others
-KNOTS_DBM = np.arange(-97.0, -50.0, 3.0)
-STEEPEST_M = 0.12  # per knot: three times the steepest part of the published curve
+KNOTS_DBM = np.arange(*LEVEL_KNOTS_DBM)
 
 
-def power_curve(world: World, view: View, added: Added) -> PowerCurve | None:
+def power_curve(comparison: Comparison, view: View, added: Added) -> PowerCurve | None:
     """Return the bias curve over receive level that fits the residual range of the rows.
 
     The budget's level at 1 m and its scatter come from the logged levels that are not compressed.
     The curve is piecewise linear with small second differences. None where no level was logged.
     """
-    ensemble = world.ensemble(view, common(added, view), MEMBERS)
-    logged = measured(view.frame, "rx_power_dbm")
+    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    logged = numeric(view.frame, "rx_power_dbm")
     weak = logged < UNCOMPRESSED_DBM
-    if "error_m" not in ensemble.names or np.isfinite(logged).mean() < 0.5 or weak.sum() < 10:
+    if (
+        RANGE not in ensemble.names
+        or np.isfinite(logged).mean() < LEVEL_KNOWN_SHARE
+        or weak.sum() < LEVEL_WEAK_ROWS
+    ):
         return None
     at_1m = np.interp(logged[weak], LOGGED_DBM, TRUE_DBM)
     at_1m = at_1m + 20 * np.log10(view.scene.true_range_m[weak])
-    spread = float(np.clip(1.4826 * np.median(np.abs(at_1m - np.median(at_1m))), 0.5, 15))
-    budget = float(np.clip(np.median(at_1m), -80, -30))
-    residual = ensemble.residual[:, ensemble.names.index("error_m")]
-    fits = [_curve(view, residual, budget, s) for s in sorted({0.5, min(1.0, spread), spread})]
+    spread = float(
+        np.clip(
+            MAD_TO_STD * np.median(np.abs(at_1m - np.median(at_1m))),
+            BUDGET_SPREADS_DB[0],
+            BUDGET_SPREADS_DB[2],
+        )
+    )
+    budget = float(np.clip(np.median(at_1m), *BUDGET_AT_1M_DBM))
+    residual = ensemble.residual_of(RANGE)
+    fits = [
+        _curve(view, residual, budget, s)
+        for s in sorted({BUDGET_SPREADS_DB[0], min(BUDGET_SPREADS_DB[1], spread), spread})
+    ]
     return min(fits, key=lambda fit: fit[1])[0]
 
 
@@ -82,13 +107,13 @@ def _curve(view: View, residual: Floats, budget: float, spread: float) -> tuple[
 def _bounded(bias: Floats, level: Floats) -> Floats:
     """Return the bias within physical bounds of its constant, that at the median level."""
     middle = float(np.interp(np.nanmedian(level), KNOTS_DBM, bias))
-    return np.clip(bias, middle - MAX_BIAS_M, middle + MAX_BIAS_M)
+    return np.clip(bias, middle - MOST_LEVEL_BIAS_M, middle + MOST_LEVEL_BIAS_M)
 
 
 def curve_at_knots(
-    level: Floats, residual: Floats, smooth: float = 0.1, falling: bool = True
+    level: Floats, residual: Floats, smooth: float = LEVEL_BEND, falling: bool = True
 ) -> Floats:
-    """Return the bias at KNOTS_DBM: it only falls as the level rises, by `STEEPEST_M` per knot.
+    """Return the bias at KNOTS_DBM: it only falls as the level rises, and not too steeply.
 
     Where not `falling`, it may do anything: for its scatter, which a bound would hide.
 
@@ -100,7 +125,7 @@ def curve_at_knots(
     bend = np.diff(np.eye(len(KNOTS_DBM)), 2, axis=0) * smooth * np.sqrt(known.sum())
     target = np.concatenate([residual[known], np.zeros(len(bend))])
     falls = np.triu(np.ones((len(KNOTS_DBM),) * 2))  # bias at a knot = sum of the falls above it
-    bounds = np.full(len(KNOTS_DBM), STEEPEST_M)
+    bounds = np.full(len(KNOTS_DBM), STEEPEST_M_PER_KNOT)
     bounds[-1] = np.inf
     lowest = np.where(np.isinf(bounds), -np.inf, 0.0)
     if not falling:
@@ -118,7 +143,7 @@ def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
     if len({tuple(sorted(pair)) for pair in zip(tx.tolist(), rx.tolist(), strict=True)}) < 2:
         return None
     found = delays_of(view, residual_m, np.arange(len(residual_m)))
-    if np.abs(found).max() > 20:
+    if np.abs(found).max() > LONGEST_DELAY_NS:
         return None  # metres are not a delay
     return DeviceDelay(ends(view)[0], tuple(found.tolist()))
 

@@ -14,9 +14,18 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.hypotheses import OWN
+from bench.discrepancy.settings import (
+    LEAST_SCALE,
+    REGRESSION_BETTER,
+    REGRESSION_FOLDS,
+    REGRESSION_KNOTS,
+    REGRESSION_LEAVES,
+    REGRESSION_RATE,
+    REGRESSION_ROWS,
+    REGRESSION_TREES,
+)
 
 Floats = NDArray[np.float64]
-MAX_ROWS = 4000
 
 
 def corrected(
@@ -55,7 +64,7 @@ def _inputs(part: Ensemble, covariates: Covariates, names: tuple[str, ...], targ
     columns = [covariates.matrix(names)] if names else []
     for own in OWN:
         if own in part.names and own != target:
-            value = part.recorded[:, part.names.index(own)]
+            value = part.recorded_of(own)
             columns.append(np.nan_to_num(value, nan=float(np.nanmedian(value)))[:, None])
     return np.hstack(columns) if columns else np.zeros((len(part.links), 1))
 
@@ -65,9 +74,9 @@ def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Float
     from sklearn.model_selection import GroupKFold, cross_val_predict
 
     y = fit.residual[:, which]
-    known = np.flatnonzero(np.isfinite(y))[:MAX_ROWS]
+    known = np.flatnonzero(np.isfinite(y))[:REGRESSION_ROWS]
     links = fit.links[known]
-    folds = GroupKFold(min(4, max(2, len(np.unique(links)))))
+    folds = GroupKFold(min(REGRESSION_FOLDS, max(2, len(np.unique(links)))))
     members = fit.simulated[:, known, which]
     spread = np.sqrt(members.var(axis=0, ddof=1).mean() * (1 + 1 / len(members)))
     best, left = None, y[known] - y[known].mean()
@@ -75,11 +84,11 @@ def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Float
     if len(np.unique(links)) > 1:
         for model in [*_models(), *_fine(X[known])]:
             guess = cross_val_predict(model, X[known], y[known], groups=links, cv=folds)
-            if np.mean(np.abs(y[known] - guess)) < 0.98 * np.mean(np.abs(left)):
+            if np.mean(np.abs(y[known] - guess)) < REGRESSION_BETTER * np.mean(np.abs(left)):
                 best, left = model, y[known] - guess
     if best is not None:
         shift = best.fit(X[known], y[known]).predict(X_held)
-    return np.asarray(shift, np.float64), float(max(left.std() / max(spread, 1e-12), 0.05))
+    return np.asarray(shift, np.float64), float(max(left.std() / max(spread, 1e-12), LEAST_SCALE))
 
 
 def _models() -> list[Any]:
@@ -89,15 +98,16 @@ def _models() -> list[Any]:
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import SplineTransformer, StandardScaler
 
-    spline = SplineTransformer(6, knots="quantile", extrapolation="constant")
+    spline = SplineTransformer(REGRESSION_KNOTS[0], knots="quantile", extrapolation="constant")
     smooth = make_pipeline(StandardScaler(), spline, RidgeCV(np.logspace(-3, 3, 7)))
     trees = HistGradientBoostingRegressor(
-        max_iter=60, max_leaf_nodes=12, min_samples_leaf=15, learning_rate=0.15, random_state=0
+        max_iter=REGRESSION_TREES,
+        max_leaf_nodes=REGRESSION_LEAVES[0],
+        min_samples_leaf=REGRESSION_LEAVES[1],
+        learning_rate=REGRESSION_RATE,
+        random_state=0,
     )
     return [smooth, trees]
-
-
-FINE_KNOTS = 24  # resolves what changes sign several times over the range of a covariate
 
 
 def _fine(X: Floats) -> list[Any]:
@@ -107,8 +117,8 @@ def _fine(X: Floats) -> list[Any]:
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import SplineTransformer
 
-    numbers = [j for j in range(X.shape[1]) if len(np.unique(X[:, j])) > FINE_KNOTS]
-    spline = SplineTransformer(FINE_KNOTS, knots="quantile", extrapolation="constant")
+    numbers = [j for j in range(X.shape[1]) if len(np.unique(X[:, j])) > REGRESSION_KNOTS[1]]
+    spline = SplineTransformer(REGRESSION_KNOTS[1], knots="quantile", extrapolation="constant")
     return [
         make_pipeline(ColumnTransformer([("fine", spline, [j])]), RidgeCV(np.logspace(-3, 3, 7)))
         for j in numbers

@@ -14,27 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from bench.discrepancy.compare.resimulation import Added, View, World
 from bench.discrepancy.compare.skill import Tally, tally, weight_of
+from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.fit.bootstrap import latent_intervals
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.search import by_level, free_parameters, valued
-from bench.discrepancy.select.verdict import ParameterEstimate
+from bench.discrepancy.settings import (
+    AT_BOUND,
+    FLAT_CURVATURE,
+    FLAT_LOADING,
+    INTERVAL_LEVEL,
+    INTERVAL_MEMBERS,
+    LEAST_CURVATURE,
+    STEP_DB,
+    STEP_OF_BOUNDS,
+    STEP_OF_WAY,
+)
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
 PerLink = Callable[[Floats], Tally]
-MEMBERS = 8
-LEVEL = 0.90
-FLAT = 1e-4  # of the largest curvature: a direction in which the score hardly changes
-LOADING = 0.05  # share of a parameter in flat directions from which on it is not determined
 
 
 def parameter_intervals(
-    world: World, view: View, added: Added, effect: Effect
+    comparison: Comparison, view: View, added: Added, effect: Effect
 ) -> tuple[ParameterEstimate, ...]:
     """Return every fitted parameter with its 90 % interval, from the rows it was fitted on."""
     if not effect.fitted:
-        return latent_intervals(world, view, added, effect)
+        return latent_intervals(comparison, view, added, effect)
     free = free_parameters(type(effect))
     moving = [p for p in free if p.high > p.low]
     values = np.array([float(getattr(effect, p.name)) for p in moving])
@@ -47,11 +54,13 @@ def parameter_intervals(
         inside = np.clip(theta, edges[:, 0], edges[:, 1])  # a sum may end just beyond a bound
         given = {p.name: float(v) for p, v in zip(moving, inside, strict=True)}
         changed = valued(type(effect), given)
-        return tally(world.ensemble(view, (*added, changed), MEMBERS))
+        return tally(comparison.ensemble(view, (*added, changed), INTERVAL_MEMBERS))
 
     errors = _standard_errors(per_link, centre, steps)
     links = len(np.unique(view.links))
-    wide = float(student.ppf((1 + LEVEL) / 2, max(links - 1, 1))) * np.sqrt(1 + 1 / MEMBERS)
+    wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(links - 1, 1))) * np.sqrt(
+        1 + 1 / INTERVAL_MEMBERS
+    )
     return tuple(
         _estimate(p, v, wide * e) for p, v, e in zip(moving, values.tolist(), errors, strict=True)
     )
@@ -60,15 +69,17 @@ def parameter_intervals(
 def _step(item: Parameter, value: float) -> float:
     """Return the step of the differences, inwards where a bound is near."""
     if by_level(item):
-        return 1.0
-    size = max(abs(value - (item.null or 0.0)) * 0.1, (item.high - item.low) * 0.002)
-    size = min(size, (item.high - item.low) / 4)
+        return STEP_DB
+    size = max(
+        abs(value - (item.null or 0.0)) * STEP_OF_WAY, (item.high - item.low) * STEP_OF_BOUNDS[0]
+    )
+    size = min(size, (item.high - item.low) * STEP_OF_BOUNDS[1])
     return float(size)
 
 
 def _estimate(item: Parameter, value: float, half: float) -> ParameterEstimate:
     """Return a parameter with its interval, cut at the physical bounds."""
-    edge = 1e-3 * (item.high - item.low)
+    edge = AT_BOUND * (item.high - item.low)
     bound = value - item.low < edge or item.high - value < edge
     bound = bound and value != item.null
     half = half if np.isfinite(half) else item.high - item.low
@@ -99,7 +110,7 @@ def _standard_errors(per_link: PerLink, values: Floats, steps: Floats) -> Floats
 def _row_scale(centre: Tally) -> Floats:
     """Return weight / (rows x mean CRPS) per observable: the linearised log score."""
     weights = np.array([weight_of(name) for name in centre.names])
-    return np.asarray(weights / np.maximum(centre.sums.sum(axis=0), 1e-12))
+    return np.asarray(weights / np.maximum(centre.sums.sum(axis=0), LEAST_CURVATURE))
 
 
 def _moved(
@@ -115,11 +126,11 @@ def _moved(
 def _sandwich(hessian: Floats, gradient: Floats) -> Floats:
     """Return the square roots of the diagonal of H^-1 G H^-1, in steps."""
     rooted = np.linalg.eigh((hessian + hessian.T) / 2)
-    flat = rooted.eigenvalues <= FLAT * max(rooted.eigenvalues.max(), 1e-12)
+    flat = rooted.eigenvalues <= FLAT_CURVATURE * max(rooted.eigenvalues.max(), LEAST_CURVATURE)
     if flat.all():
         return np.full(len(hessian), np.inf)
     # Parameters along which the score is flat together are not determined one by one.
-    loose = (rooted.eigenvectors[:, flat] ** 2).sum(axis=1) > LOADING
+    loose = (rooted.eigenvectors[:, flat] ** 2).sum(axis=1) > FLAT_LOADING
     stiff = rooted.eigenvectors[:, ~flat]
     inverse = (stiff / rooted.eigenvalues[~flat]) @ stiff.T
     centred = gradient - gradient.mean(axis=0)

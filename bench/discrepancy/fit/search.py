@@ -12,30 +12,40 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from bench.discrepancy.compare.ensemble import NothingSharedError
-from bench.discrepancy.compare.resimulation import Added, View, World
 from bench.discrepancy.compare.skill import Tally, gain, tally
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.settings import (
+    DECADES,
+    DECIBEL_STEPS,
+    DELAY_POINTS,
+    ELSEWHERE_LEVELS,
+    ELSEWHERE_POINTS,
+    ELSEWHERE_SHARES,
+    EVALUATIONS,
+    EVALUATIONS_PER_PARAMETER,
+    FINE_LINE_STEPS,
+    FIRST_STEP_AT_NULL,
+    FIRST_STEP_DB,
+    FIRST_STEP_LOG,
+    FIRST_STEP_OF_WAY,
+    FIRST_STEP_OTHER,
+    FIT_MEMBERS,
+    IDLE_NATS,
+    LINE_STEPS,
+    LOUD_DB,
+    MORE_DESCENTS,
+    NOTHING_NATS,
+    RATIO_STEPS,
+    SCATTERED_POINTS,
+    SIMPLEX_DONE,
+    STALLED,
+    STRIKING_RICHER,
+)
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
-FIT_MEMBERS = 4
-STEPS = (1.0, 0.5, 0.25, 0.12, 0.05, 0.02, 0.005)  # share of the way from null to the bound
-FINE_STEPS = (0.0025, 0.001, 0.0004)  # besides, where paths alone are simulated, which is cheap
-RATIO_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # the same where the way is in decades
-EVALUATIONS = 60
-PER_PARAMETER = 15  # of these at least, where there are waveforms and so much to fit
-SIMPLICES = 2  # further searches there at most, each from where the last one ended
-STALLED = 0.01  # of the gain, or nats: less than this and another search is not worth it
-ELSEWHERE = 8  # points tried with the other parameters elsewhere
-STRENGTHS = (None, 0.05, 0.2, 0.5)  # amplitudes tried there: as found so far, shares of the bound
-LEVELS = (None, 0.85, 0.7, 0.5)  # the same where the way is in decibels
-DECIBEL_STEPS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
-LOUD_DB = 30.0  # a level that may be this far above "nothing" is searched evenly in decibels
-DELAYS = 16  # of those points where a delay is among the other parameters: echoes are short
 FLAG = "0 or 1"
-IDLE = 1e-9  # nats: a parameter that changes less does nothing here
-DECADES = 1e3  # a parameter whose bounds are this far apart, both positive, is searched by ratio
-NOTHING = -1e6  # the gain of parameter values that leave nothing to compare
 
 
 @dataclass(frozen=True)
@@ -51,15 +61,21 @@ class Objective:
     """Gain of one kind of effect over the current simulator as a function of its parameters."""
 
     def __init__(
-        self, kind: type[Effect], world: World, view: View, added: Added, base: Tally
+        self, kind: type[Effect], comparison: Comparison, view: View, added: Added, base: Tally
     ) -> None:
-        self.kind, self.world, self.view, self.added, self.base = kind, world, view, added, base
+        self.kind, self.comparison, self.view, self.added, self.base = (
+            kind,
+            comparison,
+            view,
+            added,
+            base,
+        )
         self.free = free_parameters(kind)
         self.evaluations = 0
         self.best: tuple[float, Effect] | None = None
 
     def __call__(self, values: dict[str, float]) -> float:
-        """Return the gain of these parameter values; an ensemble that is not finite counts NOTHING.
+        """Return the gain of these parameter values; what is not finite counts as nothing.
 
         Raises BenchError where the effect itself fails.
         """
@@ -67,7 +83,7 @@ class Objective:
         effect = valued(self.kind, values)
         members = members_for(self.kind, self.view, FIT_MEMBERS)
         try:
-            made = self.world.ensemble(self.view, (*self.added, effect), members)
+            made = self.comparison.ensemble(self.view, (*self.added, effect), members)
         except NothingSharedError as problem:
             raise BenchError(
                 f"effect {self.kind.name!r} gives values that are not finite"
@@ -78,7 +94,7 @@ class Objective:
             raise BenchError(f"effect {self.kind.name!r} failed: {problem}") from problem
         found = gain(self.base, tally(made))
         if set(made.names) < set(self.base.names) or not np.isfinite(found):
-            return NOTHING
+            return NOTHING_NATS
         if self.best is None or found > self.best[0]:
             self.best = (found, effect)
         return found
@@ -89,7 +105,7 @@ def members_for(kind: type[Effect], view: View, members: int) -> int:
 
     Few draws per link are few strikes, and parameters would be fitted to the draws.
     """
-    return 3 * members if kind.per_link and not view.waveform else members
+    return STRIKING_RICHER * members if kind.per_link and not view.waveform else members
 
 
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
@@ -125,7 +141,7 @@ def screen(objective: Objective) -> Fitted:
 
 def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
     """Return the points of the screening."""
-    plain = STEPS + FINE_STEPS if thorough else STEPS
+    plain = LINE_STEPS + FINE_LINE_STEPS if thorough else LINE_STEPS
     free = free_parameters(kind)
     amplitudes = [p for p in free if p.null is not None]
     defaults = {p.name: p.default for p in free}
@@ -139,7 +155,10 @@ def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
         out += _together(amplitudes, defaults)
     if not amplitudes:
         rng = np.random.default_rng(0)
-        out += [{p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free} for _ in range(12)]
+        out += [
+            {p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free}
+            for _ in range(SCATTERED_POINTS)
+        ]
     return out
 
 
@@ -151,7 +170,7 @@ def _together(amplitudes: list[Parameter], defaults: dict[str, float]) -> list[d
     off = defaults | {p.name: float(p.null or 0.0) for p in amplitudes}
     ways = {p.name: (float(p.null or 0.0), max(p.low, p.high, key=_from(p))) for p in amplitudes}
     out = []
-    for step in STEPS[:-1]:
+    for step in LINE_STEPS[:-1]:
         at = {p.name: _inside(p, _between(p, *ways[p.name], step)) for p in amplitudes}
         out += [off | at, *(off | {name: value} for name, value in at.items())]
     return out
@@ -182,8 +201,8 @@ def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[st
         return []
     now = {p.name: float(getattr(best, p.name)) for p in free}
     echo = any(p.name.endswith("delay_ns") for p in others)
-    points = qmc.Sobol(len(others), seed=0).random(DELAYS if echo else ELSEWHERE)
-    shares = LEVELS if by_level(amplitudes[0]) else STRENGTHS
+    points = qmc.Sobol(len(others), seed=0).random(DELAY_POINTS if echo else ELSEWHERE_POINTS)
+    shares = ELSEWHERE_LEVELS if by_level(amplitudes[0]) else ELSEWHERE_SHARES
     out = []
     for number, point in enumerate(points):
         spread = {p.name: _between(p, p.low, p.high, u) for p, u in zip(others, point, strict=True)}
@@ -233,7 +252,7 @@ def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) 
     if not objective.free:
         return start
     if objective.view.waveform:
-        evaluations = max(evaluations, PER_PARAMETER * len(objective.free))
+        evaluations = max(evaluations, EVALUATIONS_PER_PARAMETER * len(objective.free))
     return _descended(objective, start, evaluations)
 
 
@@ -242,7 +261,7 @@ def pursue(objective: Objective, found: Fitted) -> Fitted:
 
     A simplex in many dimensions shrinks before it has arrived; a fresh one goes on.
     """
-    for _ in range(SIMPLICES):
+    for _ in range(MORE_DESCENTS):
         before, found = found.gain, refine(objective, found)
         if found.gain - before < STALLED * max(abs(found.gain), 1.0):
             break
@@ -264,7 +283,12 @@ def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
     if not objective.view.waveform:
         ways = ways[_moving(loss, ways)]  # a simplex of idle dimensions only shrinks
     simplex = np.vstack([np.zeros(len(ways)), np.eye(len(ways))])
-    options: Any = {"maxfev": evaluations, "initial_simplex": simplex, "xatol": 0.02, "fatol": 1e-4}
+    options: Any = {
+        "maxfev": evaluations,
+        "initial_simplex": simplex,
+        "xatol": SIMPLEX_DONE[0],
+        "fatol": SIMPLEX_DONE[1],
+    }
 
     def along(y: Floats) -> float:
         return loss(y @ ways)
@@ -278,7 +302,7 @@ def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
 def _moving(loss: Callable[[Floats], float], ways: Floats) -> NDArray[np.intp]:
     """Return which of some steps change the loss at all: paths alone leave parameters idle."""
     here = loss(np.zeros(ways.shape[1]))
-    return np.flatnonzero([abs(loss(way) - here) > IDLE for way in ways])
+    return np.flatnonzero([abs(loss(way) - here) > IDLE_NATS for way in ways])
 
 
 def _ends(free: tuple[Parameter, ...], which: int) -> list[tuple[Parameter, float]]:
@@ -302,13 +326,13 @@ def _step(item: Parameter, value: float) -> float:
     A factor of 1.6 for a parameter that spans decades, 3 dB for a level.
     """
     if by_level(item):
-        return 3.0 if value + 3 <= item.high else -3.0
+        return FIRST_STEP_DB if value + FIRST_STEP_DB <= item.high else -FIRST_STEP_DB
     if by_ratio(item):
-        return 0.5 if value < item.high / 2 else -0.5
+        return FIRST_STEP_LOG if value < item.high / 2 else -FIRST_STEP_LOG
     low, high, value = (_scaled(item, v) for v in (item.low, item.high, value))
     null = None if item.null is None else _scaled(item, item.null)
     if null is not None and value != null:
-        step = (value - null) / 3
+        step = (value - null) / FIRST_STEP_OF_WAY
     else:
-        step = (high - low) * (0.02 if null is not None else 0.1)
+        step = (high - low) * (FIRST_STEP_AT_NULL if null is not None else FIRST_STEP_OTHER)
     return float(step if value + step <= high else -step)

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
+from bench.discrepancy.settings import CLIP_STD, INTERVAL_COUNTS, TAIL_SHARE
 
 Floats = NDArray[np.float64]
 Links = NDArray[np.intp]
 Moment = Literal["mean", "spread", "link", "slope"]
-BINS = (4, 12)  # coarse intervals for what is weak, fine ones for what changes sign
-CLIP = 8.0  # standardised values beyond this are clipped, so one wild row decides nothing
 OWN = ("rx_power_dbm", "first_path_power_dbm")  # observables that others are searched against
 
 
@@ -70,7 +69,7 @@ def places(covariates: Covariates, ensemble: Ensemble) -> Iterator[tuple[Place, 
         yield from _intervals(name, value)
     for name in OWN:
         if name in ensemble.names:
-            yield from _intervals(name, ensemble.versions[..., ensemble.names.index(name)])
+            yield from _intervals(name, ensemble.versions_of(name))
 
 
 def _intervals(name: str, value: Floats) -> Iterator[tuple[Place, Floats]]:
@@ -78,9 +77,9 @@ def _intervals(name: str, value: Floats) -> Iterator[tuple[Place, Floats]]:
     known = value[np.isfinite(value)]
     if not len(known) or known.max() <= known.min():
         return
-    tails = np.quantile(known, [0.0, 0.05, 0.95, 1.0])
+    tails = np.quantile(known, [0.0, TAIL_SHARE, 1 - TAIL_SHARE, 1.0])
     pairs = [(tails[0], tails[1]), (tails[2], tails[3])]
-    for bins in BINS:
+    for bins in INTERVAL_COUNTS:
         edges = np.unique(np.quantile(known, np.linspace(0, 1, bins + 1)))
         pairs += list(pairwise(edges)) if len(edges) > 2 else []
     for low, high in pairs:
@@ -101,7 +100,7 @@ def standardised(ensemble: Ensemble) -> NDArray[np.float32]:
     typical = np.nanmean(np.median(centred**2, axis=0), axis=0)
     whole = np.nanmean(centred**2, axis=(0, 1))
     scale = np.sqrt(np.where(typical > 0, typical, whole + 1e-30))
-    return np.asarray(np.clip(np.nan_to_num(centred / scale), -CLIP, CLIP), np.float32)
+    return np.asarray(np.clip(np.nan_to_num(centred / scale), -CLIP_STD, CLIP_STD), np.float32)
 
 
 def link_sums(

@@ -18,9 +18,16 @@ from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.hypotheses import Cell, Links, link_sums
+from bench.discrepancy.settings import (
+    FAMILY_WISE,
+    MOST_CLUSTERS,
+    MOST_FINDINGS,
+    PERMUTATIONS,
+    PERMUTED_AT_ONCE,
+    SPREAD_TOLD,
+)
 
 Floats = NDArray[np.float64]
-MAX_CLUSTERS = 80  # more links than this are grouped at random: still exchangeable, and faster
 _MOMENT_WORDS = {
     "mean": "",
     "spread": " (spread)",
@@ -77,9 +84,9 @@ def locate(
     ensemble: Ensemble,
     covariates: Covariates,
     seed: int,
-    alpha: float = 0.05,
-    permutations: int = 499,
-    top: int = 12,
+    alpha: float = FAMILY_WISE,
+    permutations: int = PERMUTATIONS,
+    top: int = MOST_FINDINGS,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
@@ -91,7 +98,7 @@ def locate(
     z, null = _permuted(sums, rng, permutations)
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
-    told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else 0.6 for cell in cells]
+    told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
     best = [i for i in np.argsort(-told) if p[i] <= alpha][:top]
     found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
     threshold = float(np.quantile(null, 1 - alpha))
@@ -103,10 +110,10 @@ def locate(
 
 def _clusters(links: int, rng: np.random.Generator) -> list[Links] | None:
     """Return random groups of links where there are many, else None."""
-    if links <= MAX_CLUSTERS:
+    if links <= MOST_CLUSTERS:
         return None
     order = np.asarray(rng.permutation(links), np.intp)
-    starts = np.linspace(0, links, MAX_CLUSTERS, endpoint=False).astype(np.int64)
+    starts = np.linspace(0, links, MOST_CLUSTERS, endpoint=False).astype(np.int64)
     return np.split(order, starts[1:])
 
 
@@ -121,8 +128,8 @@ def _permuted(
     scale = np.sqrt((sums**2).mean(axis=0).sum(axis=0))
     normal = (sums / np.where(scale > 0, scale, np.inf)).reshape(versions * clusters, count)
     null = np.empty(permutations)
-    for start in range(0, permutations, 100):
-        size = min(100, permutations - start)
+    for start in range(0, permutations, PERMUTED_AT_ONCE):
+        size = min(PERMUTED_AT_ONCE, permutations - start)
         pick = rng.integers(versions, size=(size, clusters)) * clusters + np.arange(clusters)
         chosen = np.zeros((size, versions * clusters), np.float32)
         np.put_along_axis(chosen, pick, 1.0, axis=1)
@@ -139,7 +146,7 @@ def cell_weight(cell: Cell, ensemble: Ensemble, covariates: Covariates) -> Float
         return cell.place.weight(covariates.groups[name])
     if name in covariates.numbers:
         return cell.place.weight(covariates.numbers[name])
-    return cell.place.weight(ensemble.recorded[:, ensemble.names.index(name)])
+    return cell.place.weight(ensemble.recorded_of(name))
 
 
 def _finding(

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bench.discrepancy.diagnose import Study
+from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.select.verdict import (
     Ambiguous,
@@ -20,31 +20,31 @@ from bench.files import write_atomically
 from bench.physics.toml_file import to_toml
 
 
-def write_report(study: Study, folder: Path) -> Path:
+def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
     """Write report.md, diagnosis.json, simulator.toml (where there is one) and the figures.
 
     Returns the report's path. Raises BenchError where the folder cannot be written.
     """
-    figures = draw(study, folder)
-    if study.simulator is not None:
-        write_atomically(folder / "simulator.toml", to_toml(study.simulator))
-    write_atomically(folder / "diagnosis.json", json.dumps(summary(study), indent=1) + "\n")
+    figures = draw(diagnosis, folder)
+    if diagnosis.simulator is not None:
+        write_atomically(folder / "simulator.toml", to_toml(diagnosis.simulator))
+    write_atomically(folder / "diagnosis.json", json.dumps(summary(diagnosis), indent=1) + "\n")
     path = folder / "report.md"
-    write_atomically(path, markdown(study, figures))
+    write_atomically(path, markdown(diagnosis, figures))
     return path
 
 
-def summary(study: Study) -> dict[str, Any]:
+def summary(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the diagnosis as plain data; keys carry units."""
-    seen = study.confirmed
+    seen = diagnosis.confirmed
     return {
-        "recorded": study.source,
-        "simulated": study.simulated,
-        "seed": study.options.seed,
-        "hidden": list(study.options.hide),
-        "verdicts": [as_dict(verdict) for verdict in study.diagnosis.verdicts],
-        "skipped_effects": dict(study.diagnosis.skipped),
-        "covariate_mix": {k: {"shift_std": s, "p": p} for k, (s, p) in study.mix.items()},
+        "recorded": diagnosis.source,
+        "simulated": diagnosis.simulated,
+        "seed": diagnosis.options.seed,
+        "hidden": list(diagnosis.options.hide),
+        "verdicts": [as_dict(verdict) for verdict in diagnosis.selection.verdicts],
+        "skipped_effects": dict(diagnosis.selection.skipped),
+        "covariate_mix": {k: {"shift_std": s, "p": p} for k, (s, p) in diagnosis.mix.items()},
         "confirm": {
             "links": seen.links,
             "rows": seen.rows,
@@ -56,21 +56,21 @@ def summary(study: Study) -> dict[str, Any]:
             "rank_distance_before": seen.ranks_before,
             "rank_distance_after": seen.ranks_after,
         },
-        "simulator_toml": None if study.simulator is None else to_toml(study.simulator),
+        "simulator_toml": None if diagnosis.simulator is None else to_toml(diagnosis.simulator),
     }
 
 
-def markdown(study: Study, figures: list[tuple[str, str]]) -> str:
+def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     """Return the report as Markdown."""
-    lines = [f"# Diagnosis: {study.simulated} against {study.source}", ""]
+    lines = [f"# Diagnosis: {diagnosis.simulated} against {diagnosis.source}", ""]
     lines += ["## What was found", ""]
-    for verdict in study.diagnosis.verdicts:
+    for verdict in diagnosis.selection.verdicts:
         lines += [*describe(verdict), ""]
-    lines += _confirm_lines(study) + _mix_lines(study) + _search_lines(study)
+    lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
     lines += ["## Pictures", ""]
     for name, caption in figures:
         lines += [f"![{caption}]({name})", f"*{caption}.*", ""]
-    return "\n".join(lines + _method_lines(study)) + "\n"
+    return "\n".join(lines + _method_lines(diagnosis)) + "\n"
 
 
 def describe(verdict: Verdict) -> list[str]:
@@ -88,7 +88,7 @@ def describe(verdict: Verdict) -> list[str]:
         ]
     if isinstance(verdict, Ambiguous):
         out = [f"**{' or '.join(verdict.names)}**: these recordings cannot tell them apart."]
-        out += [f"To tell: {verdict.separate}."]
+        out += [f"To progress: {verdict.separate}."]
         return out + [line for option in verdict.options for line in _option_lines(option)]
     return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict)]
 
@@ -121,9 +121,9 @@ def _short(values: dict[str, Any]) -> str:
     return "; ".join(f"{name} = {shown(value)}" for name, value in values.items())
 
 
-def _confirm_lines(study: Study) -> list[str]:
+def _confirm_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the before and after table of the confirm links."""
-    seen = study.confirmed
+    seen = diagnosis.confirmed
     return [
         f"## Before and after, on {seen.links} confirm links ({seen.rows} rows)",
         "",
@@ -143,20 +143,20 @@ def _confirm_lines(study: Study) -> list[str]:
     ]
 
 
-def _mix_lines(study: Study) -> list[str]:
+def _mix_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what differs in the mix of covariates, where tables were compared."""
-    if not study.mix:
+    if not diagnosis.mix:
         return []
     out = ["## The mix of covariates (not physics)", ""]
-    for name, (shift, p) in study.mix.items():
+    for name, (shift, p) in diagnosis.mix.items():
         out += [f"- {name}: recorded - simulated = {shift:+.2f} standard deviations, p = {p:.3g}"]
     return [*out, ""]
 
 
-def _search_lines(study: Study) -> list[str]:
+def _search_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the search, round by round."""
     out = ["## The search", ""]
-    for number, turn in enumerate(study.diagnosis.rounds, 1):
+    for number, turn in enumerate(diagnosis.selection.rounds, 1):
         state = "nothing significant" if not turn.located.significant else "differs:"
         out += [f"Round {number} ({turn.located.cells} places searched): {state}", ""]
         out += [f"- {finding}" for finding in turn.located.findings[:4]]
@@ -164,25 +164,25 @@ def _search_lines(study: Study) -> list[str]:
             for one in turn.explanation.contenders:
                 out += [f"- tried {one.name}: gain {one.gain}"]
         out += [f"- **added: {turn.added.name}**" if turn.added else "- nothing added", ""]
-    for name, reason in study.diagnosis.skipped.items():
+    for name, reason in diagnosis.selection.skipped.items():
         out += [f"Skipped {name}: {reason}", ""]
     return out
 
 
-def _method_lines(study: Study) -> list[str]:
+def _method_lines(diagnosis: Diagnosis) -> list[str]:
     """Return how to read the figures."""
     shared = (
         " Links are few: search and fit used alternate stretches of the same links."
-        if study.split.shared
+        if diagnosis.split.shared
         else ""
     )
     return [
         "## How to read this",
         "",
-        f"{study.split.links} links were split once (seed {study.options.seed}) into discover, fit "
-        f"and confirm; the confirm links were opened once, for the table above.{shared} p values "
-        "hold for the whole search (permutation over links, maximum statistic). Gain: weighted sum "
-        "over observables of log(CRPS before / CRPS after); 0.1 in one observable is a tenth off "
-        "its score. Intervals come from resampling links.",
+        f"{diagnosis.split.links} links were split once (seed {diagnosis.options.seed}) into "
+        "discover, fit and confirm; the confirm links were opened once, for the table above."
+        f"{shared} p values hold for the whole search (permutation over links, maximum "
+        "statistic). Gain: weighted sum over observables of log(CRPS before / CRPS after); 0.1 in "
+        "one observable is a tenth off its score. Intervals come from resampling links.",
         "Every simulated figure is SIMULATED.",
     ]

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.diagnose import Confirmed, Study
+from bench.discrepancy.confirm import Confirmed
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.settings import FIGURE_BINS
 from bench.files import atomic_path
 
 if TYPE_CHECKING:
@@ -19,35 +22,35 @@ Floats = NDArray[np.float64]
 RECORDED, BEFORE, AFTER = "#222222", "#c44e52", "#4c72b0"
 
 
-def draw(study: Study, folder: Path) -> list[tuple[str, str]]:
-    """Write every figure that the study supports; return (file name, caption) of each."""
+def draw(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
+    """Write every figure that the diagnosis supports; return (file name, caption) of each."""
     made = [
         ("residual.png", residual_figure, "Recorded minus simulated range error on confirm links"),
         ("ladder.png", ladder_figure, "What each added effect gained on held-out links"),
         ("ranks.png", ranks_figure, "Ranks of the recorded error in the ensemble: flat is right"),
     ]
-    if any(name.startswith("profile_db") for name in study.confirmed.before.names):
+    if any(name.startswith("profile_db") for name in diagnosis.confirmed.before.names):
         made.insert(0, ("profile.png", profile_figure, "Median power-delay profile, confirm links"))
     for name, figure, caption in made:
-        _save(folder / name, figure, study, caption)
+        _save(folder / name, figure, diagnosis, caption)
     return [(name, caption) for name, _, caption in made]
 
 
-def _save(path: Path, figure: Any, study: Study, caption: str) -> None:
+def _save(path: Path, figure: Any, diagnosis: Diagnosis, caption: str) -> None:
     """Draw one figure without a display and write it atomically."""
     from matplotlib.figure import Figure
 
     canvas = Figure(figsize=(7, 4), layout="constrained")
     axes = canvas.add_subplot()
-    figure(axes, study)
+    figure(axes, diagnosis)
     axes.set_title(caption, fontsize=10)
     with atomic_path(path) as scratch:
         canvas.savefig(scratch, dpi=110, format="png")
 
 
-def profile_figure(axes: Axes, study: Study) -> None:
+def profile_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Median power per delay bin: recorded, simulated before, simulated after."""
-    seen = study.confirmed
+    seen = diagnosis.confirmed
     which = [i for i, name in enumerate(seen.before.names) if name.startswith("profile_db")]
     labels = [seen.before.names[i][11:-1] for i in which]
     for values, colour, label in _three(seen, which):
@@ -70,10 +73,10 @@ def _three(seen: Confirmed, which: list[int]) -> list[tuple[Floats, str, str]]:
     ]
 
 
-def residual_figure(axes: Axes, study: Study) -> None:
+def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Residual of the range error over the covariate that the search found first."""
-    seen = study.confirmed
-    column = responsible(study)
+    seen = diagnosis.confirmed
+    column = responsible(diagnosis)
     value = _covariate(seen, column)
     if value is None:
         value, column = np.arange(len(seen.before.links), dtype=np.float64), "row"
@@ -85,11 +88,11 @@ def residual_figure(axes: Axes, study: Study) -> None:
     axes.legend()
 
 
-def responsible(study: Study) -> str:
+def responsible(diagnosis: Diagnosis) -> str:
     """Return the numeric covariate of a finding over which the range residual varies most."""
-    seen = study.confirmed
-    every = [f for turn in study.diagnosis.rounds for f in turn.located.findings]
-    findings = [f for f in every if f.cell.observable == "error_m"] or every
+    seen = diagnosis.confirmed
+    every = [f for turn in diagnosis.selection.rounds for f in turn.located.findings]
+    findings = [f for f in every if f.cell.observable == RANGE] or every
     places = [f.cell.place.covariate for f in findings]
     names = dict.fromkeys(name for name in places if name and name != "time_s")
     known = {name: _covariate(seen, name) for name in names}
@@ -101,11 +104,11 @@ def _covariate(seen: Confirmed, name: str) -> Floats | None:
     """Return a known number or a recorded observable of the confirm rows [n], None if neither."""
     value = seen.view.covariates.numbers.get(name)
     if value is None and name in seen.before.names:
-        value = seen.before.recorded[:, seen.before.names.index(name)]
+        value = seen.before.recorded_of(name)
     return value
 
 
-def _explained(value: Floats, residual: Floats, bins: int = 6) -> float:
+def _explained(value: Floats, residual: Floats, bins: int = FIGURE_BINS) -> float:
     """Return the share of the residual's variance between quantile bins of a covariate."""
     known = np.isfinite(value) & np.isfinite(residual)
     if known.sum() < bins or np.var(residual[known]) == 0:
@@ -127,14 +130,14 @@ def _residual(ensemble: Ensemble) -> Floats:
     return np.asarray(ensemble.residual[:, ensemble.names.index(name)])
 
 
-def ladder_figure(axes: Axes, study: Study) -> None:
+def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Held-out gain of every effect in the order it was added, with 95 % intervals.
 
     Small marks: what the others would have gained in its place.
     """
     steps = [
         turn.explanation.contenders
-        for turn in study.diagnosis.rounds
+        for turn in diagnosis.selection.rounds
         if turn.added is not None and turn.explanation is not None
     ]
     places = np.arange(len(steps))
@@ -159,9 +162,9 @@ def _mark(axes: Axes, value: float, place: int, name: str) -> None:
     axes.text(value, place + 0.25, f"  {name}", fontsize=6, rotation=20, color=BEFORE)
 
 
-def ranks_figure(axes: Axes, study: Study) -> None:
+def ranks_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Histogram of ensemble ranks, before and after."""
-    seen = study.confirmed
+    seen = diagnosis.confirmed
     for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
         name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
         ranks = ensemble.ranks()[:, ensemble.names.index(name)]

@@ -11,26 +11,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from bench.discrepancy.compare.resimulation import Added, View, World, swapped, without
 from bench.discrepancy.compare.skill import gain, gain_interval, gains, tally
+from bench.discrepancy.compare.view import Added, Comparison, View, swapped, without
 from bench.discrepancy.fit.per_device import latent_effects
-from bench.discrepancy.fit.search import FIT_MEMBERS, Fitted, Objective, refine, screen
+from bench.discrepancy.fit.search import Fitted, Objective, refine, screen
 from bench.discrepancy.select.candidates import (
-    SCORE_FIRST,
-    SCORE_MEMBERS,
     Contender,
     Explanation,
     contender,
 )
+from bench.discrepancy.settings import (
+    BACKFIT_EVALUATIONS,
+    BACKFIT_PASSES,
+    BACKFIT_STALLED_NATS,
+    EQUIVALENT_SHARE,
+    FIT_MEMBERS,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    SIMPLER_SHARE,
+    TIED_CONTENDERS,
+    TOUCHED_NATS,
+)
 from bench.errors import BenchError
 from bench.physics.effect import Effect
-
-PASSES = 2
-POLISH = 30  # evaluations per effect and pass
-AHEAD = 3  # contenders that are tried with all others fitted again
-TOUCHED = 0.01  # nats of gain in an observable from which on an effect is said to act on it
-HALF = 0.5  # of the gain of a more flexible effect, that a simpler one must reach to go first
-ENOUGH = 0.01  # nats of gain on the fitted rows below which another pass is not worth it
 
 
 def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanation:
@@ -56,12 +59,14 @@ def chosen_first(explanation: Explanation, seed: int, margin: float) -> Explanat
         alike = [one for one in common if _matches(explanation, one, first, seed)]
         first = alike[0] if alike else first
     inside = [one for one in sure if one.name in type(first.effect).contains]
-    first = next((one for one in inside if one.gain.value >= HALF * first.gain.value), first)
+    first = next(
+        (one for one in inside if one.gain.value >= SIMPLER_SHARE * first.gain.value), first
+    )
     return explanation.led_by(first)
 
 
 def refitted(
-    world: World,
+    comparison: Comparison,
     views: tuple[View, View],
     added: Added,
     explanation: Explanation,
@@ -76,15 +81,15 @@ def refitted(
     from what the effects added so far reach when they are fitted again without anything new: what
     they gain by that is no merit of a contender.
     """
-    likely = [one for one in explanation.contenders[:AHEAD] if one.gain.likely_above_zero]
-    explanation = _from_refitted(world, views, added, explanation, seed)
+    likely = [one for one in explanation.contenders[:TIED_CONTENDERS] if one.gain.likely_above_zero]
+    explanation = _from_refitted(comparison, views, added, explanation, seed)
     have = {effect.physics for effect in added}
     fresh = [kind() for kind in kinds.values() if kind.per_link and kind.name not in have]
     tries = [(one.effect, 1) for one in likely] + [(effect, 2) for effect in fresh]
     made = [*explanation.contenders]
     for effect, passes in tries:
-        whole = polished(world, views[0], (*added, effect), passes, False)
-        scored = tally(world.ensemble(views[1], whole, SCORE_MEMBERS, SCORE_FIRST))
+        whole = polished(comparison, views[0], (*added, effect), passes, False)
+        scored = tally(comparison.ensemble(views[1], whole, SCORE_MEMBERS, SCORE_FIRST))
         gained = gain_interval(explanation.base, scored, seed)
         made.append(Contender(whole[-1], scored, gained, whole))
     made.sort(key=lambda one: -one.gain.value)
@@ -93,11 +98,15 @@ def refitted(
 
 
 def _from_refitted(
-    world: World, views: tuple[View, View], added: Added, explanation: Explanation, seed: int
+    comparison: Comparison,
+    views: tuple[View, View],
+    added: Added,
+    explanation: Explanation,
+    seed: int,
 ) -> Explanation:
     """Return the explanation with gains over the effects added so far, fitted again if better."""
-    alone = polished(world, views[0], added, 2, False)
-    again = tally(world.ensemble(views[1], alone, SCORE_MEMBERS, SCORE_FIRST))
+    alone = polished(comparison, views[0], added, 2, False)
+    again = tally(comparison.ensemble(views[1], alone, SCORE_MEMBERS, SCORE_FIRST))
     if gain(explanation.base, again) <= 0:
         return explanation
     made = [
@@ -117,16 +126,16 @@ def beyond(explanation: Explanation, least: float) -> Explanation:
 def _matches(explanation: Explanation, one: Contender, best: Contender, seed: int) -> bool:
     """Return whether `one` does about as well as `best` on the observables that it touches."""
     mine, its = (gains(explanation.base, each.tally) for each in (one, best))
-    names = tuple(name for name, value in mine.items() if value > TOUCHED)
+    names = tuple(name for name, value in mine.items() if value > TOUCHED_NATS)
     reached = sum(mine[name] for name in names)
-    if reached < HALF * sum(its.get(name, 0.0) for name in names):
+    if reached < SIMPLER_SHARE * sum(its.get(name, 0.0) for name in names):
         return False
     ahead = gain_interval(one.tally, best.tally, seed, names)
     return one.effect.stage == "ranging" or not ahead.above_zero
 
 
 def polished(
-    world: World, fit: View, added: Added, passes: int = PASSES, anew: bool = True
+    comparison: Comparison, fit: View, added: Added, passes: int = BACKFIT_PASSES, anew: bool = True
 ) -> Added:
     """Fit every added effect again, given the others, until nothing is gained.
 
@@ -137,56 +146,58 @@ def polished(
         gained = 0.0
         for effect in added:
             if effect.fitted:
-                better, more = _again(world, fit, added, effect, anew and number == 0)
+                better, more = _again(comparison, fit, added, effect, anew and number == 0)
                 added = swapped(added, better)
                 gained += more
-        if gained < ENOUGH:
+        if gained < BACKFIT_STALLED_NATS:
             break
     return added
 
 
 def _again(
-    world: World, fit: View, added: Added, effect: Effect, anew: bool
+    comparison: Comparison, fit: View, added: Added, effect: Effect, anew: bool
 ) -> tuple[Effect, float]:
     """Return one effect fitted again, and what that gained on the fitted rows."""
     others = without(added, effect)
-    base = tally(world.ensemble(fit, others, FIT_MEMBERS))
-    objective = Objective(type(effect), world, fit, others, base)
+    base = tally(comparison.ensemble(fit, others, FIT_MEMBERS))
+    objective = Objective(type(effect), comparison, fit, others, base)
     before = objective({p.name: getattr(effect, p.name) for p in objective.free})
     if anew:
         screen(objective)
     assert objective.best is not None
     start = Fitted(objective.best[1], objective.best[0], 0)
-    fitted = refine(objective, start, POLISH)
+    fitted = refine(objective, start, BACKFIT_EVALUATIONS)
     return fitted.effect, fitted.gain - before
 
 
-def settled(world: World, rows: View, added: Added) -> Added:
+def settled(comparison: Comparison, rows: View, added: Added) -> Added:
     """Return every added effect fitted once more on all working rows, parameters where they were.
 
     The choice of effects rests on held-out links; once made, more rows only sharpen it.
     """
     for effect in added:
         if effect.fitted:
-            better, _ = _again(world, rows, added, effect, False)
+            better, _ = _again(comparison, rows, added, effect, False)
         else:
-            better = _relearnt(world, rows, added, effect)
+            better = _relearnt(comparison, rows, added, effect)
         added = swapped(added, better)
     return added
 
 
-def _relearnt(world: World, rows: View, added: Added, effect: Effect) -> Effect:
+def _relearnt(comparison: Comparison, rows: View, added: Added, effect: Effect) -> Effect:
     """Return an effect with values per device or level learnt from these rows, if it scores."""
     rest = without(added, effect)
-    again = [e for e in latent_effects(world, rows, rest) if e.name == effect.name]
+    again = [e for e in latent_effects(comparison, rows, rest) if e.name == effect.name]
     if not again:
         return effect
-    now, then = (tally(world.ensemble(rows, (*rest, e), FIT_MEMBERS)) for e in (effect, again[0]))
+    now, then = (
+        tally(comparison.ensemble(rows, (*rest, e), FIT_MEMBERS)) for e in (effect, again[0])
+    )
     return again[0] if gain(now, then) > 0 else effect
 
 
 def pruned(
-    world: World, held: View, added: Added, seed: int, margin: float, newcomer: str = ""
+    comparison: Comparison, held: View, added: Added, seed: int, margin: float, newcomer: str = ""
 ) -> Added:
     """Return the effects without those that held-out links do not miss.
 
@@ -195,10 +206,12 @@ def pruned(
     shown its gain, stays if leaving it out costs anything.
     """
     while len(added) > 1:
-        whole = tally(world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST))
+        whole = tally(comparison.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST))
         missed = []
         for effect in added:
-            rest = tally(world.ensemble(held, without(added, effect), SCORE_MEMBERS, SCORE_FIRST))
+            rest = tally(
+                comparison.ensemble(held, without(added, effect), SCORE_MEMBERS, SCORE_FIRST)
+            )
             missed.append(gain_interval(rest, whole, seed))
         doubted = [i for i, e in enumerate(added) if e.name != newcomer or missed[i].value <= 0]
         least = min(doubted, key=lambda i: missed[i].value)
@@ -209,14 +222,14 @@ def pruned(
 
 
 def rivals(
-    world: World,
+    comparison: Comparison,
     views: tuple[View, View],
     added: Added,
     effect: Effect,
     others: tuple[Contender, ...],
     kinds: Mapping[str, type[Effect]],
     seed: int,
-    share: float = 0.5,
+    share: float = EQUIVALENT_SHARE,
 ) -> tuple[Contender, ...]:
     """Return those of `others` that would do as well as `effect` with the rest of `added` in place.
 
@@ -226,17 +239,17 @@ def rivals(
     """
     fit, held = views
     rest = without(added, effect)
-    reference = tally(world.ensemble(held, rest, SCORE_MEMBERS, SCORE_FIRST))
-    best = contender(world, held, rest, Fitted(effect, 0.0, 0), reference, seed)
+    reference = tally(comparison.ensemble(held, rest, SCORE_MEMBERS, SCORE_FIRST))
+    best = contender(comparison, held, rest, Fitted(effect, 0.0, 0), reference, seed)
     have = {known.physics for known in added}
     out = []
     for other in others:
         if other.name in have:
             continue
-        found = _fitted(world, fit, rest, other, kinds)
+        found = _fitted(comparison, fit, rest, other, kinds)
         if found is None:
             continue
-        made = contender(world, held, rest, found, reference, seed)
+        made = contender(comparison, held, rest, found, reference, seed)
         ahead = gain_interval(made.tally, best.tally, seed)
         close = made.gain.value >= share * best.gain.value and made.gain.likely_above_zero
         if close and not ahead.above_zero:
@@ -245,16 +258,20 @@ def rivals(
 
 
 def _fitted(
-    world: World, fit: View, rest: Added, other: Contender, kinds: Mapping[str, type[Effect]]
+    comparison: Comparison,
+    fit: View,
+    rest: Added,
+    other: Contender,
+    kinds: Mapping[str, type[Effect]],
 ) -> Fitted | None:
     """Return a rival fitted beside the rest, None where that fails."""
     if not other.effect.fitted:
-        found = [e for e in latent_effects(world, fit, rest) if e.name == other.effect.name]
+        found = [e for e in latent_effects(comparison, fit, rest) if e.name == other.effect.name]
         return Fitted(found[0], 0.0, 0) if found else None
     kind = kinds.get(other.effect.name, type(other.effect))
-    base = tally(world.ensemble(fit, rest, FIT_MEMBERS))
+    base = tally(comparison.ensemble(fit, rest, FIT_MEMBERS))
     try:
-        objective = Objective(kind, world, fit, rest, base)
+        objective = Objective(kind, comparison, fit, rest, base)
         return refine(objective, screen(objective))
     except BenchError:
         return None

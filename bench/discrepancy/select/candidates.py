@@ -8,12 +8,11 @@ from typing import TypeVar
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.resimulation import Added, View, World
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
+from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.fit.per_device import latent_effects
 from bench.discrepancy.fit.reference_regression import corrected
 from bench.discrepancy.fit.search import (
-    FIT_MEMBERS,
     Fitted,
     Objective,
     members_for,
@@ -21,19 +20,23 @@ from bench.discrepancy.fit.search import (
     refine,
     screen,
 )
+from bench.discrepancy.settings import (
+    CURVE_FREEDOM_NATS,
+    EQUIVALENT_SHARE,
+    FAR_BEHIND,
+    FIT_MEMBERS,
+    REFINED,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    WORTH_FITTING_NATS,
+    WORTH_PURSUING,
+)
 from bench.errors import BenchError
 from bench.parallel import in_threads
 from bench.physics.effect import Effect
 from bench.plugins import plugins
 
-SCORE_MEMBERS = 12
-SCORE_FIRST = 100  # replicates of scoring are not those of fitting
-REFINED = 6  # best effects of the screening that are fitted fully
-FAR_BEHIND = 0.12  # of the best gain: what screens below it cannot catch up by fitting
-LEAST = 0.002  # nats
-LEAST_MORE = 0.02  # nats: what a free curve gains by its freedom is less
-NEAR = 0.5  # of the best gain, from which on a fit of a waveform is worth going on with
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 T = TypeVar("T")
 
 
@@ -92,14 +95,14 @@ def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
 
 
 def explain(
-    world: World,
+    comparison: Comparison,
     fit: View,
     held: View,
     added: Added,
     kinds: Mapping[str, type[Effect]],
     focus: tuple[str, ...],
     seed: int,
-    tell: Tell = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> Explanation:
     """Fit every effect of `kinds` on the fit rows and score it on the held-out rows.
 
@@ -108,12 +111,12 @@ def explain(
     links also change places, and scores are those of both (cross-fitting: every link is scored
     by parameters that it had no part in); the parameters stay those of the fit rows.
     """
-    there = _one_way(world, fit, held, added, kinds, focus, seed, tell)
+    there = _one_way(comparison, fit, held, added, kinds, focus, seed, progress)
     if fit.waveform or not there.contenders:
         return there
     wanted = {c.effect.name for c in there.contenders}
     some = {name: kind for name, kind in kinds.items() if name in wanted}
-    return crossed(there, _one_way(world, held, fit, added, some, focus, seed, tell), seed)
+    return crossed(there, _one_way(comparison, held, fit, added, some, focus, seed, progress), seed)
 
 
 def crossed(there: Explanation, back: Explanation, seed: int) -> Explanation:
@@ -136,24 +139,24 @@ def crossed(there: Explanation, back: Explanation, seed: int) -> Explanation:
 
 
 def _one_way(
-    world: World,
+    comparison: Comparison,
     fit: View,
     held: View,
     added: Added,
     kinds: Mapping[str, type[Effect]],
     focus: tuple[str, ...],
     seed: int,
-    tell: Tell,
+    progress: Progress,
 ) -> Explanation:
     """Fit on some rows and score on others."""
-    base = tally(world.ensemble(fit, added, FIT_MEMBERS))
-    screened, skipped = _screened(world, fit, added, kinds, base, tell)
-    before = world.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
+    base = tally(comparison.ensemble(fit, added, FIT_MEMBERS))
+    screened, skipped = _screened(comparison, fit, added, kinds, base, progress)
+    before = comparison.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
     reference = tally(before)
     have = {effect.physics for effect in added}
-    found = [e for e in latent_effects(world, fit, added) if e.physics not in have]
+    found = [e for e in latent_effects(comparison, fit, added) if e.physics not in have]
     terms = [Fitted(effect, 0.0, 0) for effect in found]
-    contenders = [contender(world, held, added, one, reference, seed) for one in terms]
+    contenders = [contender(comparison, held, added, one, reference, seed) for one in terms]
 
     def refined(name: str) -> Fitted:
         return refine(*screened[name])
@@ -166,13 +169,13 @@ def _one_way(
         fits, skipped = fits | more, skipped | failed
 
     def scored(name: str) -> Contender:
-        return contender(world, held, added, fits[name], reference, seed)
+        return contender(comparison, held, added, fits[name], reference, seed)
 
     made, failed = _each(scored, list(fits))
     skipped |= failed
     contenders = _best_of_each([*contenders, *made.values()])
     contenders.sort(key=lambda one: -one.gain.value)
-    nuisance = tally(_nuisance(world, fit, held, added, before, focus))
+    nuisance = tally(_nuisance(comparison, fit, held, added, before, focus))
     removable = gain_interval(reference, nuisance, seed)
     gains = {name: found.gain for name, (_, found) in screened.items()}
     return Explanation(tuple(contenders), reference, removable, nuisance, gains, skipped)
@@ -181,7 +184,7 @@ def _one_way(
 def _near(fits: Mapping[str, Fitted]) -> list[str]:
     """Return the names of the fits that may come out best when searched further."""
     top = max((one.gain for one in fits.values()), default=0.0)
-    return [name for name, one in fits.items() if one.gain > NEAR * top]
+    return [name for name, one in fits.items() if one.gain > WORTH_PURSUING * top]
 
 
 def _promising(
@@ -191,17 +194,17 @@ def _promising(
     gains = {name: found.gain for name, (_, found) in screened.items()}
     top = max([*gains.values(), *(one.gain.value for one in known), 0.0])
     names = sorted(gains, key=lambda name: -gains[name])[:REFINED]
-    return [name for name in names if gains[name] > max(FAR_BEHIND * top, LEAST)]
+    return [name for name in names if gains[name] > max(FAR_BEHIND * top, WORTH_FITTING_NATS)]
 
 
 def _best_of_each(contenders: list[Contender]) -> list[Contender]:
     """Return for every physics the form of it that scored best.
 
-    A curve that contains the library's form has to gain `LEAST_MORE` beside it.
+    A curve that contains the library's form has to gain `CURVE_FREEDOM_NATS` beside it.
     """
 
     def worth(one: Contender) -> float:
-        return one.gain.value - LEAST_MORE * (one.name in type(one.effect).contains)
+        return one.gain.value - CURVE_FREEDOM_NATS * (one.name in type(one.effect).contains)
 
     best: dict[str, Contender] = {}
     for one in contenders:
@@ -211,19 +214,19 @@ def _best_of_each(contenders: list[Contender]) -> list[Contender]:
 
 
 def _screened(
-    world: World,
+    comparison: Comparison,
     fit: View,
     added: Added,
     kinds: Mapping[str, type[Effect]],
     base: Tally,
-    tell: Tell,
+    progress: Progress,
 ) -> tuple[dict[str, tuple[Objective, Fitted]], dict[str, str]]:
     """Return the line search of every effect, and why others were skipped."""
     able = [name for name, kind in kinds.items() if fit.waveform or kind.without_cir]
 
     def searched(name: str) -> tuple[Objective, Fitted]:
-        tell(f"trying {name}")
-        objective = Objective(kinds[name], world, fit, added, base)
+        progress(f"trying {name}")
+        objective = Objective(kinds[name], comparison, fit, added, base)
         return objective, screen(objective)
 
     return _each(searched, able)
@@ -249,24 +252,31 @@ def _each(work: Callable[[str], T], names: list[str]) -> tuple[dict[str, T], dic
 
 
 def contender(
-    world: World, held: View, added: Added, fitted: Fitted, reference: Tally, seed: int
+    comparison: Comparison, held: View, added: Added, fitted: Fitted, reference: Tally, seed: int
 ) -> Contender:
     """Score a fitted effect on held-out rows."""
     members = members_for(type(fitted.effect), held, SCORE_MEMBERS)
-    made = world.ensemble(held, (*added, fitted.effect), members, SCORE_FIRST)
+    made = comparison.ensemble(held, (*added, fitted.effect), members, SCORE_FIRST)
     scored = tally(made)
     return Contender(fitted.effect, scored, gain_interval(reference, scored, seed))
 
 
 def _nuisance(
-    world: World, fit: View, held: View, added: Added, before: Ensemble, focus: tuple[str, ...]
+    comparison: Comparison,
+    fit: View,
+    held: View,
+    added: Added,
+    before: Ensemble,
+    focus: tuple[str, ...],
 ) -> Ensemble:
     """Return the held-out ensemble after the flexible regression."""
-    learnt = world.ensemble(fit, added, SCORE_MEMBERS, SCORE_FIRST)
+    learnt = comparison.ensemble(fit, added, SCORE_MEMBERS, SCORE_FIRST)
     return corrected(learnt, fit.covariates, before, held.covariates, focus)
 
 
-def equivalents(explanation: Explanation, seed: int, share: float = 0.5) -> tuple[Contender, ...]:
+def equivalents(
+    explanation: Explanation, seed: int, share: float = EQUIVALENT_SHARE
+) -> tuple[Contender, ...]:
     """Return the best contender and those that held-out links cannot tell from it.
 
     Where the best is not sure itself, others need only be as good.

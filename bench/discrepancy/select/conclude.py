@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
-from bench.discrepancy.compare.resimulation import Added, without
 from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.locate.hypotheses import Cell
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
-from bench.discrepancy.select.candidates import SCORE_FIRST, SCORE_MEMBERS, Explanation, equivalents
+from bench.discrepancy.select.candidates import Explanation, equivalents
 from bench.discrepancy.select.link_mixture import Strike, apart
+from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -23,21 +22,23 @@ from bench.discrepancy.select.verdict import (
     Unknown,
     Verdict,
 )
+from bench.discrepancy.settings import (
+    CONTROL_QUIET,
+    CONTROL_ROWS,
+    MARGIN_NATS,
+    OFFSET_NATS,
+    REMOVED_SHARE,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    SEARCH_FIRST,
+    SEARCH_MEMBERS,
+    SURE_P,
+)
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 
-if TYPE_CHECKING:
-    from bench.discrepancy.select.stepwise import Round, Search
 
-SEARCH_MEMBERS = 16
-SEARCH_FIRST = 1000  # replicates of the search are fresh in every round
-MARGIN = 0.01  # nats of gain that an effect must reach at least: about 1 % of one score
-APART = 5.0  # nats of evidence for offsets per link: p = 0.0008 by chi-squared
-SURE = 0.005  # family-wise p value below which a mismatch needs no second witness
-SHARE = 0.6  # of what a flexible regression removes, that named effects must remove
-
-
-def verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict, ...]:
+def verdicts(search: Search, rounds: tuple[Round, ...], added: Added) -> tuple[Verdict, ...]:
     """Return what can be said: names that hold, and what is left."""
     last = rounds[-1]
     struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
@@ -47,16 +48,16 @@ def verdicts(search: Search, rounds: list[Round], added: Added) -> tuple[Verdict
     unexplained = last.located.significant and last.added is None
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     # Once effects are fitted, their parameters are only known so well: what that leaves is small.
-    least = MARGIN if added else 0.0
+    least = MARGIN_NATS if added else 0.0
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and _real(search, last))
-    if worth and share < SHARE:
+    if worth and share < REMOVED_SHARE:
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, share))
     return (*named, _unknown(last, "left after the named effects")) if worth else named
 
 
-def _since_struck(rounds: list[Round]) -> Explanation:
+def _since_struck(rounds: tuple[Round, ...]) -> Explanation:
     """Return the first explanation on the links that are judged at the end."""
     start = max((i + 1 for i, turn in enumerate(rounds) if turn.strike), default=0)
     return next(turn.explanation for turn in (*rounds[start:], *rounds) if turn.explanation)
@@ -77,9 +78,9 @@ def _real(search: Search, last: Round) -> bool:
     """
     if not last.located.significant or last.explanation is None:
         return False
-    if last.explanation.removable.above_zero or last.located.p <= SURE:
+    if last.explanation.removable.above_zero or last.located.p <= SURE_P:
         return True
-    return search.work is not None and apart(search.world, search.work, ()) > APART
+    return search.work is not None and apart(search.comparison, search.work, ()) > OFFSET_NATS
 
 
 def _unknown(last: Round, note: str) -> Unknown:
@@ -94,14 +95,16 @@ def _share(search: Search, first: Explanation, added: Added) -> float:
     if not added:
         return 0.0
     before, after = (
-        tally(search.world.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
+        tally(search.comparison.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
         for effects in ((), added)
     )
     reached = gain_interval(before, after, search.seed).value
     return float(reached / max(first.removable.value, reached, 1e-9))
 
 
-def _named(search: Search, rounds: list[Round], added: Added, share: float) -> tuple[Verdict, ...]:
+def _named(
+    search: Search, rounds: tuple[Round, ...], added: Added, share: float
+) -> tuple[Verdict, ...]:
     """Return one verdict per added effect: named alone, or with those that do as well."""
     out: list[Verdict] = []
     for turn in rounds:
@@ -113,7 +116,9 @@ def _named(search: Search, rounds: list[Round], added: Added, share: float) -> t
         same = equivalents(turn.explanation, search.seed)
         if len(added) > 1:
             views = (search.fit, search.discover)
-            held = rivals(search.world, views, added, effect, same[1:], search.kinds, search.seed)
+            held = rivals(
+                search.comparison, views, added, effect, same[1:], search.kinds, search.seed
+            )
             same = (same[0], *held)
         options = tuple(
             _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
@@ -129,7 +134,7 @@ def _left_out(
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""
     others = without(added, turn.added) if turn.added else added
-    intervals = parameter_intervals(search.world, search.sharpest, others, effect)
+    intervals = parameter_intervals(search.comparison, search.sharpest, others, effect)
     control = negative_control(search, others, effect, turn.located.findings[0])
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
 
@@ -138,16 +143,16 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     """Return what is left where the effect must vanish (a wall delay where there is no wall)."""
     words = type(effect).control
     inert = effect.inert(Base().paths(search.discover.scene))
-    if inert.sum() < 10 or inert.all():
+    if inert.sum() < CONTROL_ROWS or inert.all():
         return Control(words, None)
-    ensemble = search.world.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
+    ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
     cell = Cell(top.cell.observable, "mean", top.cell.place)
     if cell.observable not in ensemble.names:
         return Control(words, None)
-    residual = ensemble.residual[:, ensemble.names.index(cell.observable)]
+    residual = ensemble.residual_of(cell.observable)
     quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed)
     loud = float(np.nanmean(np.abs(residual[~inert])))
-    passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < 0.25 * loud
+    passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud
     return Control(words, bool(passed), int(inert.sum()), quiet)
 
 

@@ -21,32 +21,35 @@ from scipy.stats import t as student
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.resimulation import Added, View, World
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.search import free_parameters
-from bench.discrepancy.select.verdict import ParameterEstimate
+from bench.discrepancy.settings import (
+    BEHIND_M,
+    BEND_M,
+    CALM_EXTRA_M,
+    LEAD_NATS,
+    LEAST_SCATTER_M,
+    OFFSET_FIRST,
+    OFFSET_MEMBERS,
+    PROFILE_90_NATS,
+    SHORTEST_DETOUR_M,
+    SMALLEST_STRIKE,
+    STRAY_SHARE,
+    STRIKE_NATS,
+    STRIKE_SIZES,
+    STRUCK_SHARES,
+    WIDEST_OFFSET_M,
+    WILD_SHARES,
+)
 from bench.physics.base import Base
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-MEMBERS = 12
-FIRST = 7000  # replicates of their own
-WIDEST_M = 5.0  # an offset that nothing explains is uniform within this: the longest mean detour
-EXTRA_M = (0.0, *np.geomspace(0.003, 0.3, 9).tolist())  # calm scatter beyond the simulator's
-WILD = (0.002, 0.01, 0.03, 0.08, 0.2)  # share of links that are anything
-BEHIND_M = (0.0, 0.01, 0.02, 0.03, 0.045, 0.065, 0.1, 0.15)  # what calm links that may be struck
-# have in common: where sight is blocked a wall delays what comes through it
-SHARES: Floats = np.array(
-    [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.33, 0.42, 0.5, 0.6, 0.7, 0.8, 0.9]
-)
-SIZES = 11  # values tried for the effect's own size
-SMALLEST = 0.02  # of the size's bound
-APART_M = 0.3  # half a pulse of 500 MHz: a mean detour below it is none, the edges merge
-ENOUGH = 6.0  # nats of log likelihood for two parameters: p = 0.0025 by chi-squared
-AHEAD = 3.0  # nats by which the likeliest must lead: 20 to 1
-STRAY = 0.2  # share of the outliers that the effect may leave unexplained
-LEVEL = 1.353  # half the 90 % point of chi-squared with one degree of freedom: profile intervals
-BEND_M = 0.05  # offsets beyond it are smoothed by their logarithm
+EXTRA_M = (CALM_EXTRA_M[0], *np.geomspace(*CALM_EXTRA_M[1:]).tolist())
+SHARES: Floats = np.array(STRUCK_SHARES)
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ class Mixture:
         known = np.stack([(1 - chance) * seen.calm(self.extra_m, self.behind_m), hit]) * (
             1 - self.wild
         )
-        return np.vstack([known, np.full(len(chance), self.wild / (2 * WIDEST_M))])
+        return np.vstack([known, np.full(len(chance), self.wild / (2 * WIDEST_OFFSET_M))])
 
     def density(self, seen: Offsets, struck: Floats | None = None) -> Floats:
         """Return the density of every link's offset, [L] per metre."""
@@ -119,7 +122,11 @@ def strikable(kind: type[Effect], view: View) -> bool:
 
 
 def strike(
-    world: World, view: View, added: Added, rival: Added, kinds: Mapping[str, type[Effect]]
+    comparison: Comparison,
+    view: View,
+    added: Added,
+    rival: Added,
+    kinds: Mapping[str, type[Effect]],
 ) -> Strike | None:
     """Return the effect of `kinds` that strikes links of `view`, None without evidence for one.
 
@@ -127,28 +134,32 @@ def strike(
     not explain the offsets as well.
     """
     able = [kind for kind in kinds.values() if strikable(kind, view)]
-    if not able or "error_m" not in view.recorded.names:
+    if not able or RANGE not in view.recorded.names:
         return None
-    found = [one for one in (_one(world, view, added, kind) for kind in able) if one]
+    found = [one for one in (_one(comparison, view, added, kind) for kind in able) if one]
     if not found:
         return None
     best, nats = max(found, key=lambda one: one[0].evidence.value)
-    behind = rival != added and _plain(offsets(world, view, rival, able[0])).nats > nats
+    behind = rival != added and _plain(offsets(comparison, view, rival, able[0])).nats > nats
     return None if behind else best
 
 
-def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[Strike, float] | None:
+def _one(
+    comparison: Comparison, view: View, added: Added, kind: type[Effect]
+) -> tuple[Strike, float] | None:
     """Return a kind of effect with its evidence and penalised log likelihood."""
-    seen = offsets(world, view, added, kind)
-    bare = world.ensemble(view, added, MEMBERS // 2, FIRST)
-    sizes = {size: _struck(world, view, added, kind, size, seen, bare) for size in _sizes(kind)}
+    seen = offsets(comparison, view, added, kind)
+    bare = comparison.ensemble(view, added, OFFSET_MEMBERS // 2, OFFSET_FIRST)
+    sizes = {
+        size: _struck(comparison, view, added, kind, size, seen, bare) for size in _sizes(kind)
+    }
     likely = _every(seen, sizes)
     plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
     likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
     outlying = likeliest > 0
-    if mixed.nats - plain.nats < ENOUGH or mixed.size < APART_M:
+    if mixed.nats - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M:
         return None
-    if (likeliest == 2).sum() > STRAY * outlying.sum():
+    if (likeliest == 2).sum() > STRAY_SHARE * outlying.sum():
         return None
     effect = kind.from_values({"share": mixed.share, _size(kind).name: mixed.size})
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
@@ -158,40 +169,42 @@ def _one(world: World, view: View, added: Added, kind: type[Effect]) -> tuple[St
     return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost
 
 
-def apart(world: World, view: View, added: Added) -> float:
+def apart(comparison: Comparison, view: View, added: Added) -> float:
     """Return the evidence, in nats, that links have offsets of their own beside the simulator.
 
     The log likelihood of scatter between links beyond the simulator's over that of none; links
     may be anything at all in both.
     """
-    if "error_m" not in view.recorded.names:
+    if RANGE not in view.recorded.names:
         return 0.0
-    every = _chances(offsets(world, view, added, None))
+    every = _chances(offsets(comparison, view, added, None))
     none = max(one.nats for one in every if one.extra_m == 0)
     return max(one.nats for one in every) - none
 
 
-def witnessed(world: World, view: View, added: Added, effects: tuple[Effect, ...]) -> Effect | None:
+def witnessed(
+    comparison: Comparison, view: View, added: Added, effects: tuple[Effect, ...]
+) -> Effect | None:
     """Return the effect that the offsets of links speak for, None where they do for none alone.
 
     For causes so rare (a few walls, one device) that a mean over all links hardly sees them. Each
     effect pays for its parameters (Schwarz 1978) and must be ahead of the others.
     """
-    if "error_m" not in view.recorded.names:
+    if RANGE not in view.recorded.names:
         return None
     able = [e for e in effects if not (type(e).per_link or type(e).independent)]
-    nats = [_alone(world, view, (*added, e)) - _cost(e, view) for e in able]
+    nats = [_alone(comparison, view, (*added, e)) - _cost(e, view) for e in able]
     ranked = sorted(range(len(able)), key=lambda i: -nats[i])
-    if not ranked or nats[ranked[0]] - _alone(world, view, added) < ENOUGH:
+    if not ranked or nats[ranked[0]] - _alone(comparison, view, added) < STRIKE_NATS:
         return None
-    if len(ranked) > 1 and nats[ranked[0]] - nats[ranked[1]] < AHEAD:
+    if len(ranked) > 1 and nats[ranked[0]] - nats[ranked[1]] < LEAD_NATS:
         return None
     return able[ranked[0]]
 
 
-def _alone(world: World, view: View, added: Added) -> float:
+def _alone(comparison: Comparison, view: View, added: Added) -> float:
     """Return the log likelihood of the offsets with some effects, in nats."""
-    return _plain(offsets(world, view, added, None)).nats
+    return _plain(offsets(comparison, view, added, None)).nats
 
 
 def _cost(effect: Effect, view: View) -> float:
@@ -201,12 +214,14 @@ def _cost(effect: Effect, view: View) -> float:
     return 0.5 * count * float(np.log(len(np.unique(view.links))))
 
 
-def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -> Offsets:
+def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect] | None) -> Offsets:
     """Return the offset of every link of the view beside the simulator with `added`.
 
     Without a `kind` all links count as spared.
     """
-    made = world.ensemble(view, added, MEMBERS, FIRST).first(world.distinct(view))
+    made = comparison.ensemble(view, added, OFFSET_MEMBERS, OFFSET_FIRST).first(
+        comparison.distinct(view)
+    )
     members = len(made.simulated)
     links, code = np.unique(made.links, return_inverse=True)
     which = made.names.index("error_m")
@@ -215,7 +230,7 @@ def offsets(world: World, view: View, added: Added, kind: type[Effect] | None) -
     inert = kind().inert(Base().paths(view.scene)) if kind else np.ones(len(code), bool)
     spared = np.bincount(code, inert) == np.bincount(code)
     scatter = per_version[1:].std(axis=0, ddof=1) * np.sqrt(1 + 1 / members)
-    return Offsets(links, per_version[0], np.maximum(scatter, 1e-4), spared, members)
+    return Offsets(links, per_version[0], np.maximum(scatter, LEAST_SCATTER_M), spared, members)
 
 
 def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
@@ -233,11 +248,11 @@ def _size(kind: type[Effect]) -> Parameter:
 def _sizes(kind: type[Effect]) -> list[float]:
     """Return the sizes that are tried."""
     high = _size(kind).high
-    return [float(s) for s in np.geomspace(SMALLEST * high, high, SIZES)]
+    return [float(s) for s in np.geomspace(SMALLEST_STRIKE * high, high, STRIKE_SIZES)]
 
 
 def _struck(
-    world: World,
+    comparison: Comparison,
     view: View,
     added: Added,
     kind: type[Effect],
@@ -250,7 +265,7 @@ def _struck(
     `bare` is the ensemble of the same replicates with `added` alone.
     """
     effect = kind.from_values({"share": 1.0, _size(kind).name: size})
-    with_it = world.ensemble(view, (*added, effect), MEMBERS // 2, FIRST)
+    with_it = comparison.ensemble(view, (*added, effect), OFFSET_MEMBERS // 2, OFFSET_FIRST)
     shift = _shift(with_it, bare)[:, ~seen.inert].ravel()
     if not len(shift):
         return np.zeros(len(seen.links))
@@ -276,7 +291,7 @@ def _chances(seen: Offsets) -> list[Mixture]:
     """Return every mixture without strikes that is tried."""
     every = []
     behinds = BEHIND_M[:1] if seen.inert.all() else BEHIND_M  # spared links are behind nothing
-    for extra, behind, wild in product(EXTRA_M, behinds, WILD):
+    for extra, behind, wild in product(EXTRA_M, behinds, WILD_SHARES):
         one = Mixture(0.0, extra, behind, wild)
         every.append(replace(one, nats=float(np.log(one.density(seen)).sum())))
     return every
@@ -290,14 +305,14 @@ def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
     top = -np.inf
     for extra, behind in product(EXTRA_M, BEHIND_M):
         calm = (1 - chance) * seen.calm(extra, behind)
-        for (size, hit), wild in product(hits.items(), WILD):
-            nats = np.log((1 - wild) * (calm + hit) + wild / (2 * WIDEST_M)).sum(axis=1)
+        for (size, hit), wild in product(hits.items(), WILD_SHARES):
+            nats = np.log((1 - wild) * (calm + hit) + wild / (2 * WIDEST_OFFSET_M)).sum(axis=1)
             top = max(top, float(nats.max()))
-            near = np.flatnonzero(nats > top - LEVEL)
+            near = np.flatnonzero(nats > top - PROFILE_90_NATS)
             out += [
                 Mixture(float(nats[i]), extra, behind, wild, float(SHARES[i]), size) for i in near
             ]
-    return [one for one in out if one.nats > top - LEVEL]
+    return [one for one in out if one.nats > top - PROFILE_90_NATS]
 
 
 def _intervals(

@@ -18,7 +18,7 @@ from bench.challenge.real.case import Check, RealCase
 from bench.cli import challenge as cli
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.split import split_links
-from bench.discrepancy.diagnose import Options
+from bench.discrepancy.method import Options
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
@@ -95,7 +95,7 @@ def test_auc_of_perfect_and_of_no_separation() -> None:
 def small() -> RealCase:
     """Return the case on a stand-in with two effects in the library, so that it is quick."""
     kinds = {"level-control": LevelControl, "antenna-delay": AntennaDelay}
-    real = case.study
+    real = case.diagnose
 
     def short(*args: object, **known: object) -> object:
         return real(*args, kinds=kinds, **known)
@@ -103,12 +103,12 @@ def small() -> RealCase:
     options = Options(0, search_rows=80, fit_rows=60, observables=("error_m", "preamble_count"))
     effort = Effort(seeds=(0,), links=10, epochs=1)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(case, "study", short)
+        patch.setattr(case, "diagnose", short)
         return case.apartment(_flat(), 0, lambda _: None, options, effort)
 
 
 def test_labels_are_hidden_and_every_bar_is_shown(small: RealCase) -> None:
-    assert "los" not in small.study.confirmed.view.frame
+    assert "los" not in small.diagnosis.confirmed.view.frame
     asked = {check.asked: check for check in small.checks}
     assert len(small.checks) == 8
     assert asked["finds the constant delay"].met

@@ -12,12 +12,13 @@ import pytest
 
 from bench.checkpoint.codec import NotPlainError, from_plain, to_plain
 from bench.checkpoint.journal import FOLDER, Kept
+from bench.discrepancy import method
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
-from bench.discrepancy.diagnose import Options, study
 from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.method import Options, diagnose
 from bench.discrepancy.report.document import summary
-from bench.discrepancy.select import stepwise as model
+from bench.discrepancy.select import stepwise
 from bench.physics.base import Base
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
@@ -61,8 +62,8 @@ def recorded() -> Recordings:
 @pytest.fixture(scope="module")
 def whole(recorded):
     """Return the diagnosis that was never stopped, as its JSON, and how many rounds it took."""
-    found = study(recorded, BASE, QUICK, kinds=KINDS)
-    return json.dumps(summary(found)), len(found.diagnosis.rounds)
+    found = diagnose(recorded, BASE, QUICK, kinds=KINDS)
+    return json.dumps(summary(found)), len(found.selection.rounds)
 
 
 @pytest.fixture
@@ -70,8 +71,8 @@ def calls(monkeypatch) -> Counter[str]:
     """Return how often each of the long steps is really done, from now on."""
     done: Counter[str] = Counter()
 
-    def counted(name: str):
-        real = getattr(model, name)
+    def counted(module, name: str):
+        real = getattr(module, name)
 
         def work(*args, **kwargs):
             done[name] += 1
@@ -79,8 +80,13 @@ def calls(monkeypatch) -> Counter[str]:
 
         return work
 
-    for name in ("locate", "explain", "polished", "pruned"):
-        monkeypatch.setattr(model, name, counted(name))
+    for module, name in (
+        (stepwise, "locate"),
+        (stepwise, "explain"),
+        (method, "polished"),
+        (stepwise, "pruned"),
+    ):
+        monkeypatch.setattr(module, name, counted(module, name))
     return done
 
 
@@ -96,7 +102,7 @@ def stopping_at(number: int):
 
 def resumed(recorded: Recordings, folder: Path) -> str:
     """Return the JSON of a diagnosis that goes on from what is in the folder."""
-    found = study(recorded, BASE, QUICK, kinds=KINDS, journal=Kept(folder, "same"))
+    found = diagnose(recorded, BASE, QUICK, kinds=KINDS, journal=Kept(folder, "same"))
     return json.dumps(summary(found))
 
 
@@ -106,7 +112,7 @@ def test_a_stopped_diagnosis_ends_in_the_same_bits_and_repeats_no_round(
     text, rounds = whole
     assert rounds >= 2
     with pytest.raises(KeyboardInterrupt):
-        study(recorded, BASE, QUICK, stopping_at(rounds), KINDS, Kept(tmp_path, "same"))
+        diagnose(recorded, BASE, QUICK, stopping_at(rounds), KINDS, Kept(tmp_path, "same"))
     assert calls["locate"] >= calls["explain"] == rounds - 1
     assert Kept(tmp_path, "same").finished == rounds - 1
     calls.clear()
@@ -127,7 +133,7 @@ def test_a_diagnosis_that_keeps_its_steps_is_that_which_does_not(recorded, whole
 
 def test_what_is_kept_of_another_input_or_damaged_is_not_used(recorded, whole, calls, tmp_path):
     with pytest.raises(KeyboardInterrupt):
-        study(recorded, BASE, QUICK, stopping_at(2), KINDS, Kept(tmp_path, "other"))
+        diagnose(recorded, BASE, QUICK, stopping_at(2), KINDS, Kept(tmp_path, "other"))
     assert not Kept(tmp_path, "same").started
     (tmp_path / FOLDER / "other").rename(tmp_path / FOLDER / "same")
     for path in (tmp_path / FOLDER / "same").iterdir():
@@ -177,5 +183,5 @@ def test_what_cannot_be_read_back_is_not_written_and_no_other_code_is_named():
     with pytest.raises(NotPlainError):
         from_plain({"class": "subprocess:Popen", "fields": {"args": "ls"}}, {})
     with pytest.raises(NotPlainError):
-        from_plain({"class": "bench.discrepancy.diagnose:study", "fields": {}}, {})
+        from_plain({"class": "bench.discrepancy.method:diagnose", "fields": {}}, {})
     assert from_plain(to_plain(Estimate(1.0, 0.0, 2.0), {}), {}) == Estimate(1.0, 0.0, 2.0)

@@ -78,7 +78,7 @@ def recorded() -> pd.DataFrame:
 @pytest.fixture(autouse=True)
 def no_figures(monkeypatch):
     """Draw no figures: they have tests of their own."""
-    monkeypatch.setattr("bench.discrepancy.report.document.draw", lambda study, folder: [])
+    monkeypatch.setattr("bench.discrepancy.report.document.draw", lambda diagnosis, folder: [])
 
 
 @pytest.fixture

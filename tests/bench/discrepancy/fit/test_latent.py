@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.compare.resimulation import Resimulation, View, view
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.per_device import device_delay, device_terms, latent_effects, power_curve

@@ -14,7 +14,7 @@ from bench.discrepancy.locate.permutation_test import locate
 LINKS, ROWS, MEMBERS = 24, 12, 12
 
 
-def _world(seed: int, shift=None, link_sd: float = 0.5) -> tuple[Ensemble, Covariates]:
+def _comparison(seed: int, shift=None, link_sd: float = 0.5) -> tuple[Ensemble, Covariates]:
     """Return rows whose link offsets dwarf the noise: tests over rows would be fooled."""
     rng = np.random.default_rng(seed)
     links = np.repeat(np.arange(LINKS), ROWS)
@@ -30,13 +30,13 @@ def _world(seed: int, shift=None, link_sd: float = 0.5) -> tuple[Ensemble, Covar
 
 def test_false_alarms_stay_at_the_level_although_rows_of_a_link_depend():
     alarms = sum(
-        locate(*_world(seed), seed=seed, permutations=99).significant for seed in range(60)
+        locate(*_comparison(seed), seed=seed, permutations=99).significant for seed in range(60)
     )
     assert alarms <= 8  # binomial(60, 0.05): more than 8 has probability 0.3 %
 
 
 def test_finds_the_group_and_the_size():
-    ensemble, known = _world(3, lambda c: 0.4 * c.groups["wall"], link_sd=0.02)
+    ensemble, known = _comparison(3, lambda c: 0.4 * c.groups["wall"], link_sd=0.02)
     top = locate(ensemble, known, seed=0).findings[0]
     assert (top.cell.observable, top.cell.place.covariate) == ("error_m", "wall")
     assert top.effect.low < 0.4 < top.effect.high
@@ -44,7 +44,7 @@ def test_finds_the_group_and_the_size():
 
 
 def test_finds_an_effect_that_cancels_in_mean_and_spread_of_all_rows():
-    ensemble, known = _world(
+    ensemble, known = _comparison(
         4, lambda c: 0.3 * np.sign(c.numbers["distance"] - np.median(c.numbers["distance"])), 0.02
     )
     located = locate(ensemble, known, seed=0)
@@ -53,7 +53,7 @@ def test_finds_an_effect_that_cancels_in_mean_and_spread_of_all_rows():
 
 def test_finds_link_constants_of_either_sign():
     rng = np.random.default_rng(5)
-    ensemble, known = _world(5, link_sd=0.0)
+    ensemble, known = _comparison(5, link_sd=0.0)
     ensemble.versions[0, :, 0] += rng.choice([-0.3, 0.3], LINKS)[ensemble.links]
     found = locate(ensemble, known, seed=0).findings
     assert found
@@ -61,11 +61,11 @@ def test_finds_link_constants_of_either_sign():
 
 
 def test_same_seed_same_answer_and_smallest_detectable_is_in_units():
-    world = _world(6)
-    first, second = locate(*world, seed=1), locate(*world, seed=1)
+    comparison = _comparison(6)
+    first, second = locate(*comparison, seed=1), locate(*comparison, seed=1)
     assert first == second
     assert 0.05 < first.detectable["error_m"] < 1.5
-    shifted = _world(6, lambda c: 2 * first.detectable["error_m"])
+    shifted = _comparison(6, lambda c: 2 * first.detectable["error_m"])
     assert locate(*shifted, seed=1).significant
 
 
@@ -78,7 +78,7 @@ def test_the_recorded_version_counts_among_its_own_permutations():
 
 
 def test_links_are_summed_cluster_by_cluster_as_if_all_were_held_at_once():
-    ensemble, known = _world(7)
+    ensemble, known = _comparison(7)
     cells, each = link_sums(ensemble, known)
     clusters = np.split(np.random.default_rng(0).permutation(LINKS), [1, 5, 16])
     same, sums = link_sums(ensemble, known, clusters)

@@ -10,8 +10,9 @@ import pytest
 
 from bench.challenge.obstruction import link_log_odds, obstructing
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.compare.resimulation import Resimulation, View, view
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
+from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.search import (

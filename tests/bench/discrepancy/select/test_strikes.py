@@ -9,9 +9,11 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.compare.resimulation import Resimulation, View, view
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.method import select_effects
 from bench.discrepancy.report.document import describe
 from bench.discrepancy.select.link_mixture import (
     apart,
@@ -21,7 +23,7 @@ from bench.discrepancy.select.link_mixture import (
     strike,
     witnessed,
 )
-from bench.discrepancy.select.stepwise import Search, diagnose
+from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
@@ -89,7 +91,7 @@ def test_what_else_is_there_is_found_on_the_links_that_were_spared():
     rows = np.arange(len(seen.rows))
     parts = [seen.leaving(np.flatnonzero(np.arange(LINKS) % 2 == side)) for side in (0, 1)]
     assert len(parts[0].rows) + len(parts[1].rows) == len(rows)
-    found = diagnose(Search(WORLD, parts[0], parts[1], KINDS, 0, work=seen))
+    found = select_effects(Search(WORLD, parts[0], parts[1], KINDS, 0, work=seen))
     assert {name for group in found.names for name in group} == {*KINDS}
     turn = next(turn for turn in found.rounds if turn.strike)
     assert turn.added is not None

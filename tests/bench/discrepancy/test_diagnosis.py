@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from bench.cli.diagnose import command
-from bench.discrepancy.diagnose import Options, study
+from bench.discrepancy.method import Options, diagnose
 from bench.discrepancy.report.document import write_report
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown
 from bench.errors import BenchError
@@ -65,11 +65,11 @@ def _recorded(*hidden: Effect, seed: int = 0) -> Recordings:
 
 @pytest.fixture(scope="module")
 def warm():
-    return study(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=KINDS)
+    return diagnose(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=KINDS)
 
 
 def test_names_the_hidden_effect_and_its_interval_holds_the_truth(warm):
-    verdict = warm.diagnosis.verdicts[0]
+    verdict = warm.selection.verdicts[0]
     assert isinstance(verdict, LeftOut)
     assert verdict.names == ("temperature-drift",)
     slope = next(p for p in verdict.parameters if p.name == "slope_mm_per_c")
@@ -81,7 +81,7 @@ def test_confirm_links_are_better_after_and_nothing_significant_is_left(warm):
     seen = warm.confirmed
     assert seen.mae_after_m.high < seen.mae_before_m.low
     assert seen.gain.above_zero
-    assert not warm.diagnosis.rounds[-1].located.significant
+    assert not warm.selection.rounds[-1].located.significant
     assert warm.split.confirm.opened
 
 
@@ -92,8 +92,8 @@ def test_the_new_simulator_runs_and_round_trips(warm):
 
 
 def test_same_seed_same_diagnosis(warm):
-    again = study(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=KINDS)
-    assert again.diagnosis.verdicts == warm.diagnosis.verdicts
+    again = diagnose(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=KINDS)
+    assert again.selection.verdicts == warm.selection.verdicts
 
 
 def test_report_is_complete(warm, tmp_path):
@@ -107,16 +107,16 @@ def test_report_is_complete(warm, tmp_path):
 
 
 def test_nothing_hidden_nothing_found():
-    found = study(_recorded(seed=1), BASE, QUICK, kinds=KINDS)
-    verdict = found.diagnosis.verdicts[0]
+    found = diagnose(_recorded(seed=1), BASE, QUICK, kinds=KINDS)
+    verdict = found.selection.verdicts[0]
     assert isinstance(verdict, NoMismatch)
     assert 0 < verdict.detectable["error_m"] < 0.05
     assert found.added == ()
 
 
 def test_crystals_are_found_per_device():
-    found = study(_recorded(ClockOffset(device_spread_ppm=3.0)), BASE, QUICK, kinds=KINDS)
-    assert found.diagnosis.verdicts[0].names == ("clock-offset",)
+    found = diagnose(_recorded(ClockOffset(device_spread_ppm=3.0)), BASE, QUICK, kinds=KINDS)
+    assert found.selection.verdicts[0].names == ("clock-offset",)
     clock = next(effect for effect in found.added if isinstance(effect, DeviceClock))
     assert len(clock.devices) == 7
     assert found.confirmed.mae_after_m.value < 0.2 * found.confirmed.mae_before_m.value
@@ -128,10 +128,12 @@ def test_an_effect_no_known_one_explains_is_unknown_and_modelled():
     shift = 0.3 * ((frame["humidity"] - 0.5) ** 2 - 1 / 12)
     frame["error_m"] += shift
     frame["range_m"] += shift
-    found = study(replace(recorded, frame=frame), BASE, QUICK, kinds={"clock-offset": ClockOffset})
-    assert isinstance(found.diagnosis.verdicts[0], Unknown)
+    found = diagnose(
+        replace(recorded, frame=frame), BASE, QUICK, kinds={"clock-offset": ClockOffset}
+    )
+    assert isinstance(found.selection.verdicts[0], Unknown)
     assert any(isinstance(effect, Unnamed) for effect in found.added)
-    assert found.diagnosis.names == ()
+    assert found.selection.names == ()
 
 
 def test_a_failing_effect_is_skipped_and_named():
@@ -150,10 +152,10 @@ def test_a_failing_effect_is_skipped_and_named():
             return batch.longer(np.nan)
 
     kinds = {"broken": Broken, "nan": Nothing, **KINDS}
-    found = study(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=kinds)
-    assert "boom" in found.diagnosis.skipped["broken"]
-    assert "nan" in found.diagnosis.skipped
-    assert found.diagnosis.verdicts[0].names == ("temperature-drift",)
+    found = diagnose(_recorded(TemperatureDrift(slope_mm_per_c=4.0)), BASE, QUICK, kinds=kinds)
+    assert "boom" in found.selection.skipped["broken"]
+    assert "nan" in found.selection.skipped
+    assert found.selection.verdicts[0].names == ("temperature-drift",)
 
 
 @pytest.mark.parametrize("paired", [True, False])
@@ -163,8 +165,8 @@ def test_table_against_table(paired):
     rows["link"] = rows["link"] if paired else "x" + rows["link"]
     frames = [BASE.observe(scene(rows), 90 + i, cir=False).table(rows) for i in range(3)]
     other = Recordings(pd.concat(frames, ignore_index=True), "other", simulator="theirs")
-    found = study(recorded, other, QUICK, kinds=KINDS)
-    assert found.diagnosis.verdicts[0].names == ("temperature-drift",)
+    found = diagnose(recorded, other, QUICK, kinds=KINDS)
+    assert found.selection.verdicts[0].names == ("temperature-drift",)
     assert found.simulator is None
     assert found.mix["true_range_m"][1] > 0.01
 
@@ -176,8 +178,8 @@ def test_table_with_cirs_takes_effects_on_the_waveform():
     frames = [BASE.simulate(rows, seed).frame for seed in (2, 3)]
     other = Recordings(pd.concat(frames, ignore_index=True), "other", simulator="theirs")
     options = Options(search_rows=60, fit_rows=24)
-    found = study(recorded, other, options, kinds={"pulse-ringing": PulseRinging})
-    assert "pulse-ringing" in {name for group in found.diagnosis.names for name in group}
+    found = diagnose(recorded, other, options, kinds={"pulse-ringing": PulseRinging})
+    assert "pulse-ringing" in {name for group in found.selection.names for name in group}
     assert found.confirmed.gain.above_zero
 
 
@@ -185,7 +187,7 @@ def test_tables_without_overlap_are_refused():
     rows = _rows(4).assign(link="far", true_range_m=300.0)
     made = BASE.observe(scene(rows), 1, cir=False).table(rows)
     with pytest.raises(BenchError, match="no overlap"):
-        study(_recorded(), Recordings(made, "far"), QUICK, kinds=KINDS)
+        diagnose(_recorded(), Recordings(made, "far"), QUICK, kinds=KINDS)
 
 
 def _bad(**changes) -> Recordings:
@@ -207,7 +209,7 @@ def _bad(**changes) -> Recordings:
 )
 def test_bad_input_is_one_clear_line(table, words):
     with pytest.raises(BenchError, match=words) as caught:
-        study(table(), BASE, QUICK, kinds=KINDS)
+        diagnose(table(), BASE, QUICK, kinds=KINDS)
     assert "\n" not in str(caught.value)
 
 

@@ -1,0 +1,38 @@
+"""Whether an ensemble looks like the recordings: a classifier's AUC, and ranks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.settings import AUC_FOLDS, AUC_LEAVES, AUC_TREES
+
+
+def separability(ensemble: Ensemble, seed: int) -> float:
+    """Return the AUC of a classifier telling recorded from simulated rows, held out by link."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+    from sklearn.metrics import roc_auc_score
+    from sklearn.model_selection import GroupKFold, cross_val_predict
+
+    links = len(np.unique(ensemble.links))
+    if links < 2:
+        return float("nan")
+    X = np.concatenate([ensemble.recorded, ensemble.simulated[0]])
+    y = np.repeat([1, 0], len(ensemble.links))
+    groups = np.tile(ensemble.links, 2)
+    model = HistGradientBoostingClassifier(
+        max_iter=AUC_TREES, max_leaf_nodes=AUC_LEAVES, random_state=seed
+    )
+    guess = cross_val_predict(
+        model, X, y, groups=groups, cv=GroupKFold(min(AUC_FOLDS, links)), method="predict_proba"
+    )
+    return float(roc_auc_score(y, guess[:, 1]))
+
+
+def rank_distance(ensemble: Ensemble) -> float:
+    """Return the Kolmogorov distance of the range's ensemble ranks from uniform."""
+    ranks = ensemble.ranks()[:, ensemble.place(ensemble.main)]
+    ordered = np.sort(ranks[np.isfinite(ranks)])
+    if not len(ordered):
+        return float("nan")
+    return float(np.abs(ordered - (np.arange(len(ordered)) + 0.5) / len(ordered)).max())

@@ -1,0 +1,110 @@
+"""The state of a search: what it looks at, which effects it has added, and how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.verdict import Verdict
+from bench.physics.effect import Effect
+
+Progress = Callable[[str], None]
+
+
+def silent(_: str) -> None:
+    """Say nothing."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """What every step shares: the comparison, the two working views, the library, the seed.
+
+    `work` are the rows of both views, on which the chosen effects are fitted at the end; None
+    where that would cost too much.
+    """
+
+    comparison: Comparison
+    discover: View
+    fit: View
+    kinds: Mapping[str, type[Effect]]
+    seed: int
+    progress: Progress = silent
+    work: View | None = None
+
+    @property
+    def sharpest(self) -> View:
+        """The rows that the final parameters are fitted on."""
+        return self.fit if self.work is None else self.work
+
+    @property
+    def searched(self) -> View:
+        """The rows that are searched: both views where scores are those of both (see `explain`)."""
+        return self.discover if self.work is None else self.work
+
+    def spared(self, found: Strike) -> Search:
+        """Return a search on the links that were not struck, by other effects."""
+        calm = replace(
+            self,
+            discover=self.discover.leaving(found.struck),
+            fit=self.fit.leaving(found.struck),
+            work=self.work and self.work.leaving(found.struck),
+        )
+        return calm.without(found.effect)
+
+    def without(self, effect: Effect) -> Search:
+        """Return a search that leaves this effect out of the library."""
+        return replace(self, kinds={n: k for n, k in self.kinds.items() if n != effect.name})
+
+
+@dataclass(frozen=True)
+class Round:
+    """One turn of the loop: what was located, who competed, what was added.
+
+    `strike` is set where that strikes links at random (see `link_mixture`): what follows is judged
+    on the links it did not strike.
+    """
+
+    located: Located
+    explanation: Explanation | None
+    added: Effect | None
+    strike: Strike | None = None
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a search stands: the effects `added` so far, its rounds, whether it has `finished`."""
+
+    search: Search
+    added: Added = ()
+    rounds: tuple[Round, ...] = ()
+    skipped: Mapping[str, str] = field(default_factory=dict)
+    finished: bool = False
+
+    def after(self, turn: Round, finished: bool = False) -> State:
+        """Return the state with one more round, its failed effects noted."""
+        failed = dict(turn.explanation.skipped) if turn.explanation else {}
+        return replace(
+            self,
+            rounds=(*self.rounds, turn),
+            skipped={**self.skipped, **failed},
+            finished=finished,
+        )
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Verdicts with the effects to add (`added`), and how the search went."""
+
+    verdicts: tuple[Verdict, ...]
+    added: Added
+    rounds: tuple[Round, ...]
+    skipped: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of every verdict that names something."""
+        return tuple(verdict.names for verdict in self.verdicts if verdict.names)
