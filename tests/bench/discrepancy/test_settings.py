@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -61,7 +62,7 @@ def test_replicates_of_different_uses_are_different():
         (settings.CONFIRM_FIRST, settings.CONFIRM_FIRST + settings.CONFIRM_MEMBERS),
         (settings.OFFSET_FIRST, settings.OFFSET_FIRST + settings.OFFSET_MEMBERS),
     ]
-    assert all(a[1] <= b[0] for a, b in zip(spans, spans[1:], strict=False))
+    assert all(a[1] <= b[0] for a, b in pairwise(spans))
 
 
 def test_every_setting_is_used():
