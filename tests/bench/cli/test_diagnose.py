@@ -243,7 +243,7 @@ def test_an_interrupted_run_leaves_whole_files_and_runs_again(call, tmp_path, mo
 def test_a_stopped_run_says_after_which_round_it_resumes(call, tmp_path, monkeypatch):
     out, fresh = tmp_path / "out", tmp_path / "fresh"
     with monkeypatch.context() as patched:
-        patched.setattr("bench.discrepancy.select.stepwise.verdicts", _interrupt)
+        patched.setattr("bench.discrepancy.method.verdicts", _interrupt)
         assert call(recorded(), "-o", str(out))[0] == 130
     code, printed, err = call(recorded(), "-o", str(out), "--json")
     assert code == 0
@@ -258,7 +258,7 @@ def test_a_stopped_run_says_after_which_round_it_resumes(call, tmp_path, monkeyp
 def test_a_stopped_run_of_another_seed_is_not_resumed(call, tmp_path, monkeypatch):
     out = tmp_path / "out"
     with monkeypatch.context() as patched:
-        patched.setattr("bench.discrepancy.select.stepwise.verdicts", _interrupt)
+        patched.setattr("bench.discrepancy.method.verdicts", _interrupt)
         assert call(recorded(), "-o", str(out), "--seed", "1")[0] == 130
     assert "resuming" not in call(recorded(), "-o", str(out))[2]
     assert not (out / ".unfinished").exists()
