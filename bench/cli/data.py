@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from bench.recordings.sources.base import Source
 
 SHOWN = (5, 50, 95)  # percentiles in the table; all of them stand in the JSON
+IMPORT_EPILOG = """\b
+Examples:
+  bench data import apartment -o apartment.parquet
+  bench data import log.csv -o own.parquet --link tx,rx \\
+      --map range=dist_mm:mm,true_range=truth:cm
+"""
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
 
 
@@ -166,10 +172,10 @@ def _cells(line: ErrorStatistics) -> list[str]:
 
 @command.command(
     "import",
-    short_help="Write a data set or a CSV as recordings Parquet.",
-    epilog="Example: bench data import measured.csv -o measured.parquet",
+    short_help="Write a data set, your own logs or a folder of them as recordings Parquet.",
+    epilog=IMPORT_EPILOG,
 )
-@click.argument("source", metavar="SOURCE")
+@click.argument("source", metavar="NAME|FILE|FOLDER")
 @click.option(
     "-o",
     "--out",
@@ -177,21 +183,45 @@ def _cells(line: ErrorStatistics) -> list[str]:
     type=click.Path(path_type=Path),
     help="Recordings Parquet to write.",
 )
-def import_command(source: str, out: Path) -> None:
-    """Write a named data set, or a CSV, as recordings Parquet.
+@click.option(
+    "--map",
+    "maps",
+    multiple=True,
+    metavar="NAME=COLUMN[:UNIT],..",
+    help="Which column is what, and its unit: range=dist_mm:mm. los=label:not turns it round; "
+    "first_path_index=FP:10.6 reads fixed point.",
+)
+@click.option(
+    "--csv",
+    metavar="MARKS",
+    help="Field delimiter and decimal mark, such as ';,' or 'tab,'; found by itself otherwise.",
+)
+@click.option("--link", metavar="COLUMN,..", help="Columns that tell links apart: tx,rx,position.")
+@click.option(
+    "--link-by",
+    metavar="time:DURATION|grid:LENGTH",
+    help="Cut moving pairs into links: stretches of time (time:20s) or cells of place (grid:1m).",
+)
+@click.option(
+    "--from-name",
+    metavar="REGEX",
+    help="Columns out of file names, by named groups: '(?P<distance>[0-9.]+)m'.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print what was imported as JSON.")
+def import_command(source: str, out: Path, link: str | None, as_json: bool, **texts: Any) -> None:
+    """Write a named data set, your own log, or a folder of logs of one form as Parquet.
 
-    In a CSV the CIR stands in one cell ([12, 15.5, 9] or 12 15.5 9) or in columns cir_0 .. cir_N.
+    Text tables: any delimiter, decimal commas, a CIR in one cell ([12, 15.5, 9] or 12 15.5 9) or
+    in columns cir_0 .. cir_N. Raw registers of a DW1000 (FP_INDEX, FP_AMPL1..3, CIR_PWR, RXPACC)
+    become first path and levels. Rows of a folder also have the columns `file` and `folder`.
     """
-    from bench.recordings.clean import describe
-    from bench.recordings.io import PARQUET_SUFFIXES, write_recordings
+    from bench.cli.data_import import import_one, print_imported
+    from bench.recordings.logs.read import LogOptions
 
-    if out.suffix not in PARQUET_SUFFIXES:
-        raise BenchError(f"{out}: recordings are written as Parquet; expected a .parquet name")
-    recordings, _ = _open(source)
-    with _busy(f"Writing {out}"):
-        write_recordings(recordings, out)
-    dropped = f"; dropped: {describe(recordings.dropped)}" if recordings.dropped else ""
-    click.echo(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
+    columns = tuple(name.strip() for name in link.split(",")) if link else ()
+    with _busy(f"Reading {source}"):
+        imported = import_one(source, out, LogOptions(link=columns, **texts))
+    print_imported(imported, out, as_json)
 
 
 @command.command(

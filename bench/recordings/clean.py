@@ -35,8 +35,8 @@ TIMESTAMP_COLUMNS = ("T1", "T2", "T3", "T4", "T5", "T6")
 Mask = NDArray[np.bool_]
 Finding = tuple[str, Mask]
 
-_TRUTHS = {"true": True, "1": True, "1.0": True, "yes": True}
-_TRUTHS |= {"false": False, "0": False, "0.0": False, "no": False}
+_TRUTHS = dict.fromkeys(("true", "1", "1.0", "yes", "los", "ja"), True)
+_TRUTHS |= dict.fromkeys(("false", "0", "0.0", "no", "nlos", "nein"), False)
 
 
 @dataclass(frozen=True)

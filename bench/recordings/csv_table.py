@@ -26,25 +26,55 @@ _AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
 
 def read_csv(path: Path) -> pd.DataFrame:
     """Return the table of a CSV, as it is. Raises BenchError where it is no CSV table."""
+    return with_lists(read_text_table(path), path)
+
+
+def read_text_table(
+    path: Path, delimiter: str = ",", decimal: str = ".", encoding: str = "utf-8", skip: int = 0
+) -> pd.DataFrame:
+    """Return a text table cell by cell, its lists still text.
+
+    `skip` lines stand before the header; fields separated by " " may have several blanks between
+    them. Raises BenchError where it is no such table.
+    """
     import pyarrow as pa
     from pyarrow import csv
 
+    if delimiter == " ":
+        return _spaced(path, decimal, encoding, skip)
     options = csv.ConvertOptions(
-        column_types=dict.fromkeys(_AS_TEXT, pa.string()), strings_can_be_null=True
+        column_types=dict.fromkeys(_AS_TEXT, pa.string()),
+        strings_can_be_null=True,
+        decimal_point=decimal,
     )
+    reading = csv.ReadOptions(encoding=encoding, skip_rows=skip)
+    parsing = csv.ParseOptions(delimiter=delimiter)
     try:
-        frame = csv.read_csv(path, convert_options=options).to_pandas()
+        table = csv.read_csv(path, reading, parsing, options)
     except (pa.ArrowException, OSError, ValueError) as problem:
         reason = (str(problem).splitlines() or ["unreadable"])[0]
         raise BenchError(f"{path}: not a CSV table: {reason}") from problem
+    frame: pd.DataFrame = table.to_pandas()
     if len(set(frame.columns)) < len(frame.columns):
         twice = frame.columns[frame.columns.duplicated()][0]
         raise BenchError(f"{path}: column {twice!r} stands twice in the header")
-    return _with_lists(frame, path)
+    return frame.rename(columns=lambda name: str(name).strip())
 
 
-def _with_lists(frame: pd.DataFrame, path: Path) -> pd.DataFrame:
-    """Return the table with CIRs as arrays and obstacles as lists."""
+def _spaced(path: Path, decimal: str, encoding: str, skip: int) -> pd.DataFrame:
+    """Return a table whose fields are separated by blanks. Raises BenchError where it is none."""
+    try:
+        return pd.read_csv(path, sep=r"\s+", decimal=decimal, encoding=encoding, skiprows=skip)
+    except (OSError, ValueError) as problem:
+        reason = (str(problem).splitlines() or ["unreadable"])[0]
+        raise BenchError(f"{path}: not a table of columns: {reason}") from problem
+
+
+def with_lists(frame: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """Return the table with CIRs as arrays and obstacles as lists.
+
+    Raises BenchError naming the file where a numbered CIR column is missing or holds text.
+    """
     columns: dict[str, Any] = {}
     taken: set[str] = set()
     for name in CIR_COLUMNS:

@@ -18,7 +18,7 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
     Raises BenchError: unknown name (with a did-you-mean), missing or damaged file, or a data set
     that is not on this machine (saying what to download and where to put it).
     """
-    if _is_path(name_or_path):
+    if is_path(name_or_path):
         return read_recordings(Path(name_or_path)), None
     source = open_source(str(name_or_path))
     missing = source.available()
@@ -27,7 +27,7 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
     return source.load(), source
 
 
-def _is_path(name_or_path: str | Path) -> bool:
+def is_path(name_or_path: str | Path) -> bool:
     """Return whether it is a path: a Path, or anything but a bare word without a dot."""
     path = Path(name_or_path)
     return isinstance(name_or_path, Path) or len(path.parts) != 1 or "." in str(name_or_path)

@@ -124,6 +124,8 @@ def _exchange_format(table: pd.DataFrame) -> pd.DataFrame:
         "preamble_count": count,
         "noise_std": table["Standard Noise"],
         "max_noise": table["maxNoise"],
+        "cir_power": table["Max Growth CIR"],
+        **{f"fp_ampl{n}": table[f"FirstPathAmp{n}"] for n in (1, 2, 3)},
         "rx_power_dbm": receive_power_dbm(table["Max Growth CIR"], count),
         "first_path_power_dbm": first_path_power_dbm(amplitudes, count),
         "rx_power_printed_dbm": table["RSSI(dBm)"],
