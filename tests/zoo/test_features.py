@@ -99,7 +99,7 @@ def test_numpy_torch_and_the_compiled_loop_of_the_diagnosis_are_equal() -> None:
     compiled[:, 2] = np.clip(compiled[:, 2], 0, None)  # never above the noise: NaN or negative
     compiled[:, 2] = np.nan_to_num(compiled[:, 2])
     plain = marano_features(rows)
-    assert (plain[:, 2] > 0).mean() > 0.5
+    assert (plain[:, 2] > 0).mean() > 0.3
     np.testing.assert_allclose(compiled, plain, rtol=1e-9)
     torched = MaranoFeatures(157)(torch.from_numpy(rows.astype(np.float32))).numpy()
     np.testing.assert_allclose(torched, plain, rtol=2e-5)
