@@ -1,0 +1,82 @@
+"""Compiling C for this machine: the system's compiler, or `zig cc` from PyPI; never a shell."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+PATIENCE_S = 120.0  # zig builds its own libraries the first time
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
+NATIVE = "-march=native"
+MISSING = (
+    "no C compiler: install one (Debian: apt install gcc) or `pip install 'uwb-bench[native]'`"
+)
+
+
+class CompilerError(ValueError):
+    """There is no compiler, or it refused."""
+
+
+@cache
+def compiler() -> tuple[str, ...] | None:
+    """Return the command of a C compiler: $CC, cc, gcc, clang, then zig's; None without any."""
+    for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
+        found = shutil.which(name) if name and " " not in name else None
+        if found:
+            return (found,)
+    if find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc")
+    return None
+
+
+def missing_compiler() -> str | None:
+    """Return, in words, what to install where there is no compiler, else None."""
+    return None if compiler() else MISSING
+
+
+def compile_shared(
+    files: Mapping[str, str], folder: Path, flags: Sequence[str] = (*FLAGS, NATIVE)
+) -> Path:
+    """Write C files into a private folder and return the shared library made of them there.
+
+    Raises CompilerError, its first complaint in it, where there is no compiler or it refuses.
+    """
+    library = folder / "uwb_predict.so"
+    shared = ("-shared", "-fPIC", "-o", str(library))
+    compile_files(files, folder, (*flags, *shared))
+    return library
+
+
+def compile_files(files: Mapping[str, str], folder: Path, flags: Sequence[str]) -> None:
+    """Write C files into a folder and compile them all with these flags; errors as above."""
+    command = compiler()
+    if command is None:
+        raise CompilerError(MISSING)
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="ascii")
+    sources = [str(folder / name) for name in files if name.endswith(".c")]
+    _run([*command, *flags, *sources], folder)
+
+
+def _run(command: list[str], folder: Path) -> None:
+    try:
+        done = subprocess.run(  # noqa: S603 - no shell; the files are ours
+            command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE_S, check=False
+        )
+    except subprocess.TimeoutExpired as problem:
+        raise CompilerError(f"{command[0]} took more than {PATIENCE_S:g} s") from problem
+    except OSError as problem:
+        raise CompilerError(f"{command[0]} cannot be run ({problem.strerror})") from problem
+    if done.returncode:
+        raise CompilerError(f"{Path(command[0]).name}: {_complaint(done.stderr)}")
+
+
+def _complaint(text: str) -> str:
+    lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()
+    return lines[0] if lines else "failed without a word"

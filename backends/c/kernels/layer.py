@@ -1,0 +1,73 @@
+"""What writing one operator gives, and where its operands lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from backends.c.operators import Program, Ref, Shape
+from backends.c.plan import Plan
+
+
+@dataclass
+class Layer:
+    """One operator as C: tables of constants, the body of its function, and what it calls.
+
+    `helpers` are names of functions of the prelude; `kernels` whole functions by name, written
+    once however many layers call them.
+    """
+
+    kind: str
+    body: list[str] = field(default_factory=list)
+    tables: list[str] = field(default_factory=list)
+    kernels: dict[str, str] = field(default_factory=dict)
+    helpers: set[str] = field(default_factory=set)
+    inputs: set[int] = field(default_factory=set)
+
+
+@dataclass(frozen=True)
+class Context:
+    """The program, the plan, the C names of its inputs, the layer's number, how 8 bits are made."""
+
+    program: Program
+    plan: Plan
+    names: dict[int, str]
+    number: int
+    requantise: str = "float"
+
+    def pointer(self, ref: Ref, layer: Layer) -> str:
+        """Return C for the address of a ref's first element; notes where it is an input."""
+        if ref.buffer in self.names:
+            layer.inputs.add(ref.buffer)
+            return f"{self.names[ref.buffer]} + {ref.offset}"
+        dtype = self.program.buffers[ref.buffer].dtype
+        byte = self.plan.places[ref.buffer]
+        if dtype == "u8":
+            return f"uwb_arena.bytes + {byte + ref.offset}"
+        return f"uwb_arena.floats + {byte // 4 + ref.offset}"
+
+    def name(self, what: str) -> str:
+        """Return the name of one of the layer's tables."""
+        return f"uwb_{what}_{self.number:02d}"
+
+
+def merged(shape: Shape, strides: list[Shape]) -> tuple[Shape, list[Shape]]:
+    """Return axes joined where every operand goes through both in one stride."""
+    axes = [(extent, tuple(one[axis] for one in strides)) for axis, extent in enumerate(shape)]
+    joined: list[tuple[int, tuple[int, ...]]] = []
+    for extent, steps in axes:
+        if joined and all(o == extent * i for o, i in zip(joined[-1][1], steps, strict=True)):
+            joined[-1] = (joined[-1][0] * extent, steps)
+        else:
+            joined.append((extent, steps))
+    outer = tuple(extent for extent, _ in joined)
+    return outer, [tuple(steps[i] for _, steps in joined) for i in range(len(strides))]
+
+
+def index(strides: Shape, names: str = "ijkl") -> str:
+    """Return C for a place: the sum of loop variables times strides."""
+    terms = [
+        name if stride == 1 else f"{name} * {stride}"
+        for name, stride in zip(names, strides, strict=False)
+        if stride
+    ]
+    return " + ".join(terms) or "0"

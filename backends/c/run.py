@@ -1,0 +1,77 @@
+"""Running generated C on this machine: compiled when opened, called through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from backends.base import Floats, Runner
+from backends.c.compile import FLAGS, NATIVE, compile_shared
+from backends.c.emit import CSource, generate
+
+_ROWS = """#include "uwb_predict.h"
+
+int uwb_predict_rows(const float *rows, int count, float *errors_m);
+
+int uwb_predict_rows(const float *rows, int count, float *errors_m)
+{
+    int refused = 0;
+    for (int i = 0; i < count; i++) {
+        refused |= uwb_predict(rows + i * UWB_PREDICT_SAMPLES, errors_m + i);
+    }
+    return refused;
+}
+"""
+
+
+def open_float(path: Path, threads: int = 1) -> Runner:
+    """Return a runner of a float ONNX file as C. Raises ValueError as `generate` and `load`."""
+    del threads
+    return load(generate(path, "fp32"))
+
+
+def open_integer(path: Path, threads: int = 1) -> Runner:
+    """Return a runner of an 8-bit ONNX file as C. Raises ValueError as `generate` and `load`."""
+    del threads
+    return load(generate(path, "int8"))
+
+
+def load(source: CSource, flags: Sequence[str] = (*FLAGS, NATIVE)) -> Runner:
+    """Compile C and return it as a function: CIRs float32 [n, width] -> errors float32 [n].
+
+    The function raises ValueError for CIRs of another width or type, or that are not finite.
+    Raises CompilerError, a ValueError, where there is no compiler or it refuses.
+    """
+    with tempfile.TemporaryDirectory(prefix="uwb-bench-") as folder:
+        library = compile_shared({**source.files, "rows.c": _ROWS}, Path(folder), flags)
+        rows = ctypes.CDLL(str(library)).uwb_predict_rows  # stays mapped once it is loaded
+    rows.argtypes = (ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
+    return _runner(rows, samples(source))
+
+
+def samples(source: CSource) -> int:
+    """Return how many samples generated C takes."""
+    [line] = [x for x in source.files["uwb_predict.h"].splitlines() if "PREDICT_SAMPLES " in x]
+    return int(line.split()[-1])
+
+
+def _runner(rows: ctypes._NamedFuncPointer, width: int) -> Runner:
+    float32 = np.dtype(np.float32)
+
+    def predict(cirs: Floats) -> Floats:
+        if cirs.dtype != float32 or cirs.ndim != 2 or cirs.shape[1] != width:
+            raise ValueError(
+                f"expected CIRs float32 [n, {width}], got {cirs.dtype} {list(cirs.shape)}"
+            )
+        if not cirs.flags.c_contiguous:
+            cirs = np.ascontiguousarray(cirs)
+        errors = np.empty(len(cirs), float32)
+        if rows(cirs.ctypes.data, len(cirs), errors.ctypes.data):
+            raise ValueError("a CIR is not finite, or out of the range of C")
+        return errors
+
+    return predict
