@@ -64,8 +64,18 @@ def list_command(as_json: bool) -> None:
         table.add_row(row["name"], here, row["title"], row["licence"])
     _console().print(table)
     for row in rows:
-        if not row["available"]:
-            _console().print(f"{row['name']}: {row['reason']}", highlight=False, soft_wrap=True)
+        for line in _remarks(row):
+            _console().print(f"{row['name']}: {line}", highlight=False, soft_wrap=True)
+
+
+def _remarks(row: dict[str, Any]) -> Iterator[str]:
+    """Yield how to get a data set, its variants, and whether its reader saw a real file."""
+    if not row["available"]:
+        yield row["reason"]
+    for variant, what in row.get("variants", {}).items():
+        yield f"also as {row['name']}:{variant}, {what}"
+    if row.get("untested"):
+        yield f"UNTESTED: {row['untested']}"
 
 
 def _listed() -> Iterator[dict[str, Any]]:
@@ -79,6 +89,7 @@ def _listed() -> Iterator[dict[str, Any]]:
             source = open_source(plugin.name)
             mark = " (SIMULATED)" if source.simulated else ""
             entry |= {"title": source.title + mark, "licence": source.licence}
+            entry |= {"variants": dict(source.variants), "untested": source.untested}
             reason = source.available()
         except BenchError as error:
             reason = str(error)

@@ -50,12 +50,12 @@ _KEPT_20 = tuple(
 )  # fmt: skip
 
 
-_COLUMNS_19 = (
+COLUMNS_19 = (
     "x_tag", "y_tag", "z_tag", "x_anchor", "y_anchor", "z_anchor", "anchorNumber", "RXPACC",
     "fpindex", "fp_ampl1", "fp_ampl2", "fp_ampl3", "std_noise", "RX_power", "FP_power", "timestamp",
     "estimated_range", "actual_range", "newlabel", "loc_tag", "NLOS",
 )  # fmt: skip
-_COLUMNS_20 = (
+COLUMNS_20 = (
     *TIMESTAMPS, *_KEPT_20, "fp_ampl1_tag", "fp_ampl2_tag", "fp_ampl3_tag", "CIR_noise_tag",
     "rxpower_tag", "fppower_tag", "RMoteclk_tag", "tag_ID", "anchor_ID", "distance_UWB",
     "distance_GT", "NLOS",
@@ -68,19 +68,23 @@ def read_ghent(meta_19: Path, meta_20: Path) -> Cleaned:
 
     Raises BenchError where a file has another form.
     """
-    hall_19 = _iiot_19(_read(meta_19, _COLUMNS_19))
-    hall_20, repeated = _iiot_20(_read(meta_20, _COLUMNS_20))
-    cleaned = clean(pd.concat([hall_19, hall_20], ignore_index=True), "ghent")
+    first = like_2019(as_numbers(read_table(meta_19), COLUMNS_19, meta_19), "IIoT_19")
+    second, repeated = like_2020(as_numbers(read_table(meta_20), COLUMNS_20, meta_20), "IIoT_20")
+    cleaned = clean(pd.concat([first, second], ignore_index=True), "ghent")
     dropped = {REPEATED: repeated} if repeated else {}
     return Cleaned(cleaned.frame, add_counts(dropped, cleaned.dropped))
 
 
-def _read(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    """Return some columns of one file. Raises BenchError where one is missing."""
+def read_table(path: Path) -> pd.DataFrame:
+    """Return a file as it is. Raises BenchError where it is no table."""
     try:
-        table = pd.read_csv(path, low_memory=False)
+        return pd.read_csv(path, low_memory=False)
     except (OSError, ValueError) as problem:
         raise BenchError(f"{path}: cannot be read: {problem}") from problem
+
+
+def as_numbers(table: pd.DataFrame, columns: tuple[str, ...], path: Path) -> pd.DataFrame:
+    """Return some columns, all but the words as numbers. Raises BenchError where one is missing."""
     for column in columns:
         if column not in table:
             raise BenchError(f"{path}: no column {column!r}; expected the file as published")
@@ -97,8 +101,8 @@ def _number(column: pd.Series, path: Path) -> pd.Series:
     return numbers
 
 
-def _iiot_19(raw: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of 2019 in the exchange format."""
+def like_2019(raw: pd.DataFrame, environment: str) -> pd.DataFrame:
+    """Return rows in the form of 2019 in the exchange format, row by row."""
     amplitudes = (raw["fp_ampl1"], raw["fp_ampl2"], raw["fp_ampl3"])
     anchor = raw["anchorNumber"].astype("Int64").astype("str")
     positions = {
@@ -107,8 +111,8 @@ def _iiot_19(raw: pd.DataFrame) -> pd.DataFrame:
         for axis in "xyz"
     }
     columns = {
-        "environment": "IIoT_19",
-        "link": "IIoT_19 " + raw["loc_tag"],
+        "environment": environment,
+        "link": f"{environment} " + raw["loc_tag"],
         "tx": "tag",
         "rx": "anchor " + anchor,
         "los": raw["NLOS"].map({"LOS": True, "NLOS": False}).astype("boolean"),
@@ -129,16 +133,21 @@ def _iiot_19(raw: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(columns | positions)
 
 
-def _iiot_20(raw: pd.DataFrame) -> tuple[pd.DataFrame, int]:
-    """Return the rows of 2020 in the exchange format, each exchange once, and the repeats."""
+def like_2020(raw: pd.DataFrame, environment: str) -> tuple[pd.DataFrame, int]:
+    """Return rows in the form of 2020 in the exchange format, and how many exchanges were repeats.
+
+    Each exchange stands there once; the index says which row of `raw` it was.
+    """
     repeats = raw.duplicated(list(TIMESTAMPS))
-    raw = raw[~repeats].reset_index(drop=True)
+    raw = raw[~repeats]
     amplitudes = (raw["fp_ampl1_tag"], raw["fp_ampl2_tag"], raw["fp_ampl3_tag"])
     ends = np.sort(raw[["tag_ID", "anchor_ID"]].to_numpy(np.int64), axis=1).astype("U")
     clock = raw["RMoteclk_tag"]
     columns = {
-        "environment": "IIoT_20",
-        "link": np.char.add(np.char.add("IIoT_20 ", ends[:, 0]), np.char.add("-", ends[:, 1])),
+        "environment": environment,
+        "link": np.char.add(
+            np.char.add(f"{environment} ", ends[:, 0]), np.char.add("-", ends[:, 1])
+        ),
         "tx": "node " + raw["tag_ID"].astype("Int64").astype("str"),
         "rx": "node " + raw["anchor_ID"].astype("Int64").astype("str"),
         "los": raw["NLOS"].map({"LOS": True, "NLOS": False}).astype("boolean"),
