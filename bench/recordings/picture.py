@@ -1,4 +1,4 @@
-"""A picture of a recordings table: median CIRs and the error histogram, LoS against NLoS."""
+"""A picture of a recordings table: CIRs, errors, and what errors depend on, LoS against NLoS."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.files import atomic_path
 from bench.recordings.describe import KINDS, row_kinds
+from bench.recordings.picture_errors import COLOURS, SHOWN_PERCENTILES, error_panels
 from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
 from bench.recordings.window import cir_window
 
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SUFFIXES = (".png", ".svg", ".pdf")
-COLOURS = {"LoS": "#1b6ca8", "NLoS": "#d1603d", "unlabelled": "#4f5d75"}
 BEFORE, SHOWN_AFTER = 5, 60
 BINS = 80
-SHOWN_PERCENTILES = (0.5, 99.5)
 
 
 def save_picture(recordings: Recordings, path: Path) -> None:
@@ -39,19 +38,26 @@ def save_picture(recordings: Recordings, path: Path) -> None:
 
 
 def draw(recordings: Recordings) -> Figure:
-    """Return the figure: CIRs aligned at the first path (where there are any), and errors."""
+    """Return the figure: CIRs aligned at the first path, and errors.
+
+    Errors stand as a histogram, and by distance, level, time and link as far as these are known.
+    """
     from matplotlib.figure import Figure
 
-    has_cirs = "cir" in recordings.frame
-    figure = Figure(figsize=(11 if has_cirs else 6.5, 4.4), layout="constrained")
-    axes = figure.subplots(1, 2 if has_cirs else 1, squeeze=False)[0]
-    if has_cirs:
-        _draw_cirs(axes[0], recordings)
-    _draw_errors(axes[-1], recordings)
-    for ax in axes:
+    panels = [lambda ax: _draw_errors(ax, recordings), *error_panels(recordings)]
+    if "cir" in recordings.frame:
+        panels.insert(0, lambda ax: _draw_cirs(ax, recordings))
+    across = min(2, len(panels))
+    down = -(-len(panels) // across)
+    figure = Figure(figsize=(5.5 * across + 0.8, 3.7 * down + 0.5), layout="constrained")
+    axes = figure.subplots(down, across, squeeze=False).ravel()
+    for ax, panel in zip(axes, panels, strict=False):
+        panel(ax)
         ax.spines[["top", "right"]].set_visible(False)
         ax.grid(color="#e6e6e6", linewidth=0.6)
         ax.set_axisbelow(True)
+    for ax in axes[len(panels) :]:
+        ax.set_axis_off()
     figure.suptitle(_title(recordings), fontsize=12, fontweight="bold")
     return figure
 
