@@ -75,16 +75,34 @@ class Artifact:
 class Backend(ABC):
     """Turns a fitted model into an `Artifact`. Only `build` must be written.
 
+    `opener` runs its files later, in other processes too: it is taken from the registered backend
+    alone, never from a result file. `rests_on` names the distributions whose versions decide its
+    figures, beyond those of the harness itself. `bits_depend_on_threads` is False where the
+    number of threads in `build` changes no bit of the file.
+
     >>> class Mine(Backend):
     ...     name = "mine"
     ...     precision = "fp32"
+    ...     opener = "my_package:open_runner"
+    ...     rests_on = ("my-runtime",)
     ...     def build(self, model, data, path, progress=None):
     ...         path.write_bytes(b"...")
-    ...         return Artifact(path, "fp32", "my_package:open_runner")
+    ...         return Artifact(path, "fp32", self.opener)
     """
 
     name: ClassVar[str]
     precision: ClassVar[Precision]
+    opener: ClassVar[str]
+    rests_on: ClassVar[tuple[str, ...]] = ()
+    bits_depend_on_threads: ClassVar[bool] = True
+
+    def cache_key(self) -> str:
+        """Return text that changes with whatever else decides a result.
+
+        That is the content of files and the values of environment variables that it reads; source
+        and versions are seen without it.
+        """
+        return ""
 
     def supports(self, model: MitigationModel) -> str | None:
         """Return None, or the reason why this backend skips the fitted model."""

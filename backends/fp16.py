@@ -32,6 +32,8 @@ class Fp16Backend(Backend):
 
     name: ClassVar[str] = "fp16"
     precision: ClassVar[Precision] = "fp16"
+    opener: ClassVar[str] = "backends.ort:open_optimised"
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def supports(self, model: MitigationModel) -> str | None:
         """Return the reason why there is nothing to store, or None."""
@@ -59,7 +61,7 @@ class Fp16Backend(Backend):
         store_as_halves(graph, chosen)
         save_graph(graph, path)
         note = _note(len(names), len(chosen))
-        return Artifact(path, self.precision, "backends.ort:open_optimised", note)
+        return Artifact(path, self.precision, self.opener, note)
 
 
 def _note(weights: int, stored: int) -> str:

@@ -14,6 +14,8 @@ class Fp32Backend(Backend):
 
     name: ClassVar[str] = "fp32"
     precision: ClassVar[Precision] = "fp32"
+    opener: ClassVar[str] = "backends.ort:open_plain"
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def build(
         self,
@@ -28,4 +30,4 @@ class Fp32Backend(Backend):
 
         save_graph(export_module(model.to_module(), data.cirs.shape[1]), path)
         note = "graph optimisation off"
-        return Artifact(path, self.precision, "backends.ort:open_plain", note)
+        return Artifact(path, self.precision, self.opener, note)

@@ -24,6 +24,8 @@ class GraphBackend(Backend):
 
     name: ClassVar[str] = "graph"
     precision: ClassVar[Precision] = "fp32"
+    opener: ClassVar[str] = "backends.ort:open_optimised"
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def build(
         self,
@@ -38,7 +40,7 @@ class GraphBackend(Backend):
 
         save_graph(optimised(export_module(model.to_module(), data.cirs.shape[1])), path)
         note = "operators fused by the runtime; memory layouts chosen when opened"
-        return Artifact(path, self.precision, "backends.ort:open_optimised", note)
+        return Artifact(path, self.precision, self.opener, note)
 
 
 def optimised(graph: ModelProto) -> ModelProto:

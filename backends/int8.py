@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from backends.quantise import Range
 
 
+OPENER = "backends.ort:open_optimised"
+
+
 class Int8Backend(Backend):
     """ONNX Runtime with static 8-bit quantisation, calibrated on training rows.
 
@@ -25,6 +28,8 @@ class Int8Backend(Backend):
 
     name: ClassVar[str] = "int8"
     precision: ClassVar[Precision] = "int8"
+    opener: ClassVar[str] = OPENER
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def supports(self, model: MitigationModel) -> str | None:
         """Return the reason why the model cannot be quantised, or None."""
@@ -65,4 +70,4 @@ def write_artifact(
     save_graph(quantised, path)
     coverage = kernel_coverage(path)
     note = f"{coverage.integer} of {coverage.total} layers in 8-bit integers; {how}"
-    return Artifact(path, "int8", "backends.ort:open_optimised", note, coverage)
+    return Artifact(path, "int8", OPENER, note, coverage)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from backends.base import Artifact, Backend, Precision, TrainingData
+from backends.int8 import OPENER, write_artifact
 from backends.weights import no_weights
 from zoo.base import MitigationModel, Progress, TrainingRecipe
 
@@ -38,6 +39,7 @@ class QatBackend(Backend):
 
     name: ClassVar[str] = "qat"
     precision: ClassVar[Precision] = "int8"
+    opener: ClassVar[str] = OPENER
 
     def supports(self, model: MitigationModel) -> str | None:
         """Return the reason why the model cannot be trained further, or None."""
@@ -59,7 +61,6 @@ class QatBackend(Backend):
         Raises ValueError for a model without a training recipe.
         """
         from backends.export import exported
-        from backends.int8 import write_artifact
         from backends.integer_form import to_integer_form
         from backends.sample import sample_rows
 

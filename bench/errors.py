@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
+
+from bench.text import reason
 
 
 class BenchError(Exception):
@@ -12,6 +15,20 @@ class BenchError(Exception):
 
 class WriteError(BenchError):
     """The disk is full or the folder read-only: nothing that follows could be kept either."""
+
+
+@contextmanager
+def foreign(what: str) -> Iterator[None]:
+    """Run code of a plug-in: whatever it raises, or an attempt to end, becomes a BenchError.
+
+    `what` says what failed. Our own errors and the user's interrupt come through.
+    """
+    try:
+        yield
+    except (BenchError, KeyboardInterrupt, GeneratorExit):
+        raise
+    except BaseException as problem:
+        raise BenchError(f"{what}: {reason(problem)}") from problem
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> BenchError:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import ast
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
-from bench.errors import BenchError, unknown_name
+from bench.entry_points import entries
+from bench.errors import BenchError, foreign, unknown_name
 
 Group = Literal["models", "backends", "datasets", "effects", "simulators", "devices"]
 _SINGULAR: dict[Group, str] = {
@@ -26,6 +27,8 @@ _SINGULAR: dict[Group, str] = {
     "devices": "device",
 }
 OUR_DISTRIBUTION = "uwb-bench"
+_MADE: tuple[Group, ...] = ("models", "backends", "datasets", "simulators")
+"""Groups whose plug-ins are called without arguments before they are used."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,7 @@ class Plugin:
     name: str
     target: str
     distribution: str
+    fault: str | None = None
 
     @property
     def built_in(self) -> bool:
@@ -44,19 +48,27 @@ class Plugin:
 
     def load(self) -> Any:
         """Import and return the object. Raises BenchError with the reason where that fails."""
-        try:
+        with foreign(self._unavailable):
+            if self.fault is not None:
+                raise BenchError(f"{self._unavailable}: {self.fault}")
             return EntryPoint(self.name, self.target, f"bench.{self.group}").load()
-        except (Exception, SystemExit) as problem:  # a plug-in must not end the harness
-            reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
-            kind = _SINGULAR[self.group]
-            raise BenchError(f"{kind} {self.name!r} is unavailable: {reason}") from problem
+
+    def make(self) -> Any:
+        """Import it and call it where that can be done. Raises BenchError like `load`."""
+        loaded = self.load()
+        with foreign(self._unavailable):
+            return loaded() if callable(loaded) else loaded
+
+    @property
+    def _unavailable(self) -> str:
+        return f"{_SINGULAR[self.group]} {self.name!r} is unavailable"
 
     def summary(self) -> str:
         """Return the first line of its docstring, read from the source without importing it."""
         module, _, attribute = self.target.partition(":")
         try:
             tree = ast.parse(source_path(module).read_text(encoding="utf-8"))
-        except (OSError, SyntaxError, ImportError, ValueError):
+        except (OSError, SyntaxError, ImportError, ValueError, RecursionError, AttributeError):
             return ""
         for node in tree.body:
             if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == attribute:
@@ -68,9 +80,9 @@ class Plugin:
         if self.built_in:
             return None
         try:
-            self.load()
+            self.make() if self.group in _MADE else self.load()
         except BenchError as error:
-            return str(error).partition(" is ")[2]
+            return str(error).partition(f"{self.name!r} is ")[2] or str(error)
         return None
 
 
@@ -89,9 +101,8 @@ def source_path(module: str) -> Path:
 def plugins(group: Group) -> list[Plugin]:
     """Return every plug-in of a group, ours first, then by name. A name of ours stays ours."""
     found: dict[str, Plugin] = {}
-    for entry in entry_points(group=f"bench.{group}"):
-        dist = entry.dist.name if entry.dist else "unknown"
-        plugin = Plugin(group, entry.name, entry.value, dist)
+    for entry in entries(f"bench.{group}"):
+        plugin = Plugin(group, entry.name, entry.target, entry.distribution, entry.fault)
         if plugin.built_in or entry.name not in found:
             found[entry.name] = plugin
     return sorted(found.values(), key=lambda plugin: not plugin.built_in)

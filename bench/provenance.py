@@ -1,62 +1,131 @@
-"""What a result rests on: hashes of code and files, versions of packages, the commit."""
+"""What a result rests on: the one place that hashes code, versions, files and content."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import bench
+from bench.errors import BenchError, foreign
+from bench.plugin_source import places_of
 from bench.plugins import Plugin, source_path
 
-DECISIVE_PACKAGES = ("numpy", "numba", "onnx", "onnxruntime", "scikit-learn", "scipy", "torch")
+DECISIVE_PACKAGES = (
+    *("numba", "numpy", "onnx", "onnxruntime", "onnxscript", "pandas", "pyarrow"),
+    *("scikit-learn", "scipy", "torch", "uwb-bench"),
+)
 UNKNOWN = "unknown (not a git checkout)"
+SEAL = "content_sha256"
 _PATIENCE_S = 10
 _SCORING = (
-    *("bench/measure/metrics.py", "bench/measure/estimate.py", "bench/measure/profile.py"),
-    *("bench/measure/devices", "bench/recordings/window.py", "bench/recordings/splits.py"),
-    "bench/runner/evaluate.py",
+    *("bench/measure/metrics.py", "bench/recordings/window.py", "bench/recordings/splits.py"),
+    *("bench/runner/evaluate.py", "bench/runner/material.py"),
 )
 
 
-def decisive_versions() -> dict[str, str]:
-    """Return the versions of the packages whose arithmetic decides a result."""
-    return {name: package_version(name) for name in DECISIVE_PACKAGES}
+def json_digest(content: Any, digits: int = 20) -> str:
+    """Return hex digits that stand for plain data: its JSON with sorted keys, hashed."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:digits]
+
+
+def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a JSON object with the hash of all else in it, to be believed when read back."""
+    bare = {name: value for name, value in content.items() if name != SEAL}
+    return {**bare, SEAL: json_digest(bare, 64)}
+
+
+def is_sealed(content: Any) -> bool:
+    """Return True where a JSON object is what `sealed` gave, unedited."""
+    return isinstance(content, dict) and content.get(SEAL) == sealed(content)[SEAL]
+
+
+def decisive_versions(declared: Iterable[str] = ()) -> dict[str, str]:
+    """Return the versions of the packages whose arithmetic decides a result, and those declared."""
+    return {name: package_version(name) for name in sorted({*DECISIVE_PACKAGES, *declared})}
 
 
 def package_version(name: str) -> str:
     """Return an installed distribution's version, or 'absent'."""
     try:
         return version(name)
-    except PackageNotFoundError:
+    except (PackageNotFoundError, ValueError):
         return "absent"
 
 
+@dataclass(frozen=True)
+class Declared:
+    """What a plug-in says of itself that no source or fixed list tells.
+
+    `rests_on`: distributions whose versions decide its figures. `cache_key`: text that changes
+    with the files and environment variables it reads. `threads`: how many the figures were made
+    with, None where it says that their number changes nothing.
+    """
+
+    rests_on: tuple[str, ...] = ()
+    cache_key: str = ""
+    threads: int | None = None
+
+
+def declared(plugin: Plugin) -> Declared:
+    """Ask a model or backend what it rests on. Raises BenchError where it cannot be made or asked.
+
+    It says so with `rests_on`, `cache_key()` and `bits_depend_on_threads`; without the last its
+    figures are taken to depend on the number of threads.
+    """
+    made = plugin.make()
+    with foreign(f"{plugin.name!r} cannot say what it rests on"):
+        rests_on = getattr(made, "rests_on", ())
+        if isinstance(rests_on, str) or not all(isinstance(name, str) for name in rests_on):
+            raise BenchError(f"{plugin.name!r}: rests_on must be distribution names")
+        key = made.cache_key() if hasattr(made, "cache_key") else ""
+        depends = bool(getattr(made, "bits_depend_on_threads", True))
+        return Declared(tuple(rests_on), str(key), _threads() if depends else None)
+
+
+def _threads() -> int:
+    """Return the number of threads that arithmetic is done with in this process."""
+    import torch
+
+    return torch.get_num_threads()
+
+
 def model_code_hash(model: Plugin) -> str:
-    """Hash the source of the package a model lives in, and of `zoo`."""
-    return _hash_sources({_package_root(model), _package_root_of("zoo")})
+    """Hash the source of the distribution a model comes from, of `zoo`, and what names it."""
+    return _hash_sources({*places_of(model), _package_root_of("zoo")}, [model.target])
 
 
 def run_code_hash(model: Plugin, backend: Plugin) -> str:
     """Hash every source file that decides a run's figures: model, backend, windowing, scoring."""
     bench_root = _package_root_of("bench").parent
-    places = {_package_root(model), _package_root(backend)}
+    places = {*places_of(model), *places_of(backend)}
     places |= {_package_root_of("zoo"), _package_root_of("backends")}
-    return _hash_sources(places | {bench_root / place for place in _SCORING})
+    places |= {bench_root / place for place in _SCORING}
+    return _hash_sources(places, [model.target, backend.target])
 
 
 def packages_code_hash(*places: str) -> str:
-    """Hash the source of whole packages, named by folder (`zoo`, `bench/physics`)."""
+    """Hash the source of whole packages, named by folder or file (`zoo`, `bench/physics`)."""
     roots = {place: _package_root_of(place.partition("/")[0]) for place in places}
     return _hash_sources(root.parent / place for place, root in roots.items())
 
 
-def effects_code_hash(effects: Iterable[Plugin]) -> str:
-    """Hash the source of every package that brings effects but ours."""
-    return _hash_sources({_package_root(plugin) for plugin in effects if not plugin.built_in})
+def plugins_code_hash(found: Iterable[Plugin]) -> str:
+    """Hash names, targets and source of plug-ins; of ours the source is hashed elsewhere."""
+    some = list(found)
+    places = {place for plugin in some if not plugin.built_in for place in places_of(plugin)}
+    return _hash_sources(places, sorted(f"{plugin.name}={plugin.target}" for plugin in some))
+
+
+def modules_code_hash(modules: Iterable[str]) -> str:
+    """Hash the source of modules by their dotted names."""
+    return _hash_sources(source_path(module) for module in modules)
 
 
 def file_sha256(path: Path) -> str:
@@ -65,22 +134,20 @@ def file_sha256(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _package_root(plugin: Plugin) -> Path:
-    return _package_root_of(plugin.target.partition(":")[0].partition(".")[0])
-
-
 @cache
 def _package_root_of(name: str) -> Path:
     origin = source_path(name)
     return origin.parent if origin.name == "__init__.py" else origin
 
 
-def _hash_sources(places: Iterable[Path]) -> str:
+def _hash_sources(places: Iterable[Path], texts: Iterable[str] = ()) -> str:
     digest = hashlib.sha256()
+    for text in texts:
+        digest.update(text.encode() + b"\0")
     for place in sorted(places):
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
-        for file in (f for f in files if f.suffix in {".py", ".toml"}):
-            digest.update(str(file.relative_to(place.parent)).encode())
+        for file in (f for f in files if f.suffix in {".py", ".toml"} and f.is_file()):
+            digest.update(str(file.relative_to(place.parent)).encode() + b"\0")
             digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -6,16 +6,16 @@ the artifact and the machine determine. Leaderboards are rebuilt from these file
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
-from types import NoneType, UnionType
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal, TypeVar
+
+from bench.provenance import SEAL, is_sealed, json_digest, sealed
 
 T = TypeVar("T")
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 Status = Literal["ok", "skipped"]
 
 
@@ -49,7 +49,11 @@ class Score:
 
 @dataclass(frozen=True)
 class RunKey:
-    """What determines a run. Its hash is the record's file name."""
+    """All that determines a run. Its hash is the record's file name.
+
+    `model_target` and `backend_target` are what the registered names lead to, `declared` what the
+    two plug-ins say they read besides. `threads` is None where their number changes no bit.
+    """
 
     model: str
     backend: str
@@ -59,11 +63,15 @@ class RunKey:
     seed: int
     code_hash: str
     versions: Mapping[str, str]
+    simulated: bool = False
+    model_target: str = ""
+    backend_target: str = ""
+    declared: Mapping[str, str] = field(default_factory=dict)
+    threads: int | None = None
 
     def digest(self) -> str:
         """Return 20 hex digits that stand for this key."""
-        text = json.dumps(asdict(self), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:20]
+        return json_digest(asdict(self))
 
 
 @dataclass(frozen=True)
@@ -77,10 +85,38 @@ class Size:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """One kernel of one inference of a single row, as `backends.cost.LayerCost` counts it."""
+
+    kind: str
+    macs: int
+    outputs: int
+    dtype: str
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What every estimate for a device is made from: kernels in order, bytes of weights."""
+
+    layers: tuple[Layer, ...]
+    weight_bytes: int
+
+
+@dataclass(frozen=True)
+class Training:
+    """How one fold's model was trained: by which engine, how often over its rows, how fast."""
+
+    engine: str | None = None
+    epochs: int | None = None
+    rows_per_s: float | None = None
+
+
+@dataclass(frozen=True)
 class Estimate:
     """Latency and energy of one inference (batch 1) on a device, from its profile: an ESTIMATE.
 
-    `reason` is set, and the figures None, where the device cannot run that precision.
+    `reason` is set, and the figures None, where the device cannot run that precision. Estimates
+    are made when a result is shown, and never kept: profiles change, runs do not.
     """
 
     device: str
@@ -94,8 +130,10 @@ class RunRecord:
     """One model on one backend on one data set, split and seed.
 
     `nlos` and `los` are None where the test rows hold none of that kind (or no label at all: then
-    every row is scored under `nlos` and `note` says so). `artifact` is the file beside the
-    record, `artifact_sha256` its hash. Skipped runs carry a `reason` and no figures.
+    every row is scored under `nlos` and `note` says so). `artifact` is the first fold's file, for
+    people; `artifacts_sha256` are the hashes of every fold's. `floor` marks a model that mitigates
+    nothing. `training` is how each fold was trained, where the model tells. Skipped runs carry a
+    `reason` and no figures.
     """
 
     key: RunKey
@@ -105,19 +143,26 @@ class RunRecord:
     nlos: Score | None = None
     los: Score | None = None
     size: Size | None = None
+    cost: Cost | None = None
     precision: str | None = None
     integer_kernels: str | None = None
     note: str = ""
+    floor: bool = False
     artifact: str | None = None
     artifact_sha256: str | None = None
+    artifacts_sha256: tuple[str, ...] = ()
+    predictions_sha256: str | None = None
     weights_sha256: str | None = None
-    opener: str | None = None
     fit_s: float | None = None
-    estimates: list[Estimate] = field(default_factory=list)
+    training: tuple[Training, ...] = ()
     host: Mapping[str, Any] = field(default_factory=dict)
     created_utc: str = ""
     schema_version: int = SCHEMA_VERSION
     kind: str = "run"
+
+    def digest(self) -> str:
+        """Return the name of the record's file, without its ending."""
+        return self.key.digest()
 
 
 @dataclass(frozen=True)
@@ -157,26 +202,30 @@ class TimingRecord:
     schema_version: int = SCHEMA_VERSION
     kind: str = "timing"
 
+    def digest(self) -> str:
+        """Return the name of the record's file, without its ending."""
+        where = self.machine.get("id", self.machine)
+        return json_digest([self.model, self.backend, self.data, self.artifact_sha256, where])
+
 
 def to_json(record: RunRecord | TimingRecord) -> str:
-    """Return the record as indented JSON text."""
-    return json.dumps(asdict(record), indent=1, sort_keys=True, default=str) + "\n"
+    """Return the record as indented JSON text, with the hash of its content."""
+    plain = json.loads(json.dumps(asdict(record), default=str))
+    return json.dumps(sealed(plain), indent=1, sort_keys=True) + "\n"
 
 
-def from_json(kind: type[T], content: Mapping[str, Any]) -> T:
+def from_json(kind: type[T], content: Any) -> T:
     """Return the dataclass `kind` rebuilt from parsed JSON.
 
-    Raises KeyError, TypeError or ValueError where the content is not such a record.
+    Raises ValueError, saying why, where the content is not such a record or was edited since it
+    was written.
     """
-    hints = get_type_hints(kind)
-    names = [one.name for one in fields(kind)]  # type: ignore[arg-type]
-    return kind(**{name: _rebuild(hints[name], content[name]) for name in names})
+    import msgspec
 
-
-def _rebuild(hint: Any, value: Any) -> Any:
-    if get_origin(hint) is UnionType:
-        inner = [arm for arm in get_args(hint) if arm is not NoneType]
-        return None if value is None else _rebuild(inner[0], value)
-    if get_origin(hint) is list:
-        return [_rebuild(get_args(hint)[0], item) for item in value]
-    return from_json(hint, value) if isinstance(hint, type) and is_dataclass(hint) else value
+    if not isinstance(content, dict):
+        raise ValueError("not a JSON object")
+    if content.get("schema_version") != SCHEMA_VERSION:
+        raise ValueError(f"schema_version {content.get('schema_version')!r} of another program")
+    if not is_sealed(content):
+        raise ValueError(f"its content is not that of its {SEAL}: it was edited or damaged")
+    return msgspec.convert(content, kind)

@@ -12,13 +12,12 @@ from reports.machines import check_machine, choose_machine, machine_label, timin
 from reports.seeds import Accuracy, accuracy_over_seeds, estimates_over_seeds, size_over_seeds
 from reports.selection import Pair, Place, by_pair, by_place, newest_code, newest_data
 
-FLOOR = "none"
-"""The model that mitigates nothing: what every other model must beat."""
-
 
 @dataclass(frozen=True)
 class Entry:
     """One model on one backend, over its seeds; a figure that is not known is None.
+
+    `is_floor` says that the model mitigates nothing: what every other must beat.
 
     `own_timing` is False where the timing is of the same model and backend with other weights.
     """
@@ -35,13 +34,9 @@ class Entry:
     own_timing: bool
     estimates: list[Estimate]
     notes: tuple[str, ...]
+    is_floor: bool = False
     files: tuple[str, ...] = ()
     """Names of its run records, without their ending, one per seed."""
-
-    @property
-    def is_floor(self) -> bool:
-        """True for no mitigation."""
-        return self.model == FLOOR
 
     @property
     def name(self) -> str:
@@ -153,6 +148,7 @@ def _entry(pair: Pair, runs: Sequence[Run], timings: Sequence[Timing]) -> Entry:
         estimates=estimates_over_seeds(runs),
         notes=tuple(dict.fromkeys(run.note for run in runs if run.note)),
         files=tuple(run.file for run in runs),
+        is_floor=any(run.floor for run in runs),
     )
 
 

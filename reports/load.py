@@ -6,18 +6,15 @@ Layout: `runs/*.json` (what data, split, model, backend and seed determine) and 
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import msgspec
 
+from reports.believe import believed, digest
 from reports.errors import ReportError
-
-SCHEMA_VERSION = 1
-MAX_FILE_BYTES = 64_000_000  # a record with raw samples takes well under one megabyte
 
 T = TypeVar("T")
 
@@ -57,6 +54,11 @@ class Key:
     seed: int
     code_hash: str
     versions: dict[str, str]
+    simulated: bool = False
+    model_target: str = ""
+    backend_target: str = ""
+    declared: dict[str, str] = field(default_factory=dict)
+    threads: int | None = None
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,24 @@ class Size:
     weight_bytes: float
     parameters: float
     macs: float
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One kernel of one inference of a single row."""
+
+    kind: str
+    macs: int
+    outputs: int
+    dtype: str
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What every estimate for a device is made from: kernels in order, bytes of weights."""
+
+    layers: tuple[Layer, ...]
+    weight_bytes: int
 
 
 @dataclass(frozen=True)
@@ -81,7 +101,10 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Run:
-    """One model on one backend, data set, split and seed; skipped runs carry a `reason`."""
+    """One model on one backend, data set, split and seed; skipped runs carry a `reason`.
+
+    `estimates` stand in no file: whoever reads the folder makes them.
+    """
 
     key: Key
     status: Literal["ok", "skipped"]
@@ -90,9 +113,11 @@ class Run:
     nlos: Score | None = None
     los: Score | None = None
     size: Size | None = None
+    cost: Cost | None = None
     precision: str | None = None
     integer_kernels: str | None = None
     note: str = ""
+    floor: bool = False
     artifact_sha256: str | None = None
     estimates: list[Estimate] = field(default_factory=list)
     host: dict[str, Any] = field(default_factory=dict)
@@ -149,12 +174,20 @@ class Results:
     unreadable: list[Unreadable]
 
 
-def read_results(folder: Path) -> Results:
-    """Read `folder`. Raises ReportError where it does not exist or holds no readable run."""
+Estimator = Callable[[Run], list[Estimate]]
+
+
+def read_results(folder: Path, estimator: Estimator | None = None) -> Results:
+    """Read `folder`. Raises ReportError where it does not exist or holds no readable run.
+
+    `estimator` gives a run's estimates for devices, from the device profiles as they are now.
+    """
     if not folder.is_dir():
         raise ReportError(f"no results folder {folder}: `bench run --out {folder}` makes one")
     unreadable: list[Unreadable] = []
     runs = list(_records(folder, "runs", Run, unreadable))
+    if estimator is not None:
+        runs = [replace(run, estimates=estimator(run)) for run in runs]
     timings = list(_records(folder, "timings", Timing, unreadable))
     if not runs:
         raise ReportError(_nothing_found(folder, unreadable))
@@ -182,23 +215,20 @@ def _records(folder: Path, part: str, kind: type[T], bad: list[Unreadable]) -> I
 
 def _record(path: Path, kind: type[T]) -> T:
     """Return one record. Raises ValueError (msgspec's errors are ValueErrors) where it is none."""
-    if path.stat().st_size > MAX_FILE_BYTES:
-        raise ValueError(f"larger than {MAX_FILE_BYTES} bytes")
-    try:
-        content = json.loads(path.read_bytes())
-    except ValueError as problem:
-        raise ValueError(f"not JSON: {problem}") from problem
-    _check_version(content)
+    content = believed(path)
     expected = kind.__name__.lower()
     if content.get("kind") != expected:
         raise ValueError(f"kind {content.get('kind')!r}, expected {expected!r}")
-    content["file"] = path.stem
-    return msgspec.convert(content, kind)
+    content["estimates"], content["file"] = [], path.stem
+    record = msgspec.convert(content, kind)
+    if path.stem != (belongs := _name_of(content)):
+        raise ValueError(f"it belongs under another name: {belongs}.json")
+    return record
 
 
-def _check_version(content: Any) -> None:
-    if not isinstance(content, dict):
-        raise ValueError("not a JSON object")
-    version = content.get("schema_version")
-    if version != SCHEMA_VERSION:
-        raise ValueError(f"schema_version {version!r}, expected {SCHEMA_VERSION}")
+def _name_of(content: dict[str, Any]) -> str:
+    """Return the name a record's file must have: the hash of what determines it."""
+    if content["kind"] == "run":
+        return digest(content["key"])[:20]
+    of = [content[name] for name in ("model", "backend", "data", "artifact_sha256")]
+    return digest([*of, content["machine"].get("id", content["machine"])])[:20]

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from msgspec import convert
+
 from bench.results import (
+    Cost,
     Estimate,
     Interval,
     Latency,
+    Layer,
     RunKey,
     RunRecord,
     Score,
@@ -18,6 +22,9 @@ from bench.results import (
     TimingRecord,
     to_json,
 )
+from reports import Results, read_results
+from reports.load import Estimate as GuessRead
+from reports.load import Run
 
 VERSIONS = {"numpy": "2.4.6", "onnxruntime": "1.31.1", "torch": "2.13.0"}
 MACHINE = {
@@ -28,6 +35,13 @@ MACHINE = {
     "python": "3.11.9",
     "id": "0123abcd",
 }
+
+
+ESTIMATES = [
+    Estimate("cortex-a53", Interval(900.0, 500.0, 1500.0), Interval(1.5, 0.8, 2.9)),
+    Estimate("edge-tpu", None, None, "runs int8 only"),
+]
+GUESSED: dict[str, list[Estimate]] = {}
 
 
 def interval(value: float, half: float) -> Interval:
@@ -66,19 +80,19 @@ def run(model: str = "remnet", backend: str = "fp32", **changes: Any) -> RunReco
     """Return a finished run; keyword arguments of RunKey change the key, others the record."""
     of_key = {k: changes.pop(k) for k in list(changes) if k in RunKey.__dataclass_fields__}
     made_key = key(model, backend, **of_key)
+    estimates = changes.pop("estimates", ESTIMATES)
+    GUESSED[made_key.digest()] = estimates
     made = RunRecord(
+        floor=model == "none",
         key=made_key,
         status="ok",
         simulated=made_key.data == "rooms",
         nlos=score(),
         los=score(0.04, 0.06),
         size=Size(30_000, 24_604, 6151, 1_234_567),
+        cost=Cost((Layer("conv", 1_234_567, 5000, "fp32"),), 24_604),
         precision="fp32",
         artifact_sha256=hashlib.sha256(repr(made_key).encode()).hexdigest(),
-        estimates=[
-            Estimate("cortex-a53", Interval(900.0, 500.0, 1500.0), Interval(1.5, 0.8, 2.9)),
-            Estimate("edge-tpu", None, None, "runs int8 only"),
-        ],
         created_utc="2026-03-01T10:00:00+00:00",
     )
     return replace(made, **changes)
@@ -86,7 +100,8 @@ def run(model: str = "remnet", backend: str = "fp32", **changes: Any) -> RunReco
 
 def skipped(model: str, backend: str, reason: str, **changes: Any) -> RunRecord:
     made = run(model, backend, **changes)
-    bare = {"nlos": None, "los": None, "size": None, "artifact_sha256": None, "estimates": []}
+    bare = {"nlos": None, "los": None, "size": None, "artifact_sha256": None}
+    GUESSED[made.digest()] = []
     return replace(made, status="skipped", reason=reason, **bare)
 
 
@@ -114,13 +129,23 @@ def timing(of: RunRecord, median_us: float = 100.0, **changes: Any) -> TimingRec
 
 
 def write(folder: Path, *records: RunRecord | TimingRecord) -> Path:
-    """Write each record under a name of its own, as the runner does; return the folder."""
+    """Write each record under its digest, as the runner does; return the folder."""
     for record in records:
         part = folder / f"{record.kind}s"
         part.mkdir(parents=True, exist_ok=True)
-        text = to_json(record)
-        (part / f"{hashlib.sha256(text.encode()).hexdigest()[:20]}.json").write_text(text)
+        (part / f"{record.digest()}.json").write_text(to_json(record))
     return folder
+
+
+def guesses(run: Run) -> list[GuessRead]:
+    """Return the estimates that `run` was told to have, as a reader of the folder makes them."""
+    digest = RunKey(**asdict(run.key)).digest()
+    return [convert(asdict(one), GuessRead) for one in GUESSED[digest]]
+
+
+def read(folder: Path, *records: RunRecord | TimingRecord) -> Results:
+    """Write the records and read the folder, estimates included."""
+    return read_results(write(folder, *records), guesses)
 
 
 def full_folder(folder: Path) -> Path:

@@ -40,9 +40,15 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     >>> model = NoMitigation().fit(np.zeros((4, 157)), np.zeros(4))
     >>> model.predict(np.ones((2, 157))).tolist()
     [0.0, 0.0]
+
+    `rests_on` names the distributions whose versions decide its fits, beyond those of the harness
+    itself. `bits_depend_on_threads` is False where a fit's bits are the same on any number of
+    threads. These and `cache_key()` decide which earlier results are still good.
     """
 
     floor: ClassVar[bool] = False
+    rests_on: ClassVar[tuple[str, ...]] = ()
+    bits_depend_on_threads: ClassVar[bool] = True
 
     @abstractmethod
     def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
@@ -59,6 +65,14 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     def training_recipe(self) -> TrainingRecipe | None:
         """Return how the module is trained by gradient descent, or None where it is not."""
         return None
+
+    def cache_key(self) -> str:
+        """Return text that changes with whatever else decides a fit or a prediction.
+
+        That is the content of files and the values of environment variables that it reads; source
+        and versions are seen without it.
+        """
+        return ""
 
     def fitted_state(self) -> dict[str, NDArray[Any]] | None:
         """Return the fit as plain arrays for a cache, or None where the model keeps no such form.

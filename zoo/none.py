@@ -32,6 +32,7 @@ class NoMitigation(ModuleModel):
     """
 
     floor: ClassVar[bool] = True
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is learnt
 
     def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
         """Check CIRs [n, width] and errors [n]; there is nothing to learn."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -19,7 +18,7 @@ from bench.discrepancy.method import Options, diagnose
 from bench.errors import BenchError
 from bench.files import write_atomically
 from bench.parallel import Spread
-from bench.provenance import packages_code_hash
+from bench.provenance import json_digest, packages_code_hash
 
 Progress = Callable[[str], None]
 
@@ -45,7 +44,7 @@ def seal(cases: int, seed: int, waves: int = 0) -> str:
     """Return the hash of every answer, to be published before the run."""
     answers = [asdict(draw_case(number, seed)) for number in range(cases)]
     answers += [asdict(draw_wave(number, seed)) for number in range(waves)]
-    return hashlib.sha256(json.dumps(answers, sort_keys=True).encode()).hexdigest()
+    return json_digest(answers, 64)
 
 
 def code() -> str:

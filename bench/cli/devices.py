@@ -11,6 +11,7 @@ import click
 
 from bench.cli.console import print_json, print_table
 from bench.errors import BenchError
+from bench.measure.on_devices import load_device
 from bench.measure.profile import Coefficient, Profile
 from bench.plugins import Plugin, find, plugins
 
@@ -25,7 +26,7 @@ NOTE = (
 def command(name: str | None, as_json: bool) -> None:
     """List the device profiles, or show every coefficient of one with unit and source."""
     if name is not None:
-        _show_one(_loaded(find("devices", name)), as_json)
+        _show_one(load_device(find("devices", name)), as_json)
     elif as_json:
         print_json([_facts(plugin) for plugin in plugins("devices")])
     else:
@@ -34,20 +35,9 @@ def command(name: str | None, as_json: bool) -> None:
         click.echo(NOTE)
 
 
-def _loaded(plugin: Plugin) -> Profile:
-    """Return the profile. Raises BenchError where it cannot be had or is none."""
-    profile = plugin.load()
-    if not isinstance(profile, Profile):
-        kind = type(profile).__name__
-        raise BenchError(
-            f"device {plugin.name!r} is unavailable: a Profile was expected, not {kind}"
-        )
-    return profile
-
-
 def _row(plugin: Plugin) -> tuple[str, ...]:
     try:
-        profile = _loaded(plugin)
+        profile = load_device(plugin)
     except BenchError as problem:
         return (plugin.name, _reason(problem), "", "")
     kinds = Counter(entry.kind for entry in profile.coefficients.values())
@@ -83,7 +73,7 @@ def _memory(profile: Profile) -> Iterator[str]:
 
 def _facts(plugin: Plugin) -> dict[str, Any]:
     try:
-        return {**asdict(plugin), "problem": None, "profile": asdict(_loaded(plugin))}
+        return {**asdict(plugin), "problem": None, "profile": asdict(load_device(plugin))}
     except BenchError as problem:
         return {**asdict(plugin), "problem": _reason(problem), "profile": None}
 

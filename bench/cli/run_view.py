@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Self
 
 import click
@@ -76,11 +77,19 @@ def print_json(outcome: RunSet) -> None:
     from bench.results import to_json
 
     content = {
-        "runs": [json.loads(to_json(one)) for one in outcome.runs],
+        "runs": [_with_estimates(one, outcome) for one in outcome.runs],
         "timings": [json.loads(to_json(one)) for one in outcome.timings],
         "failures": [vars(one) for one in outcome.failures],
     }
     click.echo(json.dumps(content, indent=1))
+
+
+def _with_estimates(run: RunRecord, outcome: RunSet) -> dict[str, Any]:
+    """Return a record as it stands in its file, with estimates for the devices asked for."""
+    from bench.results import to_json
+
+    estimates = [asdict(one) for one in outcome.estimates(run)]
+    return {**json.loads(to_json(run)), "estimates": estimates}
 
 
 def print_summary(outcome: RunSet) -> None:
@@ -95,7 +104,7 @@ def print_summary(outcome: RunSet) -> None:
     ):
         console.print(note, highlight=False, markup=False, soft_wrap=True)
     if len(done) == 1:
-        console.print(_device_table(done[0]))
+        console.print(_device_table(outcome.estimates(done[0])))
     for run in (one for one in outcome.runs if one.status == "skipped"):
         click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
     click.echo(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
@@ -171,7 +180,7 @@ def _latency(one: Latency | None) -> str:
     return f"{one.median_us:.1f}" + ("\nunstable" if one.unstable else "")
 
 
-def _device_table(run: RunRecord) -> Table:
+def _device_table(estimates: Iterable[Estimate]) -> Table:
     table = Table(
         box=box.SIMPLE_HEAD,
         pad_edge=False,
@@ -180,7 +189,7 @@ def _device_table(run: RunRecord) -> Table:
     )
     for title in ("device", "latency (us)", "energy (mJ)"):
         table.add_column(title, justify="left" if title == "device" else "right")
-    for one in run.estimates:
+    for one in estimates:
         table.add_row(*_device_cells(one))
     return table
 

@@ -5,9 +5,7 @@ The simulator is `rooms.toml` beside this file; the plan of rooms and obstacles 
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +14,7 @@ from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import ROW_TOTAL
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import read_toml, to_toml
+from bench.provenance import json_digest, package_version, packages_code_hash
 from bench.recordings.table import Recordings
 
 _HERE = Path(__file__).parent
@@ -36,12 +35,9 @@ class Rooms:
 
     def key(self) -> str:
         """Return 20 hex digits that change with simulator, seed, code and numerical libraries."""
-        digest = hashlib.sha256(to_toml(self.simulator).encode())
-        for path in sorted(_HERE.rglob("*.py")):
-            digest.update(path.name.encode() + b"\0" + path.read_bytes())
-        for library in ("numpy", "scipy", "pandas"):
-            digest.update(f"{library} {version(library)}".encode())
-        return digest.hexdigest()[:20]
+        versions = {library: package_version(library) for library in ("numpy", "scipy", "pandas")}
+        code = packages_code_hash("bench/physics")
+        return json_digest([to_toml(self.simulator), code, versions])
 
 
 def simulator() -> Simulator:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +9,7 @@ from time import perf_counter
 
 from bench.errors import BenchError, WriteError
 from bench.measure.machine import describe_machine
-from bench.provenance import decisive_versions, packages_code_hash
+from bench.provenance import decisive_versions, json_digest, packages_code_hash
 from bench.reproduce.catalogue import Experiment
 from bench.reproduce.context import Context
 from bench.reproduce.outcome import read_key, read_longest_s, write_outcome
@@ -60,7 +58,7 @@ def _one(experiment: Experiment, context: Context) -> Path:
     """Return the file of one experiment, done now unless it was before."""
     path = context.folder / f"{experiment.name}.json"
     key = _key(experiment, context)
-    if read_key(path) == key:
+    if read_key(path, context.watch.note) == key:
         return path
     context.watch.stage(experiment.name)
     start = perf_counter()
@@ -83,6 +81,7 @@ def _key(experiment: Experiment, context: Context) -> str:
     content = {
         "experiment": experiment.name,
         "data": context.recordings.fingerprint,
+        "simulated": context.recordings.simulated,
         "name": context.name,
         "split": context.split,
         "quick": context.quick,
@@ -90,4 +89,4 @@ def _key(experiment: Experiment, context: Context) -> str:
         "code": packages_code_hash(*PACKAGES),
         "versions": decisive_versions(),
     }
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:20]
+    return json_digest(content)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from bench.files import write_atomically
+from bench.errors import BenchError
+from bench.files import read_json, write_atomically
+from bench.provenance import is_sealed, sealed
 from bench.results import Interval
 
 SCHEMA_VERSION = 1
@@ -116,25 +118,39 @@ class Outcome:
 
 def write_outcome(outcome: Outcome, path: Path) -> None:
     """Write an outcome as JSON in one step; figures that are not finite become null."""
-    write_atomically(path, json.dumps(_finite(asdict(outcome)), indent=1) + "\n")
+    write_atomically(path, json.dumps(sealed(_finite(asdict(outcome))), indent=1) + "\n")
 
 
-def read_key(path: Path) -> str | None:
-    """Return the key of an outcome file, None where there is none or it is damaged."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        return str(content["key"]) if content["schema_version"] == SCHEMA_VERSION else None
-    except (OSError, ValueError, KeyError, TypeError):
+def read_key(path: Path, tell: Callable[[str], None] = lambda _: None) -> str | None:
+    """Return the key of an outcome file, None where there is none that can be believed.
+
+    `tell` hears of one that was edited or damaged.
+    """
+    if not path.exists():
         return None
+    content = _content(path)
+    if content is None:
+        tell(f"{path}: edited or damaged since it was written; it is made again")
+        return None
+    return str(content["key"]) if content.get("schema_version") == SCHEMA_VERSION else None
+
+
+def _content(path: Path) -> dict[str, Any] | None:
+    """Return an outcome file's content, None where it is not what was written."""
+    try:
+        content = read_json(path)
+    except BenchError:
+        return None
+    return content if is_sealed(content) else None
 
 
 def read_longest_s(path: Path, outcome: Outcome) -> float:
     """Return how long an earlier making of this outcome took, 0 where there was none."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path)
         same = [content[name] for name in _SAME] == [getattr(outcome, name) for name in _SAME]
         return max(content["elapsed_s"], content.get("longest_s", 0.0)) if same else 0.0
-    except (OSError, ValueError, KeyError, TypeError):
+    except (BenchError, KeyError, TypeError):
         return 0.0
 
 

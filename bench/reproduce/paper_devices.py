@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from backends.cost import GraphCost, graph_cost
 from bench.reproduce import paper
@@ -13,7 +12,7 @@ from bench.results import RunRecord
 
 def cost_of(context: Context, record: RunRecord) -> GraphCost:
     """Return the kernels of a run's file."""
-    return graph_cost(context.results.root / Path(str(record.artifact)))
+    return graph_cost(context.results.artifact_path(record.digest(), 0))
 
 
 def backend_of(row: paper.Printed) -> str:

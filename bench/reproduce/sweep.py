@@ -12,9 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from bench.files import write_atomically
+from bench.errors import BenchError
+from bench.files import read_json, write_atomically
 from bench.parallel import Work
-from bench.provenance import decisive_versions, packages_code_hash
+from bench.provenance import (
+    decisive_versions,
+    is_sealed,
+    json_digest,
+    packages_code_hash,
+    sealed,
+)
 from bench.reproduce.context import Context
 
 CODE = ("zoo", "bench/measure/metrics.py", "bench/reproduce/raw_mlp.py")
@@ -28,14 +35,15 @@ def sweep(context: Context, name: str, work: Work, shared: Any, tasks: Sequence[
     """
     basis = _basis(work, shared)
     paths = [context.folder / "points" / f"{name}-{_digest(basis, task)}.json" for task in tasks]
-    results = [_read(path) for path in paths]
+    results = [_read(*pair) for pair in zip(paths, tasks, strict=True)]
     missing = [at for at, found in enumerate(results) if found is None]
     done = len(tasks) - len(missing)
     what = f"{name}: {len(tasks)} points"
     context.watch.progress(what, done / len(tasks))
     for number, result in context.spread.map(work, shared, [tasks[at] for at in missing]):
         at, done = missing[number], done + 1
-        write_atomically(paths[at], json.dumps({"task": asdict(tasks[at]), "result": result}))
+        point = {"task": asdict(tasks[at]), "result": result}
+        write_atomically(paths[at], json.dumps(sealed(json.loads(json.dumps(point)))))
         results[at] = result
         context.watch.progress(what, done / len(tasks))
     return results
@@ -49,7 +57,7 @@ def _basis(work: Work, shared: Any) -> str:
     digest = hashlib.sha256(f"{work.__module__}.{work.__qualname__}".encode())
     digest.update(packages_code_hash(*CODE).encode())
     digest.update(Path(inspect.getfile(work)).read_bytes())
-    digest.update(json.dumps(decisive_versions(), sort_keys=True).encode())
+    digest.update(json_digest(decisive_versions()).encode())
     for field in fields(shared):
         digest.update(field.name.encode() + _bytes(getattr(shared, field.name)))
     return digest.hexdigest()
@@ -66,13 +74,14 @@ def _bytes(value: Any) -> bytes:
 
 
 def _digest(basis: str, task: Any) -> str:
-    text = basis + json.dumps(asdict(task), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:20]
+    return json_digest([basis, asdict(task)])
 
 
-def _read(path: Path) -> Any:
-    """Return a point's result, None where there is none or the file is damaged."""
+def _read(path: Path, task: Any) -> Any:
+    """Return a point's result, None where there is none that can be believed."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))["result"]
-    except (OSError, ValueError, KeyError, TypeError):
+        content = read_json(path)
+    except BenchError:
         return None
+    believed = is_sealed(content) and content["task"] == json.loads(json.dumps(asdict(task)))
+    return content["result"] if believed else None

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bench.measure.on_devices import estimates_of
+from bench.plugins import Plugin
 from bench.recordings.table import Recordings
-from bench.results import RunRecord, TimingRecord
+from bench.results import Estimate, RunRecord, TimingRecord
 from bench.runner.execute import execute
 from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
@@ -28,6 +30,11 @@ class RunSet:
     timings: list[TimingRecord]
     failures: list[Failure]
     folder: Path
+    devices: tuple[Plugin, ...] = ()
+
+    def estimates(self, run: RunRecord) -> list[Estimate]:
+        """Return ESTIMATES of one run on the devices asked for, from their profiles as of now."""
+        return estimates_of(run.cost, run.precision, self.devices)
 
     def frame(self) -> pd.DataFrame:
         """Return one row per run: names, errors in metres, latency in us, sizes in bytes."""
@@ -62,4 +69,4 @@ def run(
     material = load_material(data, split)
     runs, failures = execute(plan, material, folder, watch)
     timings, late = time_artifacts(runs, folder, material.cirs.shape[1], watch)
-    return RunSet(runs, timings, failures + late, folder.root)
+    return RunSet(runs, timings, failures + late, folder.root, plan.devices)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import asdict
 
 from bench.discrepancy.method import Options
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
 from bench.plugins import plugins
-from bench.provenance import decisive_versions, effects_code_hash, packages_code_hash
+from bench.provenance import (
+    decisive_versions,
+    json_digest,
+    packages_code_hash,
+    plugins_code_hash,
+)
 from bench.recordings.table import Recordings
 
 CODE = ("bench/discrepancy", "bench/physics", "bench/recordings")
@@ -21,11 +24,10 @@ def fingerprint(recorded: Recordings, simulated: Simulator | Recordings, options
     other = simulated.fingerprint if isinstance(simulated, Recordings) else to_toml(simulated)
     parts = {
         "code": packages_code_hash(*CODE),
-        "effects": sorted(f"{plugin.name}={plugin.target}" for plugin in plugins("effects")),
-        "effects_code": effects_code_hash(plugins("effects")),
+        "effects": plugins_code_hash(plugins("effects")),
         "versions": decisive_versions(),
-        "recorded": recorded.fingerprint,
+        "recorded": [recorded.fingerprint, recorded.simulator],
         "simulated": other,
         "options": asdict(options),
     }
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+    return json_digest(parts, 16)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.errors import BenchError
 from bench.measure.metrics import score
 from bench.results import Score
 from bench.runner.material import Material
@@ -68,7 +69,13 @@ def _build(
     from backends.base import TrainingData
 
     data = TrainingData(material.cirs[train], material.errors_m[train], seed)
-    return backend.build(model, data, path, progress)
+    made = backend.build(model, data, path, progress)
+    if made.opener != backend.opener:
+        raise BenchError(
+            f"its files are opened with {made.opener!r}, but the backend declares "
+            f"opener = {backend.opener!r}; expected the same"
+        )
+    return made
 
 
 def score_rows(done: Evaluation, material: Material, los: bool, seed: int) -> Score | None:

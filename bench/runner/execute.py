@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING
 from bench.errors import BenchError, WriteError
 from bench.files import atomic_path
 from bench.plugins import Plugin
-from bench.provenance import decisive_versions, run_code_hash
+from bench.provenance import file_sha256
 from bench.results import RunKey, RunRecord
 from bench.runner.evaluate import evaluate
-from bench.runner.failure import Failure
+from bench.runner.failure import Failure, said
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
+from bench.runner.keys import run_key
 from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
 from bench.runner.records import finished_record, skipped_record, write_predictions
 
 if TYPE_CHECKING:
+    from backends.base import Backend
     from zoo.base import MitigationModel
 
 
@@ -54,40 +56,29 @@ def execute(
     total = len(plan.models) * len(plan.backends) * len(plan.seeds)
     for model in plan.models:
         for seed in plan.seeds:
-            group = [_job(model, backend, material, seed) for backend in plan.backends]
-            for outcome in _run_group(group, plan, material, folder, watch):
+            for outcome in _run_group(model, seed, plan, material, folder, watch):
                 (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
                 watch.runs(len(records) + len(failures), total)
     return records, failures
 
 
-def _job(model: Plugin, backend: Plugin, material: Material, seed: int) -> Job:
-    key = RunKey(
-        model=model.name,
-        backend=backend.name,
-        data=material.name,
-        data_fingerprint=material.fingerprint,
-        split=material.split.name,
-        seed=seed,
-        code_hash=run_code_hash(model, backend),
-        versions=decisive_versions(),
-    )
-    return Job(model, backend, key)
-
-
 def _run_group(
-    jobs: Sequence[Job], plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+    model: Plugin, seed: int, plan: Plan, material: Material, folder: ResultFolder, watch: Observer
 ) -> list[RunRecord | Failure]:
     """Run one model and seed on every backend; the fits are shared and made only when needed."""
     outcomes: list[RunRecord | Failure] = []
     fitted: Fitted | BenchError | None = None
-    for job in jobs:
-        known = folder.find_run(job.key.digest())
-        if known is not None:
+    for backend in plan.backends:
+        try:
+            job = Job(model, backend, run_key(model, backend, material, seed))
+        except BenchError as problem:
+            outcomes.append(_failure(model, backend, seed, problem, watch))
+            continue
+        if (known := folder.find_run(job.key, watch.note)) is not None:
             outcomes.append(known)
             continue
         fitted = fitted or _fit(job, material, watch)
-        outcomes.append(_run_one(job, fitted, plan, material, folder, watch))
+        outcomes.append(_run_one(job, fitted, material, folder, watch))
     return outcomes
 
 
@@ -102,16 +93,15 @@ def _fit(job: Job, material: Material, watch: Observer) -> Fitted | BenchError:
             tell = partial(watch.progress, what)
             models.append(fit_fold(job.model, material, fold, job.key.seed, tell))
         return Fitted(models, perf_counter() - start)
-    except WriteError:
+    except (WriteError, KeyboardInterrupt):
         raise
-    except Exception as problem:
-        return BenchError(_one_line(problem))
+    except BaseException as problem:  # a plug-in must not end the harness
+        return BenchError(said(problem))
 
 
 def _run_one(
     job: Job,
     fitted: Fitted | BenchError,
-    plan: Plan,
     material: Material,
     folder: ResultFolder,
     watch: Observer,
@@ -120,34 +110,39 @@ def _run_one(
     try:
         if isinstance(fitted, BenchError):
             raise fitted
-        return _record(job, fitted, plan, material, folder, watch)
-    except WriteError:
+        return _record(job, fitted, material, folder, watch)
+    except (WriteError, KeyboardInterrupt):
         raise
-    except Exception as problem:
-        failure = Failure(job.model.name, job.backend.name, job.key.seed, _one_line(problem))
-        watch.note(f"{failure.model} on {failure.backend} failed: {failure.reason}")
-        return failure
+    except BaseException as problem:  # a plug-in must not end the harness
+        return _failure(job.model, job.backend, job.key.seed, problem, watch)
+
+
+def _failure(
+    model: Plugin, backend: Plugin, seed: int, problem: BaseException, watch: Observer
+) -> Failure:
+    failure = Failure(model.name, backend.name, seed, said(problem))
+    watch.note(str(failure))
+    return failure
 
 
 def _record(
-    job: Job, fitted: Fitted, plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+    job: Job, fitted: Fitted, material: Material, folder: ResultFolder, watch: Observer
 ) -> RunRecord:
-    backend = job.backend.load()()
+    backend = job.backend.make()
     reason = backend.supports(fitted.models[0])
     if reason is not None:
         watch.note(f"{job.model.name} on {job.backend.name} skipped: {reason}")
-        record = skipped_record(job.key, material, reason)
+        record = skipped_record(job.key, str(reason))
     else:
-        record = _evaluate(job, backend, fitted, plan, material, folder, watch)
+        record = _evaluate(job, backend, fitted, material, folder, watch)
     folder.write_run(record)
     return record
 
 
 def _evaluate(
     job: Job,
-    backend: object,
+    backend: Backend,
     fitted: Fitted,
-    plan: Plan,
     material: Material,
     folder: ResultFolder,
     watch: Observer,
@@ -160,13 +155,9 @@ def _evaluate(
         targets = [folder.artifact_path(digest, fold) for fold in range(len(fitted.models))]
         paths = [stack.enter_context(atomic_path(target)) for target in targets]
         tell = partial(watch.progress, what)
-        done = evaluate(fitted.models, backend, material, job.key.seed, paths, tell)  # type: ignore[arg-type]
-        record = finished_record(job.key, material, done, fitted.models[0], fitted.fit_s, plan)
-    write_predictions(folder.predictions_path(digest), material, done)
-    return record
-
-
-def _one_line(problem: Exception) -> str:
-    text = str(problem).strip().splitlines()
-    first = text[0] if text else "no message"
-    return first if isinstance(problem, BenchError) else f"{type(problem).__name__}: {first}"
+        done = evaluate(fitted.models, backend, material, job.key.seed, paths, tell)
+        record = finished_record(job.key, material, done, fitted.models, fitted.fit_s)
+        record = replace(record, artifacts_sha256=tuple(map(file_sha256, paths)))
+    predictions = folder.predictions_path(digest)
+    write_predictions(predictions, material, done)
+    return replace(record, predictions_sha256=file_sha256(predictions))

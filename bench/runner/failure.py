@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bench.errors import BenchError
+from bench.text import one_line, reason
+
 
 @dataclass(frozen=True)
 class Failure:
@@ -16,3 +19,8 @@ class Failure:
 
     def __str__(self) -> str:
         return f"{self.model} on {self.backend} failed: {self.reason}"
+
+
+def said(problem: BaseException) -> str:
+    """Return what a failure says in one line; our own errors without their type."""
+    return one_line(str(problem)) if isinstance(problem, BenchError) else reason(problem)

@@ -3,29 +3,37 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import zipfile
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bench.files import atomic_path, cache_dir
+from bench.errors import BenchError
+from bench.files import atomic_path, cache_dir, read_bytes
 from bench.plugins import Plugin
-from bench.provenance import decisive_versions, model_code_hash
+from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold
+from bench.results import Training
 from bench.runner.material import Material
+from bench.runner.training import told, training_of
 
 if TYPE_CHECKING:
     from zoo.base import MitigationModel
 
 Progress = Callable[[float], None]
+State = dict[str, Any]
+MOST_BYTES = 2_000_000_000
+_KEY, _SUM, _TRAINING = "bench.key", "bench.sha256", "bench.training"
 
 
 def new_model(plugin: Plugin, seed: int) -> MitigationModel:
     """Return an unfitted model with its default parameters and that seed."""
-    model: MitigationModel = plugin.load()()
+    model: MitigationModel = plugin.make()
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
@@ -37,42 +45,70 @@ def fit_fold(
     """Return the model fitted on one fold's training rows, from the cache where it is there."""
     model = new_model(plugin, seed)
     train = material.split.folds[fold].train
-    path = _cache_path(plugin, model, material, fold, seed)
-    state = _read_state(path)
-    if state is not None and model.restore_state(state):
+    key = _key(plugin, model, material, fold, seed)
+    path = cache_dir() / "fits" / f"{plugin.name}-{json_digest(key, 24)}.npz"
+    state = _read_state(path, key)
+    if state is not None and _restored(model, state):
         return model
     model.fit(material.cirs[train], material.errors_m[train], progress=progress)
     state = model.fitted_state()
     if state is not None:
-        with atomic_path(path) as scratch, scratch.open("wb") as stream:
-            np.savez(stream, **state)  # type: ignore[arg-type]
+        _write_state(path, key, {**state, _TRAINING: told(training_of(model))})
     return model
 
 
-def _cache_path(
+def _restored(model: MitigationModel, state: State) -> bool:
+    """Make a model what an earlier fit made it, with how it was trained; False where it cannot."""
+    training = Training(**json.loads(str(state.pop(_TRAINING))))
+    if not model.restore_state(state):
+        return False
+    model.training_log_ = training
+    return True
+
+
+def _key(
     plugin: Plugin, model: MitigationModel, material: Material, fold: int, seed: int
-) -> Path:
-    key: dict[str, Any] = {
+) -> dict[str, Any]:
+    """Return all that a fit depends on."""
+    says = declared(plugin)
+    return {
         "model": plugin.target,
         "code": model_code_hash(plugin),
         "parameters": {name: repr(value) for name, value in sorted(model.get_params().items())},
         "data": material.fingerprint,
         "rows": _rows_hash(material.split.folds[fold]),
         "seed": seed,
-        "versions": decisive_versions(),
+        "versions": decisive_versions(says.rests_on),
+        "declared": says.cache_key,
+        "threads": says.threads,
     }
-    digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:24]
-    return cache_dir() / "fits" / f"{plugin.name}-{digest}.npz"
 
 
 def _rows_hash(fold: Fold) -> str:
     return hashlib.sha256(np.ascontiguousarray(fold.train, np.int64).tobytes()).hexdigest()[:16]
 
 
-def _read_state(path: Path) -> dict[str, Any] | None:
-    """Return the arrays of an earlier fit; None where there is none or the file is damaged."""
+def _write_state(path: Path, key: Mapping[str, Any], state: State) -> None:
+    seals = {_KEY: json.dumps(key, sort_keys=True), _SUM: _sum(state)}
+    with atomic_path(path) as scratch, scratch.open("wb") as stream:
+        np.savez(stream, **state, **seals)  # type: ignore[arg-type]
+
+
+def _sum(state: Mapping[str, Any]) -> str:
+    """Return the hash of every array with its name, shape and type."""
+    digest = hashlib.sha256()
+    for name in sorted(state):
+        value = np.ascontiguousarray(state[name])
+        digest.update(f"{name}{value.shape}{value.dtype.str}".encode() + value.tobytes())
+    return digest.hexdigest()
+
+
+def _read_state(path: Path, key: Mapping[str, Any]) -> State | None:
+    """Return the arrays of an earlier fit; None where there is none that can be believed."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        with np.load(io.BytesIO(read_bytes(path, MOST_BYTES)), allow_pickle=False) as archive:
+            state = {name: archive[name] for name in archive.files}
+    except (BenchError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError):
         return None
+    believed = str(state.pop(_KEY, "")) == json.dumps(key, sort_keys=True)
+    return state if believed and str(state.pop(_SUM, "")) == _sum(state) else None

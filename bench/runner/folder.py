@@ -1,20 +1,24 @@
-"""The result folder: runs, timings, artifacts and predictions, each written in one step."""
+"""The result folder: runs, timings, artifacts and predictions, each written in one step.
+
+Nothing in it is believed that is not what its key and its hashes say.
+"""
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from bench.errors import BenchError
-from bench.files import write_atomically
+from bench.files import is_regular, read_json, remove_leftovers, write_atomically
 from bench.provenance import file_sha256
-from bench.results import SCHEMA_VERSION, RunRecord, TimingRecord, from_json, to_json
+from bench.results import RunKey, RunRecord, TimingRecord, from_json, to_json
 
 Record = TypeVar("Record", RunRecord, TimingRecord)
+Tell = Callable[[str], None]
+_PARTS = ("runs", "timings", "artifacts", "predictions")
 
 
 @dataclass(frozen=True)
@@ -24,14 +28,19 @@ class ResultFolder:
     root: Path
 
     def check_writable(self) -> None:
-        """Raise BenchError before any work is done where nothing could be written."""
+        """Raise BenchError before any work is done where nothing could be written.
+
+        What a killed run left half-written is removed.
+        """
         place = self.root
-        while not place.exists():
+        while not _is_there(place):
             place = place.parent
         if not place.is_dir():
             raise BenchError(f"--out {self.root}: {place} is a file, expected a folder")
         if not os.access(place, os.W_OK | os.X_OK):
             raise BenchError(f"--out {self.root}: {place} is read-only, expected a writable folder")
+        for part in _PARTS:
+            remove_leftovers(self.root / part)
 
     def artifact_path(self, digest: str, fold: int) -> Path:
         """Return where the model file of one run and fold belongs."""
@@ -41,34 +50,77 @@ class ResultFolder:
         """Return where the per-row predictions of a run belong."""
         return self.root / "predictions" / f"{digest}.parquet"
 
-    def find_run(self, digest: str) -> RunRecord | None:
-        """Return a finished run whose artifact is still there unchanged, else None."""
-        record = self._read(self.root / "runs" / f"{digest}.json", RunRecord)
-        if record is None or record.status == "skipped":
-            return record
-        artifact = self.root / (record.artifact or "")
-        whole = artifact.is_file() and file_sha256(artifact) == record.artifact_sha256
-        return record if whole else None
+    def find_run(self, key: RunKey, tell: Tell = lambda _: None) -> RunRecord | None:
+        """Return the finished run of a key with every file that belongs to it unchanged, else None.
+
+        `tell` hears, by name, what is there and cannot be believed.
+        """
+        path = self.root / "runs" / f"{key.digest()}.json"
+        record = self._read(path, RunRecord, tell)
+        if record is None:
+            return None
+        for fault in self._faults(record, key):
+            tell(f"{path}: {fault}; it is made again")
+            return None
+        return record
 
     def write_run(self, record: RunRecord) -> None:
         """Write a run under its key's hash."""
-        write_atomically(self.root / "runs" / f"{record.key.digest()}.json", to_json(record))
+        write_atomically(self.root / "runs" / f"{record.digest()}.json", to_json(record))
 
-    def find_timing(self, digest: str) -> TimingRecord | None:
-        """Return the timing of that digest, else None."""
-        return self._read(self.root / "timings" / f"{digest}.json", TimingRecord)
+    def find_timing(self, like: TimingRecord, tell: Tell = lambda _: None) -> TimingRecord | None:
+        """Return the timing of the same artifact on the same machine, else None."""
+        path = self.root / "timings" / f"{like.digest()}.json"
+        record = self._read(path, TimingRecord, tell)
+        if record is None or record.digest() == like.digest():
+            return record
+        tell(f"{path}: it is the timing of something else; it is made again")
+        return None
 
-    def write_timing(self, digest: str, record: TimingRecord) -> None:
+    def write_timing(self, record: TimingRecord) -> None:
         """Write a timing under its digest."""
-        write_atomically(self.root / "timings" / f"{digest}.json", to_json(record))
+        write_atomically(self.root / "timings" / f"{record.digest()}.json", to_json(record))
+
+    def _faults(self, record: RunRecord, key: RunKey) -> Iterator[str]:
+        """Yield what does not fit: another key, a file that is gone or not what it was."""
+        wanted = asdict(key)
+        for name, found in asdict(record.key).items():
+            if found != wanted[name]:
+                yield f"it is of another run: {name} is {found!r}, expected {wanted[name]!r}"
+        if record.simulated != key.simulated:
+            yield "its mark for simulated data is not that of its key"
+        if record.status == "ok":
+            yield from self._damaged(record)
+
+    def _damaged(self, record: RunRecord) -> Iterator[str]:
+        digest = record.digest()
+        folds = enumerate(record.artifacts_sha256)
+        files = [(self.artifact_path(digest, fold), expected) for fold, expected in folds]
+        files.append((self.predictions_path(digest), str(record.predictions_sha256)))
+        for path, expected in files:
+            if not is_regular(path):
+                yield f"{path} is missing"
+            elif file_sha256(path) != expected:
+                yield f"{path} is damaged"
+        if record.artifacts_sha256[:1] != (record.artifact_sha256,):
+            yield "it names no artifact"
 
     @staticmethod
-    def _read(path: Path, kind: type[Record]) -> Record | None:
-        """Return the record in a file, or None where it is absent, damaged or of another schema."""
-        try:
-            content: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-            if content["schema_version"] != SCHEMA_VERSION:
-                return None
-            return from_json(kind, content)
-        except (OSError, ValueError, KeyError, TypeError):
+    def _read(path: Path, kind: type[Record], tell: Tell) -> Record | None:
+        """Return the record in a file; None where there is none, or none that can be believed."""
+        if not _is_there(path):
             return None
+        try:
+            return from_json(kind, read_json(path))
+        except (BenchError, ValueError) as problem:
+            said = str(problem).removeprefix(f"{path}: ")
+            tell(f"{path}: {said}; it is made again")
+            return None
+
+
+def _is_there(path: Path) -> bool:
+    """Return True where anything has that name, a link to nothing too. Raises BenchError."""
+    try:
+        return os.path.lexists(path)
+    except (OSError, ValueError) as problem:
+        raise BenchError(f"{path}: no name for a file ({problem})") from problem

@@ -41,7 +41,7 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
         name = source.full_name if source else data
     window = cir_window(whole)
     recordings = whole.select(window.rows)
-    chosen = split or default_split(recordings, source)
+    made = make_split(recordings, split or default_split(recordings, source), source=source)
     return Material(
         name,
         recordings,
@@ -49,7 +49,7 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
-        make_split(recordings, chosen, source=source),
+        made,
         {**whole.dropped, **window.dropped},
     )
 

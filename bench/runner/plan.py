@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from bench.errors import BenchError
 from bench.plugins import Group, Plugin, find, plugins
 
+MOST_SEEDS = 10_000
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -20,8 +22,8 @@ class Plan:
 
 def make_plan(model: str, backend: str, device: str, seeds: int) -> Plan:
     """Resolve comma-separated names or `all`. Raises BenchError (did-you-mean) on any unknown."""
-    if seeds < 1:
-        raise BenchError(f"--seeds {seeds}: expected a whole number of at least 1")
+    if not 1 <= seeds <= MOST_SEEDS:
+        raise BenchError(f"--seeds {seeds}: expected a whole number from 1 to {MOST_SEEDS}")
     return Plan(
         resolve("models", model),
         resolve("backends", backend),

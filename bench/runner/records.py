@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,24 +13,25 @@ import numpy as np
 from bench.files import atomic_path
 from bench.measure.machine import describe_machine
 from bench.provenance import file_sha256
-from bench.results import Estimate, RunKey, RunRecord, Size
+from bench.results import Cost, Layer, RunKey, RunRecord, Size, Training
 from bench.runner.evaluate import Evaluation, score_rows
 from bench.runner.material import Material, predictions_table
-from bench.runner.plan import Plan
+from bench.runner.training import training_of
 
 if TYPE_CHECKING:
     from backends.base import Artifact
+    from backends.cost import GraphCost
     from zoo.base import MitigationModel
 
 UNLABELLED = "no line-of-sight label: every row is scored under NLoS"
 
 
-def skipped_record(key: RunKey, material: Material, reason: str) -> RunRecord:
+def skipped_record(key: RunKey, reason: str) -> RunRecord:
     """Return the record of a pair a backend declines."""
     return RunRecord(
         key,
         "skipped",
-        material.recordings.simulated,
+        key.simulated,
         reason=reason,
         host=describe_machine(),
         created_utc=now_utc(),
@@ -40,26 +42,28 @@ def finished_record(
     key: RunKey,
     material: Material,
     done: Evaluation,
-    model: MitigationModel,
+    models: Sequence[MitigationModel],
     fit_s: float,
-    plan: Plan,
 ) -> RunRecord:
     """Return the record of a finished run; figures of size and cost are the first fold's."""
-    artifact = done.artifact
+    from backends.cost import graph_cost
+
+    artifact, cost = done.artifact, graph_cost(done.artifact.path)
     return RunRecord(
         key=key,
         status="ok",
-        simulated=material.recordings.simulated,
-        size=_size(artifact),
+        simulated=key.simulated,
+        size=Size(cost.file_bytes, cost.weight_bytes, cost.parameters, cost.macs),
+        cost=_cost(cost),
         precision=artifact.precision,
         integer_kernels=_coverage(artifact),
         note="; ".join(filter(None, [artifact.note, _label_note(material)])),
+        floor=bool(getattr(models[0], "floor", False)),
         artifact=f"artifacts/{key.digest()}-0.onnx",
         artifact_sha256=file_sha256(artifact.path),
-        weights_sha256=_weights_hash(model),
-        opener=artifact.opener,
+        weights_sha256=_weights_hash(models[0]),
         fit_s=fit_s,
-        estimates=_estimates(artifact, plan),
+        training=_training(models),
         host=describe_machine(),
         created_utc=now_utc(),
         nlos=score_rows(done, material, los=False, seed=key.seed),
@@ -84,24 +88,20 @@ def _label_note(material: Material) -> str:
     return "" if "los" in material.recordings.frame else UNLABELLED
 
 
-def _size(artifact: Artifact) -> Size:
-    from backends.cost import graph_cost
+def _cost(cost: GraphCost) -> Cost:
+    layers = (Layer(one.kind, one.macs, one.outputs, one.dtype) for one in cost.layers)
+    return Cost(tuple(layers), cost.weight_bytes)
 
-    cost = graph_cost(artifact.path)
-    return Size(cost.file_bytes, cost.weight_bytes, cost.parameters, cost.macs)
+
+def _training(models: Sequence[MitigationModel]) -> tuple[Training, ...]:
+    """Return how each fold was trained; nothing where no model tells."""
+    found = tuple(map(training_of, models))
+    return found if any(one != Training() for one in found) else ()
 
 
 def _coverage(artifact: Artifact) -> str | None:
     found = artifact.coverage
     return None if found is None else f"{found.integer}/{found.total}"
-
-
-def _estimates(artifact: Artifact, plan: Plan) -> list[Estimate]:
-    from backends.cost import graph_cost
-    from bench.measure.estimate import estimate
-
-    cost = graph_cost(artifact.path)
-    return [estimate(device.load(), cost, artifact.precision) for device in plan.devices]
 
 
 def _weights_hash(model: MitigationModel) -> str:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +11,7 @@ from bench.errors import BenchError
 from bench.measure.energy import host_meter
 from bench.measure.latency import Timing, TimingTarget, measure
 from bench.measure.machine import describe_machine
+from bench.plugins import find
 from bench.results import RunRecord, TimingRecord
 from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
@@ -32,7 +32,7 @@ def time_artifacts(
     known: list[TimingRecord] = []
     missing: list[RunRecord] = []
     for run in _first_seeds(runs):
-        earlier = folder.find_timing(_digest(run, machine))
+        earlier = folder.find_timing(_untimed(run, machine), watch.note)
         known.append(earlier) if earlier else missing.append(run)
     failures: list[Failure] = []
     for start in range(0, len(missing), AT_ONCE):
@@ -42,7 +42,7 @@ def time_artifacts(
                 failures.append(_failure(run, timing))
             else:
                 known.append(_record(run, timing, machine))
-                folder.write_timing(_digest(run, machine), known[-1])
+                folder.write_timing(known[-1])
     return known, failures
 
 
@@ -51,8 +51,8 @@ def _measure(
 ) -> list[Timing | BenchError]:
     targets = [
         TimingTarget(
-            folder.root / str(run.artifact),
-            str(run.opener),
+            folder.artifact_path(run.digest(), 0),
+            opener_of(run.key.backend),
             width,
             label=f"{run.key.model} on {run.key.backend}",
         )
@@ -61,6 +61,11 @@ def _measure(
     return measure(
         targets, progress=partial(watch.progress, "measuring latency"), meter=host_meter()
     )
+
+
+def opener_of(backend: str) -> str:
+    """Return what opens a backend's files: the registered backend says so, no file ever does."""
+    return str(find("backends", backend).load().opener)
 
 
 def _first_seeds(runs: Sequence[RunRecord]) -> list[RunRecord]:
@@ -72,18 +77,25 @@ def _first_seeds(runs: Sequence[RunRecord]) -> list[RunRecord]:
     return list(first.values())
 
 
-def _digest(run: RunRecord, machine: dict[str, Any]) -> str:
-    key = [run.key.model, run.key.backend, run.key.data, run.artifact_sha256, machine["id"]]
-    return hashlib.sha256(json.dumps(key).encode()).hexdigest()[:20]
-
-
-def _record(run: RunRecord, timing: Timing, machine: dict[str, Any]) -> TimingRecord:
+def _untimed(run: RunRecord, machine: dict[str, Any]) -> TimingRecord:
+    """Return the record that a timing of the run on this machine will be like."""
     return TimingRecord(
         model=run.key.model,
         backend=run.key.backend,
         data=run.key.data,
         artifact_sha256=str(run.artifact_sha256),
         machine=machine,
+        latency=[],
+        throughput_rows_per_s=0.0,
+        peak_memory_bytes=0,
+        energy_mj=None,
+        energy_how="",
+    )
+
+
+def _record(run: RunRecord, timing: Timing, machine: dict[str, Any]) -> TimingRecord:
+    return replace(
+        _untimed(run, machine),
         latency=timing.latency,
         throughput_rows_per_s=timing.throughput_rows_per_s,
         peak_memory_bytes=timing.peak_memory_bytes,

@@ -90,9 +90,9 @@ def test_a_damaged_artifact_is_made_again(table: Path, tmp_path: Path) -> None:
     done = bench.run("none", "fp32", str(table), split="link-kfold:2", out=out)
     artifact = out / str(done.runs[0].artifact)
     artifact.write_bytes(b"truncated")
-    assert ResultFolder(out).find_run(done.runs[0].key.digest()) is None
+    assert ResultFolder(out).find_run(done.runs[0].key) is None
     bench.run("none", "fp32", str(table), split="link-kfold:2", out=out)
-    assert ResultFolder(out).find_run(done.runs[0].key.digest()) is not None
+    assert ResultFolder(out).find_run(done.runs[0].key) is not None
 
 
 def test_another_data_set_is_another_run(tmp_path: Path) -> None:

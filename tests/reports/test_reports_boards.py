@@ -8,11 +8,11 @@ import pytest
 import result_files as files
 from scipy import stats
 
-from reports import Board, ReportError, make_boards, read_results
+from reports import Board, ReportError, make_boards
 
 
 def boards(folder: Path, *records: Any, machine: str | None = None) -> list[Board]:
-    return make_boards(read_results(files.write(folder, *records)), machine)
+    return make_boards(files.read(folder, *records), machine)
 
 
 def board(folder: Path, *records: Any, machine: str | None = None) -> Board:

@@ -7,7 +7,7 @@ import pytest
 import result_files as files
 from markdown_it import MarkdownIt
 
-from reports import make_boards, read_results
+from reports import make_boards
 from reports.leaderboard import leaderboard
 from reports.markdown import to_markdown
 
@@ -15,7 +15,7 @@ HEADER = "| Model | Backend |"
 
 
 def markdown(folder: Path, *records: Any, picture: str | None = None) -> str:
-    results = read_results(files.write(folder, *records))
+    results = files.read(folder, *records)
     return to_markdown(leaderboard(make_boards(results), results.unreadable, picture))
 
 

@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 import result_files as files
 
+from bench.provenance import sealed
 from reports import ReportError, read_results
 
 
 def test_records_come_back_as_they_were_written(tmp_path: Path) -> None:
     record = files.run("remnet", "int8", seed=3, integer_kernels="14/14")
     timing = files.timing(record, 42.0)
-    results = read_results(files.write(tmp_path, record, timing))
+    results = files.read(tmp_path, record, timing)
     (run,) = results.runs
     assert (run.key.model, run.key.backend, run.key.seed) == ("remnet", "int8", 3)
     assert run.nlos is not None
@@ -26,15 +27,20 @@ def test_records_come_back_as_they_were_written(tmp_path: Path) -> None:
     assert results.unreadable == []
 
 
+def _sealed(kind: str) -> str:
+    return json.dumps(sealed({"schema_version": 2, "kind": kind}))
+
+
 BAD = {
     "truncated": ('{"kind": "run", ', "not JSON"),
     "binary": (b"\xff\xfe\x00", "not JSON"),
     "a list": ("[1]", "not a JSON object"),
     "deep": ("[" * 200_000, "recursion"),
-    "another version": ('{"schema_version": 2, "kind": "run"}', "schema_version 2, expected 1"),
-    "no version": ('{"kind": "run"}', "schema_version None, expected 1"),
-    "another kind": ('{"schema_version": 1, "kind": "timing"}', "kind 'timing', expected 'run'"),
-    "no key": ('{"schema_version": 1, "kind": "run"}', "missing required field `key`"),
+    "another version": ('{"schema_version": 1, "kind": "run"}', "schema_version 1, expected 2"),
+    "no version": ('{"kind": "run"}', "schema_version None, expected 2"),
+    "not hashed": ('{"schema_version": 2, "kind": "run"}', "edited or damaged"),
+    "another kind": (_sealed("timing"), "kind 'timing', expected 'run'"),
+    "no key": (_sealed("run"), "missing required field `key`"),
 }
 
 
@@ -58,7 +64,7 @@ def test_a_bad_file_is_left_out_with_its_reason(
         (("nlos", "mae_m", "value"), "0.07"),
         (("key", "seed"), "first"),
         (("status",), "maybe"),
-        (("estimates",), {}),
+        (("cost",), []),
         (("simulated",), None),
     ],
 )
@@ -72,7 +78,7 @@ def test_a_value_of_the_wrong_type_is_named(
     for name in path[:-1]:
         place = place[name]
     place[path[-1]] = value
-    (tmp_path / "runs" / "bad.json").write_text(json.dumps(content))
+    (tmp_path / "runs" / "bad.json").write_text(json.dumps(sealed(content)))
     results = read_results(tmp_path)
     assert len(results.runs) == 1
     assert path[-1] in results.unreadable[0].reason
@@ -80,7 +86,7 @@ def test_a_value_of_the_wrong_type_is_named(
 
 def test_figures_that_are_not_finite_are_read(tmp_path: Path) -> None:
     nan = files.Interval(float("nan"))
-    results = read_results(files.write(tmp_path, files.run(nlos=files.score(r2=nan))))
+    results = files.read(tmp_path, files.run(nlos=files.score(r2=nan)))
     assert results.unreadable == []
     assert results.runs[0].nlos.r2.value != results.runs[0].nlos.r2.value
 

@@ -7,14 +7,12 @@ and the file is not found; damage it and it is not read.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable
-from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import cache_dir
+from bench.provenance import file_sha256, json_digest, modules_code_hash, package_version
 from bench.recordings.clean import Cleaned
 from bench.recordings.io import read_recordings, write_recordings
 from bench.recordings.sources.base import Source
@@ -48,19 +46,6 @@ def cached(
 
 def _key(files: Iterable[Path], modules: Iterable[str]) -> str:
     """Return 20 hex digits that change with any input file, module or library version."""
-    digest = hashlib.sha256()
-    for path in [*sorted(files), *map(_source_of, sorted(modules))]:
-        digest.update(path.name.encode() + b"\0")
-        with path.open("rb") as file:
-            digest.update(hashlib.file_digest(file, "sha256").digest())
-    for library in _LIBRARIES:
-        digest.update(f"{library} {version(library)}\0".encode())
-    return digest.hexdigest()[:20]
-
-
-def _source_of(module: str) -> Path:
-    """Return the file of a module."""
-    spec = find_spec(module)
-    if spec is None or spec.origin is None:
-        raise ModuleNotFoundError(module)
-    return Path(spec.origin)
+    read = [[path.name, file_sha256(path)] for path in sorted(files)]
+    versions = {library: package_version(library) for library in _LIBRARIES}
+    return json_digest([read, modules_code_hash(modules), versions])

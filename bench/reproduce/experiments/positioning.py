@@ -19,6 +19,7 @@ from bench.reproduce.fixed_tag import ANCHORS_M, TAG_M, fixed_tag
 from bench.reproduce.outcome import Figure, Outcome, Row, Series, Table
 from bench.reproduce.tags import SOLVERS, Tag
 from bench.results import RunRecord
+from bench.runner.timing import opener_of
 
 SETUPS, EPOCHS = 40, 25
 QUICK_SETUPS, QUICK_EPOCHS = 10, 10
@@ -85,8 +86,8 @@ def _predictor(context: Context, record: RunRecord) -> Predict:
     """Return what predicts errors with the run's own file (of the first fold)."""
     from backends.base import Artifact
 
-    path = context.results.root / str(record.artifact)
-    artifact = Artifact(path, "int8", str(record.opener))
+    path = context.results.artifact_path(record.digest(), 0)
+    artifact = Artifact(path, "int8", opener_of(record.key.backend))
     width = context.material.cirs.shape[1]
     return lambda cirs: artifact.predict(np.ascontiguousarray(cirs[:, :width]))
 
