@@ -180,7 +180,6 @@ def two_machines() -> list[Any]:
         run,
         files.timing(run, 10, created_utc="2026-01-01"),
         files.timing(run, 20, created_utc="2026-02-01", machine=OTHER),
-        files.timing(run, 30, created_utc="2025-02-01", machine=OTHER),
     ]
 
 

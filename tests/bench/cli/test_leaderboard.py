@@ -99,7 +99,7 @@ def test_a_plot_of_a_device_shows_its_estimate(folder: Path) -> None:
         ),
         (("--plot", "a.pdf"), r"--plot a\.pdf: expected a name ending in \.svg or \.png"),
         (("--device", "cortex-a53"), "expected --plot FILE beside it"),
-        (("--plot", "a", "--device", "cortex-a5"), "did you mean 'cortex-a53'"),
+        (("--plot", "a", "--device", "cortexa53"), "did you mean 'cortex-a53'"),
         (("--plot", "a", "--device", "edge-tpu"), "unknown device 'edge-tpu'"),
         (("--results", "untimed", "--plot", "a"), "nothing to plot: .* a measured latency"),
         (("--out", "results"), "cannot write results"),
