@@ -18,6 +18,8 @@ class CFp32Backend(Backend):
 
     name: ClassVar[str] = "c-fp32"
     precision: ClassVar[Precision] = "fp32"
+    opener: ClassVar[str] = "backends.c.run:open_float"
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def supports(self, model: MitigationModel) -> str | None:
         """Return what to install where there is no C compiler, or None."""
@@ -40,7 +42,7 @@ class CFp32Backend(Backend):
 
         save_graph(export_module(model.to_module(), data.cirs.shape[1]), path)
         note = c_note(generate(path, "fp32").arena_bytes)
-        return Artifact(path, self.precision, "backends.c.run:open_float", note)
+        return Artifact(path, self.precision, self.opener, note)
 
 
 def c_note(arena_bytes: int) -> str:

@@ -70,10 +70,11 @@ def _build(
 
     data = TrainingData(material.cirs[train], material.errors_m[train], seed)
     made = backend.build(model, data, path, progress)
-    if made.opener != backend.opener:
+    declares = getattr(backend, "opener", None)
+    if made.opener != declares:
         raise BenchError(
-            f"its files are opened with {made.opener!r}, but the backend declares "
-            f"opener = {backend.opener!r}; expected the same"
+            f"its files are opened with {made.opener!r}, but the backend class declares "
+            f"opener = {declares!r}; expected the same"
         )
     return made
 
