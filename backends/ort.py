@@ -102,12 +102,17 @@ def _options(
 
 def run_once(model: onnx.ModelProto, cirs: Floats) -> list[NDArray[Any]]:
     """Return every output of a model for CIRs float32 [n, width], operators as they stand."""
+    return run_feeds(model, {model.graph.input[0].name: cirs})
+
+
+def run_feeds(model: onnx.ModelProto, feeds: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+    """Return every output of a model for its inputs by name, operators as they stand."""
     import onnxruntime
 
     opened = onnxruntime.InferenceSession(
         model.SerializeToString(), _options(1, "off", None), providers=["CPUExecutionProvider"]
     )
-    values: list[NDArray[Any]] = opened.run(None, {model.graph.input[0].name: cirs})
+    values: list[NDArray[Any]] = opened.run(None, feeds)
     return values
 
 

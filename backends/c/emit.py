@@ -6,14 +6,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from backends.c.kernels import convolution, loops, mean, pool, prelude
+from backends.c.kernels import (
+    convolution,
+    integer,
+    integer_convolution,
+    loops,
+    mean,
+    pool,
+    prelude,
+)
 from backends.c.kernels.layer import Context, Layer
 from backends.c.operators import Convolution, Loop, Operator, Pool, Program
 from backends.c.plan import Edge, Plan, plan
-from backends.c.text import block, identifiers, indented, number
+from backends.c.text import block, identifiers, indented, number, table
 
 Source = Literal["fp32", "int8"]
 Requantise = Literal["float", "fixed"]
+_KINDS = {"floats": "float", "bytes": "uint8_t"}
 LIMIT = 1e9  # counts; DW1000 magnitudes end at 46 341, and no sum overflows below this
 
 
@@ -41,7 +50,9 @@ def _program(path: Path, precision: Source) -> Program:
 
     if precision == "fp32":
         return read_float(path)
-    raise ValueError("8-bit files are not read yet")
+    from backends.c.read_integer import read_integer
+
+    return read_integer(path)
 
 
 def write_program(program: Program, requantise: Requantise = "float") -> CSource:
@@ -69,7 +80,7 @@ def write_layer(operator: Operator, context: Context) -> Layer:
         return convolution.write(operator, context)
     if isinstance(operator, Pool):
         return pool.write(operator, context)
-    raise ValueError("8-bit layers are not written yet")
+    return integer.write(operator, context)
 
 
 def _input_names(program: Program) -> dict[int, str]:
@@ -94,12 +105,31 @@ def _edges(laid: Plan, position: int, program: Program) -> list[str]:
 
 
 def _edge(edge: Edge, field: str, first: int, count: int) -> list[str]:
-    value = number(edge.value) if field == "floats" else str(edge.value)
+    """Return C that writes rows of padding: copied, as compilers make a loop a call of memset."""
     if not count:
         return []
-    return block(
-        f"for (int i = 0; i < {count}; i++)", [f"uwb_arena.{field}[{first} + i] = {value};"]
-    )
+    name = _edge_name(field, edge.value)
+    return [f"memcpy(uwb_arena.{field} + {first}, {name}, {count} * sizeof {name}[0]);"]
+
+
+def _edge_name(field: str, value: int) -> str:
+    return f"uwb_edge_{field}_{value}"
+
+
+def _edge_tables(program: Program, laid: Plan) -> list[str]:
+    longest: dict[tuple[str, int], int] = {}
+    for edge in (edge for edges in laid.edges.values() for edge in edges):
+        field = "floats" if program.buffers[edge.buffer].dtype == "f32" else "bytes"
+        count = max(edge.before, edge.after, longest.get((field, edge.value), 0))
+        longest[field, edge.value] = count
+    return [
+        table(_edge_name(field, value), _KINDS[field], [_literal(field, value)] * count)
+        for (field, value), count in longest.items()
+    ]
+
+
+def _literal(field: str, value: int) -> str:
+    return number(value) if field == "floats" else str(value)
 
 
 def _source(program: Program, laid: Plan, names: dict[int, str], layers: list[Layer]) -> str:
@@ -107,6 +137,7 @@ def _source(program: Program, laid: Plan, names: dict[int, str], layers: list[La
     helpers = {name for layer in layers for name in layer.helpers}
     parts = [
         "\n".join(_opening(laid, helpers)),
+        *_edge_tables(program, laid),
         *kernels.values(),
         *(_function(program, n, layer, names) for n, layer in enumerate(layers)),
         "\n".join(_checks()),
@@ -133,7 +164,15 @@ def _opening(laid: Plan, helpers: set[str]) -> list[str]:
         "",
         *prelude.bits(),
         *prelude.helpers(helpers),
+        *_integer_helpers(helpers),
     ]
+
+
+def _integer_helpers(helpers: set[str]) -> list[str]:
+    wanted = integer.needed(helpers)
+    known = integer.helpers()
+    lines = [line for name, text in known.items() if name in wanted for line in ["", *text]]
+    return [*lines, "", *integer_convolution.dsp()] if "narrow" in wanted else lines
 
 
 def _function(program: Program, position: int, layer: Layer, names: dict[int, str]) -> str:

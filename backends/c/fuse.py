@@ -9,10 +9,12 @@ from backends.c.elementwise import body_result
 from backends.c.operators import (
     Argument,
     Convolution,
+    Copy,
     Input,
     Loop,
     Operator,
     Program,
+    Quantise,
     Ref,
     Result,
     Step,
@@ -27,7 +29,7 @@ MOST_STEPS = 24  # longer bodies spill registers
 def fused(program: Program) -> Program:
     """Return the program with fewer operators, the same arithmetic in the same order."""
     operators = list(program.operators)
-    for join in (_relu_into_layer, _into_user):
+    for join in (_relu_into_layer, _into_user, _quantised_part):
         operators = _joined(operators, program.result.buffer, join)
     return replace(program, operators=tuple(operators))
 
@@ -120,6 +122,11 @@ def _combined(maker: Loop, user: Loop, places: set[int]) -> Loop:
     return replace(user, inputs=inputs, steps=(*maker.steps, *later), kind=kind)
 
 
-def packed(ref: Ref) -> bool:
-    """Tell whether a ref is contiguous."""
-    return is_contiguous(ref)
+def _quantised_part(maker: Operator, user: Operator) -> Operator | None:
+    """Quantise only what is copied, straight to where it goes."""
+    if not isinstance(maker, Quantise) or not isinstance(user, Copy):
+        return None
+    if not is_contiguous(maker.x) or not is_contiguous(maker.y):
+        return None
+    x = replace(user.x, buffer=maker.x.buffer, offset=maker.x.offset + user.x.offset)
+    return replace(maker, x=x, y=user.y)

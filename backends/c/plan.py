@@ -152,8 +152,13 @@ def _replaceable(operator: Operator) -> Iterator[Ref]:
     for ref in reads(operator):
         again = [one for one in reads(operator) if one.buffer == ref.buffer]
         whole = ref.offset == operator.y.offset == 0 and ref.size == operator.y.size
-        if whole and ref.strides == strides and all(one == ref for one in again):
+        if whole and _same(ref, strides) and all(one == ref for one in again):
             yield ref
+
+
+def _same(ref: Ref, strides: tuple[int, ...]) -> bool:
+    pairs = zip(ref.shape, ref.strides, strides, strict=True)
+    return all(extent == 1 or one == other for extent, one, other in pairs)
 
 
 def _wanted_edges(program: Program) -> dict[int, tuple[int, int]]:

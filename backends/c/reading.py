@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -170,6 +170,19 @@ def read(model: ModelProto, handlers: Mapping[str, Handler]) -> Program:
     return Program(operators, buffers, inputs, result, len(graph.node))
 
 
+def check(model: ModelProto) -> None:
+    """Raise ValueError for a graph that is too large, out of order, or of odd constants."""
+    _check_graph(model)
+    reading = Reading()
+    _read_constants(reading, model.graph)
+    _read_inputs(reading, model.graph)
+    known = set(reading.values)
+    for proto in model.graph.node:
+        node = Node.of(proto)
+        _check_order(node, known)
+        known |= set(node.outputs)
+
+
 def _check_graph(model: ModelProto) -> None:
     graph = model.graph
     if len(graph.node) > MOST_NODES:
@@ -220,9 +233,7 @@ def _read_inputs(reading: Reading, graph: GraphProto) -> tuple[int, ...]:
 def _read_node(reading: Reading, node: Node, handlers: Mapping[str, Handler]) -> None:
     if node.operator not in handlers:
         raise UnknownOperatorError(node.operator)
-    for name in node.inputs:
-        if name and name not in reading.values:
-            raise ValueError(f"{node.operator} takes {name!r} before it is made: a cycle?")
+    _check_order(node, reading.values)
     try:
         made = handlers[node.operator](reading, node)
     except (IndexError, KeyError, TypeError, AttributeError, OverflowError) as problem:
@@ -233,6 +244,12 @@ def _read_node(reading: Reading, node: Node, handlers: Mapping[str, Handler]) ->
             raise ValueError(f"value {name!r} is made twice")
         _check_size(tuple(value.shape))
         reading.values[name] = value
+
+
+def _check_order(node: Node, known: Collection[str]) -> None:
+    for name in node.inputs:
+        if name and name not in known:
+            raise ValueError(f"{node.operator} takes {name!r} before it is made: a cycle?")
 
 
 def _result(reading: Reading, graph: GraphProto) -> Ref:

@@ -52,7 +52,7 @@ class Context:
 
 def merged(shape: Shape, strides: list[Shape]) -> tuple[Shape, list[Shape]]:
     """Return axes joined where every operand goes through both in one stride."""
-    axes = [(extent, tuple(one[axis] for one in strides)) for axis, extent in enumerate(shape)]
+    axes = [(n, tuple(one[axis] for one in strides)) for axis, n in enumerate(shape) if n != 1]
     joined: list[tuple[int, tuple[int, ...]]] = []
     for extent, steps in axes:
         if joined and all(o == extent * i for o, i in zip(joined[-1][1], steps, strict=True)):

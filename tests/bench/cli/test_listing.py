@@ -63,7 +63,7 @@ def test_listing_imports_nothing_heavy(arguments) -> None:
     ("kind", "names"),
     [
         ("models", {"none", "remnet", "cnn1d", "svm", "mlp"}),
-        ("backends", {"fp32", "graph", "fp16", "int8", "qat", "c-fp32"}),
+        ("backends", {"fp32", "graph", "fp16", "int8", "qat", "c-fp32", "c-int8", "c-qat"}),
     ],
 )
 def test_built_ins_are_listed_with_a_summary(kind, names) -> None:

@@ -1,0 +1,52 @@
+"""8-bit integers as C, compiled for this machine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar
+
+from backends.base import Artifact, Backend, Precision, TrainingData
+from backends.int8 import Int8Backend
+from backends.qat import QatBackend
+from zoo.base import MitigationModel, Progress
+
+
+class CInt8Backend(Backend):
+    """8-bit C99 of the graph that ONNX Runtime executes for `int8`, compiled for this processor.
+
+    Sums are rounded as the runtime rounds them on x86, so predictions are the same bit by bit but
+    for sums of floats before the first 8-bit layer.
+    """
+
+    name: ClassVar[str] = "c-int8"
+    precision: ClassVar[Precision] = "int8"
+    source: ClassVar[type[Backend]] = Int8Backend
+
+    def supports(self, model: MitigationModel) -> str | None:
+        """Return what to install where there is no C compiler, the source's reason, or None."""
+        from backends.c.compile import missing_compiler
+
+        return missing_compiler() or self.source().supports(model)
+
+    def build(
+        self,
+        model: MitigationModel,
+        data: TrainingData,
+        path: Path,
+        progress: Progress | None = None,
+    ) -> Artifact:
+        """Write the quantised graph to `path`; ValueError where C cannot be written for it."""
+        from backends.c.emit import generate
+        from backends.c.fp32 import c_note
+
+        built = self.source().build(model, data, path, progress)
+        note = f"{built.note}; {c_note(generate(path, 'int8').arena_bytes)}"
+        return replace(built, opener="backends.c.run:open_integer", note=note)
+
+
+class CQatBackend(CInt8Backend):
+    """8-bit C99 of the graph that ONNX Runtime executes for `qat`, compiled for this processor."""
+
+    name: ClassVar[str] = "c-qat"
+    source: ClassVar[type[Backend]] = QatBackend
