@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.physics.units import Floats
+from bench.recordings.motion import with_radial_speed
 
 _ENDS = tuple(tuple(f"{end}_{axis}_m" for axis in "xyz") for end in ("tx", "rx"))
 _LISTS = (
@@ -95,10 +96,11 @@ class Scene:
 
 
 def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:
-    """Return the scene of a recordings table.
+    """Return the scene of a recordings table, with the radial speed that follows from its times.
 
     Raises BenchError where neither `true_range_m` nor both antenna positions are known.
     """
+    frame = with_radial_speed(frame)
     numbers = {
         str(name): np.asarray(column.astype("float64"))
         for name, column in frame.items()

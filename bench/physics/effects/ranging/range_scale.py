@@ -1,0 +1,30 @@
+"""Effect 22: a wrong clock, unit or speed of light stretches every range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+
+
+@dataclass(frozen=True)
+class RangeScale(Effect):
+    """Every range reads long by the same share: error = scale x true range.
+
+    1 ppm of the sample clock is 1e-6, the speed of light in vacuum taken for that in air 2.7e-4,
+    a foot taken for 0.3 m 1.6e-2. Unlike the level-dependent bias it has no end.
+    """
+
+    name = "range-scale"
+    number = 22
+    stage = "ranging"
+    source = "time of flight x an assumed speed of light and clock rate"
+    signature = "error proportional to the true range, without bound; CIR unchanged"
+
+    scale: float = parameter(0, "m/m", -0.05, 0.05, "share of the true range", null=0)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by a share of the true range."""
+        return batch.longer(self.scale * batch.rows.true_range_m)

@@ -1,0 +1,39 @@
+"""Effect 21: the clock of the truth and the clock of the radio disagree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.randomness import Draws
+
+
+@dataclass(frozen=True)
+class TimeLag(Effect):
+    """The truth is read at another moment than the range: error = lag x radial speed.
+
+    A lag is positive where the range was measured later than its truth says. The speed comes from
+    `radial_speed_m_per_s`, which follows from `true_range_m` and `time_s`; rows without it are
+    left alone.
+    """
+
+    name = "time-lag"
+    number = 21
+    stage = "ranging"
+    source = "kinematics: range(t + lag) - range(t) = lag x d(range)/dt to first order"
+    signature = "error proportional to radial speed; sign flips with the direction; CIR unchanged"
+    control = "rows at rest"
+
+    lag_s: float = parameter(0, "s", -2, 2, "range measured later than its truth", null=0)
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Lengthen ranges by lag x radial speed."""
+        return batch.longer(self.lag_s * batch.rows.number("radial_speed_m_per_s", 0.0))
+
+    def inert(self, batch: Batch) -> NDArray[np.bool_]:
+        """Rows at rest."""
+        return np.asarray(np.abs(batch.rows.number("radial_speed_m_per_s", np.inf)) < 1e-3)

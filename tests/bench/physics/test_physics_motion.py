@@ -1,0 +1,82 @@
+"""Effects of motion, scale and rounding: hand-made rows with known answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from physics_scenes import line, seen
+
+from bench.physics import scene
+from bench.physics.effects.ranging.exchange_motion import ExchangeMotion
+from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.effects.ranging.time_lag import TimeLag
+from bench.recordings.motion import SPEED, radial_speed_m_per_s, with_radial_speed
+
+
+def drive(n: int = 200, speed: float = 2.0) -> pd.DataFrame:
+    """Past an anchor and back: the range falls, then rises; 10 rows a second."""
+    time = np.arange(n) / 10
+    true = 3 + np.abs(20 - speed * time)
+    frame = pd.DataFrame({"true_range_m": true, "time_s": time, "tx": "car", "rx": "mast"})
+    return frame.assign(link="drive")
+
+
+def test_speed_is_the_slope_of_the_true_range_and_flips_its_sign() -> None:
+    speed = radial_speed_m_per_s(drive())
+    assert speed[:98] == pytest.approx(-2.0)
+    assert speed[103:] == pytest.approx(2.0)
+
+
+def test_speed_knows_pairs_order_gaps_and_standing_still() -> None:
+    both = pd.concat([drive(40), drive(40, speed=0.0).assign(rx="other")])
+    mixed = both.sample(frac=1.0, random_state=3)
+    speed = pd.Series(radial_speed_m_per_s(mixed), index=mixed["rx"])
+    assert speed["mast"].to_numpy() == pytest.approx(-2.0)
+    assert speed["other"].to_numpy() == pytest.approx(0.0)
+    far = drive(4).assign(time_s=[0.0, 10.0, 20.0, 30.0])
+    assert np.isnan(radial_speed_m_per_s(far)).all()
+    assert np.isnan(radial_speed_m_per_s(drive(1))).all()
+
+
+def test_a_speed_that_is_given_is_kept_and_none_is_made_without_times() -> None:
+    given = drive().assign(**{SPEED: 7.0})
+    assert (with_radial_speed(given)[SPEED] == 7.0).all()
+    assert SPEED not in with_radial_speed(line())
+    assert not scene(line()).has(SPEED)
+    assert scene(drive()).has(SPEED)
+
+
+def test_a_lag_makes_an_error_of_lag_times_speed() -> None:
+    frame = drive()
+    change = seen(frame, TimeLag(lag_s=0.18)).range_m - seen(frame).range_m
+    assert change[:98] == pytest.approx(-0.36)
+    assert change[103:] == pytest.approx(0.36)
+    assert not (seen(line(), TimeLag(lag_s=0.18)).range_m - seen(line()).range_m).any()
+
+
+def test_motion_during_the_exchange_needs_a_reply_time() -> None:
+    slow = drive().assign(reply_time_s=0.2)
+    change = seen(slow, ExchangeMotion()).range_m - seen(slow).range_m
+    assert change[:98] == pytest.approx(-0.2)
+    assert not (seen(drive(), ExchangeMotion()).range_m - seen(drive()).range_m).any()
+
+
+def test_a_scale_has_no_end() -> None:
+    frame = line(far_m=100.0)
+    change = seen(frame, RangeScale(scale=0.004)).range_m - seen(frame).range_m
+    assert change == pytest.approx(0.004 * frame["true_range_m"].to_numpy())
+
+
+def test_rounded_ranges_are_multiples_within_half_a_step() -> None:
+    made, base = seen(line(), RangeRounding(step_m=0.1)).range_m, seen(line()).range_m
+    assert made / 0.1 == pytest.approx(np.rint(made / 0.1))
+    assert np.abs(made - base).max() <= 0.05 + 1e-9
+    assert np.ptp(made - base) > 0.08
+
+
+@pytest.mark.parametrize("effect", [TimeLag(lag_s=1.0), ExchangeMotion()])
+def test_nothing_happens_at_rest(effect: TimeLag | ExchangeMotion) -> None:
+    still = drive(speed=0.0).assign(reply_time_s=0.2)
+    np.testing.assert_array_equal(seen(still, effect).range_m, seen(still).range_m)
