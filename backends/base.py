@@ -17,14 +17,15 @@ from zoo.base import MitigationModel, Progress
 Floats = NDArray[np.float32]
 Precision = Literal["fp32", "fp16", "int8"]
 Runner = Callable[[Floats], Floats]
-"""CIRs [n, width] -> errors [n] in metres; what latency is measured on."""
+"""Rows [n, width] -> errors [n] in metres; what latency is measured on."""
 
 
 @dataclass(frozen=True)
 class TrainingData:
     """The training split, for calibrating ranges and for quantisation-aware training.
 
-    `cirs` float32 [n, width] counts, `errors_m` float32 [n]; `seed` drives every random choice.
+    `cirs` float32 [n, width]: rows as the model takes them, CIRs in counts unless it reads other
+    blocks too. `errors_m` float32 [n]; `seed` drives every random choice.
     """
 
     cirs: Floats

@@ -15,6 +15,7 @@ from backends.weights import (
     Values,
     constant_names,
     scale_names,
+    tree_values,
     weight_names,
 )
 
@@ -85,7 +86,7 @@ def graph_cost(path: Path) -> GraphCost:
     graph = _fused(path, load_graph(path))
     values = row_values(graph)
     weights = weight_names(graph.graph, values)
-    stored = [values[name] for name in weights]
+    stored = [*(values[name] for name in weights), *tree_values(graph.graph)]
     scales = [values[name] for name in scale_names(graph.graph)]
     return GraphCost(
         file_bytes=path.stat().st_size,
@@ -109,6 +110,7 @@ def row_values(model: ModelProto) -> Values:
     """
     from onnx import ModelProto, ValueInfoProto, numpy_helper
 
+    from backends.inputs import feeds, row_of_ones
     from backends.ort import run_once
 
     probe = ModelProto()
@@ -116,15 +118,10 @@ def row_values(model: ModelProto) -> Values:
     names = [name for node in model.graph.node for name in node.output if name]
     del probe.graph.output[:]
     probe.graph.output.extend(ValueInfoProto(name=name) for name in names)
-    row = np.ones((1, row_width(model)), np.float32)
-    values = {model.graph.input[0].name: row}
+    row = row_of_ones(model)
+    values = feeds(model, row)
     values |= {entry.name: numpy_helper.to_array(entry) for entry in model.graph.initializer}
     return values | dict(zip(names, run_once(probe, row), strict=True))
-
-
-def row_width(model: ModelProto) -> int:
-    """Return how many samples a CIR must have."""
-    return int(model.graph.input[0].type.tensor_type.shape.dim[1].dim_value)
 
 
 def _layers(graph: GraphProto, values: Values) -> tuple[LayerCost, ...]:

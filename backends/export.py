@@ -6,7 +6,7 @@ import hashlib
 import logging
 import pickle
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -20,8 +20,11 @@ from torch import Tensor, nn
 from torch.export import Dim, ExportedProgram
 from torch.fx import GraphModule
 
-INPUT = "cir"
-OUTPUT = "error_m"
+from backends.inputs import inputs_of
+from backends.trees import tree_tail, with_trees
+from zoo.inputs import Input
+
+OUTPUTS = ("error_m", "std_m")
 _NO_LIMIT = 1 << 30
 OPSET = 20  # the newest whose 8-bit operators the runtime fuses
 
@@ -35,7 +38,8 @@ class Exported:
     """A module as ONNX, and as the program of core operators (torch.fx) that ONNX was made from.
 
     Values have the same names in both, so that what is learnt about a value in torch can be said
-    of it in ONNX. `graph` maps `cir` float32 [n, width] to `error_m` float32 [n].
+    of it in ONNX. `graph` maps the module's inputs (`cir` float32 [n, width] unless it names
+    others) to `error_m` float32 [n], and `std_m` [n] where the module gives that too.
     """
 
     graph: ModelProto
@@ -48,8 +52,14 @@ class Exported:
 
 
 def export_module(module: nn.Module, width: int) -> ModelProto:
-    """Return the module as an ONNX graph: `cir` float32 [n, width] -> `error_m` float32 [n]."""
-    return exported(module, width).graph
+    """Return the module as an ONNX graph: its inputs [n, width] -> `error_m` float32 [n].
+
+    A module that ends in trees ends in ONNX's own operator for them.
+    """
+    trees = tree_tail(module)
+    if trees is None:
+        return exported(module, width).graph
+    return with_trees(exported(module.preparation, width).graph, trees)  # type: ignore[arg-type]
 
 
 def exported(module: nn.Module, width: int, rewrite: Rewrite | None = None) -> Exported:
@@ -78,12 +88,13 @@ def _kept(request: _Request) -> Exported:
 
 
 def _export(request: _Request) -> Exported:
-    program = export_program(request.module, request.width)
+    inputs = inputs_of(request.module, request.width)
+    program = export_program(request.module, inputs)
     if request.rewrite is not None:
         rewritten = as_module(program)
         request.rewrite(rewritten)
-        program = export_program(rewritten, request.width)
-    return _to_onnx(program)
+        program = export_program(rewritten, inputs)
+    return _to_onnx(program, inputs)
 
 
 class _Fingerprint(pickle.Pickler):
@@ -106,11 +117,12 @@ def _digest(module: nn.Module) -> str | None:
     return hashlib.sha256(stream.getvalue()).hexdigest()
 
 
-def export_program(module: nn.Module, width: int) -> ExportedProgram:
+def export_program(module: nn.Module, inputs: Sequence[Input]) -> ExportedProgram:
     """Return the module, in eval mode, as a program of core operators with a free batch size."""
-    rows = torch.zeros(2, width)
+    rows = tuple(torch.zeros(2, one.width) for one in inputs)
+    free = tuple({0: Dim("n")} for _ in inputs)
     with quiet():
-        program = torch.export.export(module.eval(), (rows,), dynamic_shapes=({0: Dim("n")},))
+        program = torch.export.export(module.eval(), rows, dynamic_shapes=free)
         decomposed: ExportedProgram = program.run_decompositions({})
     return decomposed
 
@@ -121,7 +133,7 @@ def as_module(program: ExportedProgram) -> GraphModule:
     return GraphModule(module, module.graph)
 
 
-def _to_onnx(program: ExportedProgram) -> Exported:
+def _to_onnx(program: ExportedProgram, inputs: Sequence[Input]) -> Exported:
     """Return an exported program as ONNX.
 
     torch has two exporters. The older, by tracing, takes 0.1 s but is deprecated and silently
@@ -134,8 +146,8 @@ def _to_onnx(program: ExportedProgram) -> Exported:
             (),
             dynamo=True,
             opset_version=OPSET,
-            input_names=[INPUT],
-            output_names=[OUTPUT],
+            input_names=[one.name for one in inputs],
+            output_names=OUTPUTS[: len(program.graph_signature.user_outputs)],
             verbose=False,
         )
         assert made is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import torch
@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from torch.fx import GraphModule, Node
 
 from backends.quantise import Range
+from zoo.inputs import Input
 
 _aten = torch.ops.aten
 LAYERS = (_aten.conv1d.default, _aten.conv2d.default, _aten.linear.default)
@@ -103,6 +104,20 @@ def fake_quantised(program: GraphModule, ranges: Mapping[str, Range]) -> GraphMo
         _insert_after(program, weight, f"fake_{weight.name}", FakeWeight())
     program.recompile()
     return program
+
+
+class Fed(nn.Module):
+    """A program of named inputs, called with the columns of all of them [n, width]."""
+
+    def __init__(self, program: GraphModule, inputs: Sequence[Input]) -> None:
+        super().__init__()
+        self.program, self.widths = program, [one.width for one in inputs]
+
+    def forward(self, rows: Tensor) -> Any:
+        """Return what the program gives."""
+        if len(self.widths) == 1:
+            return self.program(rows)
+        return self.program(*torch.split(rows, self.widths, 1))
 
 
 def _insert_after(program: GraphModule, node: Node, name: str, module: nn.Module) -> None:

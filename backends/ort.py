@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from numpy.typing import NDArray
 
 from backends.base import Floats, KernelCoverage, Runner
+from backends.inputs import feeder, feeds
+from zoo.inputs import Input
 
 if TYPE_CHECKING:
     import onnx
@@ -33,16 +35,17 @@ def open_optimised(path: Path, threads: int = 1) -> Runner:
 
 
 def runner(opened: onnxruntime.InferenceSession) -> Runner:
-    """Return a session as a plain function: CIRs float32 [n, width] -> errors float32 [n].
+    """Return a session as a plain function: rows float32 [n, width] -> errors float32 [n].
 
-    The function raises ValueError for CIRs of another width or type, or where the graph fails.
+    A graph of several inputs takes them as blocks of columns, in its own order. The function
+    raises ValueError for rows of another width or type, or where the graph fails.
     """
     run, outputs = opened.run, [opened.get_outputs()[0].name]
-    name = opened.get_inputs()[0].name
+    feed = feeder(tuple(Input(one.name, int(one.shape[1] or 0)) for one in opened.get_inputs()))
 
-    def predict(cirs: Floats) -> Floats:
+    def predict(rows: Floats) -> Floats:
         try:
-            errors: Floats = run(outputs, {name: cirs})[0]
+            errors: Floats = run(outputs, feed(rows))[0]
         except Exception as problem:  # the runtime's exceptions share no base class
             raise ValueError(f"ONNX Runtime: {first_line(problem)}") from problem
         return errors
@@ -101,18 +104,18 @@ def _options(
 
 
 def run_once(model: onnx.ModelProto, cirs: Floats) -> list[NDArray[Any]]:
-    """Return every output of a model for CIRs float32 [n, width], operators as they stand."""
-    return run_feeds(model, {model.graph.input[0].name: cirs})
+    """Return every output of a model for rows float32 [n, width], operators as they stand."""
+    return run_feeds(model, feeds(model, cirs))
 
 
-def run_feeds(model: onnx.ModelProto, feeds: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+def run_feeds(model: onnx.ModelProto, named: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
     """Return every output of a model for its inputs by name, operators as they stand."""
     import onnxruntime
 
     opened = onnxruntime.InferenceSession(
         model.SerializeToString(), _options(1, "off", None), providers=["CPUExecutionProvider"]
     )
-    values: list[NDArray[Any]] = opened.run(None, feeds)
+    values: list[NDArray[Any]] = opened.run(None, named)
     return values
 
 

@@ -88,13 +88,15 @@ def train_quantised(
     progress: Progress | None = None,
 ) -> Learnt:
     """Return weights and ranges after training with rounding, from those of calibration on."""
-    from backends.fake_quant import fake_quantised, learnt_ranges
+    from backends.fake_quant import Fed, fake_quantised, learnt_ranges
+    from backends.inputs import graph_inputs
     from backends.quantise import quantise
     from backends.sample import sample_rows
     from zoo.training.eager import train
 
     start = quantise(form.graph, sample_rows(data)).ranges
     rounded = fake_quantised(form.module(), start)
+    whole = Fed(rounded, graph_inputs(form.graph))
     further = replace(
         recipe,
         learning_rate=PACE * recipe.learning_rate,
@@ -103,7 +105,7 @@ def train_quantised(
         seed=data.seed,
         stopping=None,
     )
-    train(rounded, data.cirs, data.errors_m, further, progress=progress)
+    train(whole, data.cirs, data.errors_m, further, progress=progress)
     weights = {name: value.detach().numpy() for name, value in rounded.named_parameters()}
     return Learnt(with_weights(form.graph, weights), learnt_ranges(rounded))
 

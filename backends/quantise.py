@@ -13,6 +13,7 @@ from onnx import GraphProto, ModelProto, NodeProto, helper, numpy_helper
 
 from backends.base import Floats
 from backends.graph_file import load_graph
+from backends.inputs import Feed, feeder, graph_inputs
 from backends.links import makers_of, markers, reconnect, users_of
 from backends.weights import FLOAT_SLOTS
 
@@ -73,7 +74,7 @@ def _mark(
         quantize_static(
             prepared,
             target,
-            _Rows(rows, prepared.graph.input[0].name),
+            _Rows(rows, feeder(graph_inputs(prepared))),
             quant_format=QuantFormat.QDQ,
             op_types_to_quantize=[*FLOAT_SLOTS, *_BETWEEN],
             nodes_to_quantize=chosen,
@@ -88,9 +89,9 @@ def _mark(
 class _Rows:
     """Hands rows to the calibration, a block at a time."""
 
-    def __init__(self, rows: Floats, name: str) -> None:
+    def __init__(self, rows: Floats, feed: Feed) -> None:
         blocks = (rows[i : i + _BLOCK_ROWS] for i in range(0, len(rows), _BLOCK_ROWS))
-        self._feeds = iter([{name: block} for block in blocks])
+        self._feeds = iter([feed(block) for block in blocks])
 
     def get_next(self) -> dict[str, Floats] | None:
         return next(self._feeds, None)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -73,6 +74,16 @@ def weight_names(graph: GraphProto, values: Values) -> set[str]:
     return uses["layer"] | (uses["widen"] - uses["other"])
 
 
+def tree_values(graph: GraphProto) -> list[NDArray[np.float32]]:
+    """Return what was fitted in trees: the thresholds and the values of their leaves."""
+    return [
+        np.array(entry.floats, np.float32)
+        for node in graph.node
+        for entry in node.attribute
+        if entry.name in ("nodes_values", "target_weights")
+    ]
+
+
 def scale_names(graph: GraphProto) -> set[str]:
     """Return the initialisers that hold scales and zero points of 8-bit weights."""
     named = set()
@@ -102,7 +113,14 @@ def _at(node: NodeProto, *places: int | None) -> Iterator[str]:
 
 
 def no_weights(model: MitigationModel) -> str | None:
-    """Return the reason, in words, where the fitted model has no weights, else None."""
+    """Return the reason, in words, where the fitted model has no weights, else None.
+
+    Constants kept as buffers are none, and the values of trees have no other form than float32.
+    """
+    from backends.trees import tree_tail
+
     module = model.to_module()
-    held = sum(value.numel() for value in (*module.parameters(), *module.buffers()))
+    if tree_tail(module) is not None:
+        return f"{type(model).__name__} is made of trees, which ONNX keeps in float32 alone"
+    held = sum(value.numel() for value in module.parameters())
     return None if held else f"{type(model).__name__} has no weights"

@@ -16,6 +16,9 @@ _HOMES = {
     "CNN1D": "zoo.cnn1d",
     "FeatureSVM": "zoo.svm",
     "FeatureMLP": "zoo.mlp",
+    "Constant": "zoo.constant",
+    "ConstantByLevel": "zoo.constant_by_level",
+    "GradientBoosting": "zoo.gbm",
 }
 __all__ = sorted(_HOMES)
 

@@ -28,10 +28,17 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     measurement, `samples_before` (5) samples before the detected first path in front. `y` is
     float32 [n]: error = measured - true range in metres. Corrected range = measured - predict(X).
 
+    A model that reads more than the CIR names it in `reads` (`cir`, `levels`, `features`,
+    `range`, `settings`): `X` then holds these as blocks of columns, as `zoo.inputs` lays them
+    out, NaN where a value is not known. What stands in `does_without` too may be missing from a
+    table altogether; without any of the rest the model is skipped.
+
     Width rule: a model that wants `k` samples starting at `offset` crops wider rows to
     `X[:, offset:offset + k]` and refuses narrower ones with ValueError naming both widths.
 
-    `floor` says that the model is there to be beaten: boards mark what does not beat it.
+    `gives_std` says that `predict(X, return_std=True)` and a second output `std_m` of the graph
+    give a standard deviation per row. `floor` says that the model is there
+    to be beaten: boards mark what does not beat it.
 
     The module from `to_module()` takes rows of exactly the width the model was fitted on, so
     cropping, normalisation and hand-crafted features are inside it and inside every latency.
@@ -49,10 +56,23 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
     floor: ClassVar[bool] = False
     rests_on: ClassVar[tuple[str, ...]] = ()
     bits_depend_on_threads: ClassVar[bool] = True
+    reads: ClassVar[tuple[str, ...]] = ("cir",)
+    does_without: ClassVar[tuple[str, ...]] = ()
+    gives_std: ClassVar[bool] = False
 
     @abstractmethod
-    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
-        """Fit on CIRs [n, width] and errors [n] in metres; sets `n_features_in_`."""
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        progress: Progress | None = None,
+        groups: ArrayLike | None = None,
+    ) -> Self:
+        """Fit on rows [n, width] and errors [n] in metres; sets `n_features_in_`.
+
+        `groups` [n] names each row's link: a model that holds rows out holds out whole links. A
+        model that does not need them may leave the argument away.
+        """
 
     @abstractmethod
     def predict(self, X: ArrayLike) -> Floats:

@@ -44,9 +44,12 @@ class ModuleModel(MitigationModel):
         Raises ValueError for rows of another width or with NaN or infinity.
         """
         check_is_fitted(self)
-        rows = validate_data(self, X, dtype=np.float32, reset=False)
-        errors: Floats = apply_in_blocks(self.module_, rows).numpy()
+        errors: Floats = apply_in_blocks(self.module_, self._known_rows(X)).numpy()
         return errors
+
+    def _known_rows(self, X: ArrayLike) -> Floats:
+        rows: Floats = validate_data(self, X, dtype=np.float32, reset=False)
+        return rows
 
     def to_module(self) -> nn.Module:
         """Return a copy of the fitted module in eval mode: [n, n_features_in_] -> [n] metres."""
@@ -83,7 +86,7 @@ class ModuleModel(MitigationModel):
 class Start(NamedTuple):
     """What training starts from: module with a fitted preparation, prepared rows, errors [n]."""
 
-    module: RangeErrorModule
+    module: Any
     rows: Floats
     errors_m: Floats
     width: int
@@ -96,7 +99,6 @@ class NeuralModel(ModuleModel):
     says what the training did: engine, epochs, rows, seconds; a restored fit has none.
     """
 
-    module_: RangeErrorModule
     training_log_: TrainingLog
     learning_rate: float
     batch_size: int
@@ -115,7 +117,13 @@ class NeuralModel(ModuleModel):
     def _network(self, preparation: Preparation) -> nn.Module:
         """Return the network with its starting weights, drawn from `random_state`."""
 
-    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        progress: Progress | None = None,
+        groups: ArrayLike | None = None,
+    ) -> Self:
         """Train on CIRs [n, width] and errors [n] in metres; sets `module_`, `n_features_in_`.
 
         Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
@@ -126,6 +134,7 @@ class NeuralModel(ModuleModel):
             start.rows,
             start.errors_m,
             self.seeded_recipe(),
+            groups=groups,
             progress=progress,
         )
         return self.trained(start, log)
@@ -149,16 +158,21 @@ class NeuralModel(ModuleModel):
         """Return a start on rows that a model differing in `random_state` alone has prepared."""
         preparation = deepcopy(other.module.preparation)
         self.n_features_in_ = other.width
-        return other._replace(module=RangeErrorModule(preparation, self._network(preparation)))
+        return other._replace(module=self._whole(preparation, self._network(preparation)))
 
-    def untrained(self, width: int) -> RangeErrorModule:
+    def untrained(self, width: int) -> Any:
         """Return the module for rows of `width`, with starting weights and an unfitted scaling."""
         preparation = self._preparation(width)
-        return RangeErrorModule(preparation, self._network(preparation))
+        return self._whole(preparation, self._network(preparation))
+
+    def _whole(self, preparation: Any, network: nn.Module) -> Any:
+        """Return preparation and network as one module."""
+        return RangeErrorModule(preparation, network)
 
     def _trainer(self) -> Callable[..., TrainingLog]:
         """Return what trains: called like `zoo.training.eager.train`."""
         return train
 
     def _skeleton(self, width: int, weights: Mapping[str, Tensor]) -> nn.Module:
-        return self.untrained(width)
+        module: nn.Module = self.untrained(width)
+        return module

@@ -24,7 +24,7 @@ class ZeroModule(nn.Module):
 class NoMitigation(ModuleModel):
     """No mitigation: predicts an error of 0 m, so that the corrected range is the measured one.
 
-    Takes CIRs of any width.
+    Takes rows of any width, whatever they hold.
 
     >>> import numpy as np
     >>> NoMitigation().fit(np.ones((3, 157)), [0.1, 0.2, 0.3]).predict(np.ones((2, 157))).tolist()
@@ -33,8 +33,15 @@ class NoMitigation(ModuleModel):
 
     floor: ClassVar[bool] = True
     bits_depend_on_threads: ClassVar[bool] = False  # nothing is learnt
+    does_without: ClassVar[tuple[str, ...]] = ("cir",)
 
-    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        progress: Progress | None = None,
+        groups: ArrayLike | None = None,
+    ) -> Self:
         """Check CIRs [n, width] and errors [n]; there is nothing to learn."""
         self._training_rows(X, y)
         self.module_ = ZeroModule()

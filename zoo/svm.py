@@ -98,7 +98,13 @@ class FeatureSVM(ModuleModel):
         self.noise_multiple = noise_multiple
         self.random_state = random_state
 
-    def fit(self, X: ArrayLike, y: ArrayLike, progress: Progress | None = None) -> Self:
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        progress: Progress | None = None,
+        groups: ArrayLike | None = None,
+    ) -> Self:
         """Fit on CIRs [n, width] and errors [n] in metres; sets `module_`, `n_features_in_`.
 
         Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.

@@ -13,6 +13,7 @@ from bench.results import Estimate, RunRecord, TimingRecord
 from bench.runner.execute import execute
 from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
+from bench.runner.inputs import widths
 from bench.runner.material import load_material
 from bench.runner.observer import Observer
 from bench.runner.plan import make_plan
@@ -68,5 +69,5 @@ def run(
     watch.stage("reading the recordings")
     material = load_material(data, split)
     runs, failures = execute(plan, material, folder, watch)
-    timings, late = time_artifacts(runs, folder, material.cirs.shape[1], watch)
+    timings, late = time_artifacts(runs, folder, widths(plan.models, material), watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.measure.metrics import score
 from bench.results import Score
+from bench.runner.inputs import rows_for
 from bench.runner.material import Material
 
 if TYPE_CHECKING:
-    from backends.base import Artifact, Backend
+    from backends.base import Artifact, Backend, TrainingData
     from zoo.base import MitigationModel
 
 Progress = Callable[[float], None]
@@ -46,13 +47,17 @@ def evaluate(
     progress: Progress | None = None,
 ) -> Evaluation:
     """Build and run every fold's artifact at `paths`; predictions of all folds are pooled."""
+    from backends.base import TrainingData
+
     artifacts, rows, predicted, los = [], [], [], []
+    inputs = rows_for(material, models[0].reads)
     for index, (model, fold) in enumerate(zip(models, material.split.folds, strict=True)):
-        artifact = _build(model, backend, material, fold.train, seed, paths[index], progress)
+        data = TrainingData(inputs[fold.train], material.errors_m[fold.train], seed)
+        artifact = _build(model, backend, data, paths[index], progress)
         positions = np.concatenate([fold.test_nlos, fold.test_los])
         artifacts.append(artifact)
         rows.append(positions)
-        predicted.append(artifact.predict(material.cirs[positions]))
+        predicted.append(artifact.predict(inputs[positions]))
         los.append(np.arange(len(positions)) >= len(fold.test_nlos))
     return Evaluation(artifacts[0], *map(np.concatenate, (rows, predicted, los)))
 
@@ -60,15 +65,10 @@ def evaluate(
 def _build(
     model: MitigationModel,
     backend: Backend,
-    material: Material,
-    train: Rows,
-    seed: int,
+    data: TrainingData,
     path: Path,
     progress: Progress | None,
 ) -> Artifact:
-    from backends.base import TrainingData
-
-    data = TrainingData(material.cirs[train], material.errors_m[train], seed)
     made = backend.build(model, data, path, progress)
     declares = getattr(backend, "opener", None)
     if made.opener != declares:

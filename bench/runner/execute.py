@@ -19,6 +19,7 @@ from bench.runner.evaluate import evaluate
 from bench.runner.failure import Failure, said
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
+from bench.runner.inputs import missing
 from bench.runner.keys import run_key
 from bench.runner.material import Material
 from bench.runner.observer import Observer
@@ -77,6 +78,9 @@ def _run_group(
         if (known := folder.find_run(job.key, watch.note)) is not None:
             outcomes.append(known)
             continue
+        if reason := missing(material, job.model.load()):
+            outcomes.append(_skipped(job, reason, folder, watch))
+            continue
         fitted = fitted or _fit(job, material, watch)
         outcomes.append(_run_one(job, fitted, material, folder, watch))
     return outcomes
@@ -131,10 +135,15 @@ def _record(
     backend = job.backend.make()
     reason = backend.supports(fitted.models[0])
     if reason is not None:
-        watch.note(f"{job.model.name} on {job.backend.name} skipped: {reason}")
-        record = skipped_record(job.key, str(reason))
-    else:
-        record = _evaluate(job, backend, fitted, material, folder, watch)
+        return _skipped(job, str(reason), folder, watch)
+    record = _evaluate(job, backend, fitted, material, folder, watch)
+    folder.write_run(record)
+    return record
+
+
+def _skipped(job: Job, reason: str, folder: ResultFolder, watch: Observer) -> RunRecord:
+    watch.note(f"{job.model.name} on {job.backend.name} skipped: {reason}")
+    record = skipped_record(job.key, reason)
     folder.write_run(record)
     return record
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import io
 import json
 import zipfile
@@ -19,6 +20,7 @@ from bench.plugins import Plugin
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold
 from bench.results import Training
+from bench.runner.inputs import rows_for
 from bench.runner.material import Material
 from bench.runner.training import told, training_of
 
@@ -50,11 +52,18 @@ def fit_fold(
     state = _read_state(path, key)
     if state is not None and _restored(model, state):
         return model
-    model.fit(material.cirs[train], material.errors_m[train], progress=progress)
+    links = {"groups": material.links[train]} if _takes_groups(model) else {}
+    X = rows_for(material, model.reads)[train]
+    model.fit(X, material.errors_m[train], progress=progress, **links)
     state = model.fitted_state()
     if state is not None:
         _write_state(path, key, {**state, _TRAINING: told(training_of(model))})
     return model
+
+
+def _takes_groups(model: MitigationModel) -> bool:
+    """Tell whether a model wants to know whose link a row is; one from elsewhere need not."""
+    return "groups" in inspect.signature(model.fit).parameters
 
 
 def _restored(model: MitigationModel, state: State) -> bool:

@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from bench.recordings.open import open_recordings
 from bench.recordings.splits import Split, default_split, make_split
 from bench.recordings.table import Recordings
-from bench.recordings.window import cir_window
+from bench.recordings.window import CirWindow, cir_window
 
 
 @dataclass(frozen=True)
 class Material:
     """Everything a run reads, row for row.
 
-    `cirs` float32 [n, 157] counts, `errors_m` float32 [n], `links` [n]; `split` holds positions
-    into them. `dropped` counts rows left out by reason, windowing included.
+    `cirs` float32 [n, 157] counts ([n, 0] where the table has none), `errors_m` float32 [n],
+    `links` [n]; `split` holds positions into them. `dropped` counts rows left
+    out by reason, windowing included.
     """
 
     name: str
@@ -39,7 +40,7 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
     else:
         whole, source = open_recordings(data)
         name = source.full_name if source else data
-    window = cir_window(whole)
+    window = cir_window(whole) if "cir" in whole.frame else _no_window(len(whole))
     recordings = whole.select(window.rows)
     made = make_split(recordings, split or default_split(recordings, source), source=source)
     return Material(
@@ -52,6 +53,11 @@ def load_material(data: str | Recordings, split: str | None) -> Material:
         made,
         {**whole.dropped, **window.dropped},
     )
+
+
+def _no_window(rows: int) -> CirWindow:
+    """Return windows of no samples: every row stays, for the models that read no CIR."""
+    return CirWindow(np.empty((rows, 0), np.float32), np.arange(rows), {})
 
 
 def predictions_table(material: Material, positions: NDArray[np.intp]) -> pd.DataFrame:

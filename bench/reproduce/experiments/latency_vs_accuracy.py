@@ -107,8 +107,9 @@ def _on(
 
 def _measured(context: Context, records: Sequence[RunRecord]) -> tuple[list[Pair], list[str]]:
     """Return the pairs timed on this machine, and why others were not."""
-    width = context.material.cirs.shape[1]
-    timings, failures = time_artifacts(records, context.results, width, context.watch)
+    cir = context.material.cirs.shape[1]
+    widths = {record.key.model: cir for record in records}
+    timings, failures = time_artifacts(records, context.results, widths, context.watch)
     by_name = {(one.model, one.backend): one for one in timings}
     pairs = [
         _timed(record, by_name[name])

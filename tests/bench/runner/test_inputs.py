@@ -1,0 +1,66 @@
+"""What a model reads against what a table has: rows, reasons, and tables without a CIR."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bench
+from bench.recordings.table import Recordings
+from bench.runner.inputs import missing, rows_for
+from bench.runner.material import load_material
+from zoo import Constant, ConstantByLevel, GradientBoosting, NoMitigation, REMnet
+
+
+def table(rows: int = 120, levels: bool = True) -> Recordings:
+    rng = np.random.default_rng(0)
+    links = np.repeat(np.arange(rows // 10), 10)
+    blocked = rng.random(rows // 10)[links]
+    frame = pd.DataFrame({"true_range_m": rng.uniform(2, 9, rows), "link": links.astype(str)})
+    frame["range_m"] = frame["true_range_m"] + 0.4 * blocked
+    frame["los"] = blocked < 0.5
+    if levels:
+        frame["rx_power_dbm"] = -80 - 10 * blocked
+        frame.loc[3, "rx_power_dbm"] = -np.inf
+    return Recordings(frame, "made up")
+
+
+def test_rows_hold_the_blocks_and_nan_where_nothing_is_known() -> None:
+    material = load_material(table(), "link-kfold:3")
+    rows = rows_for(material, ("levels", "range"))
+    assert rows.dtype == np.float32
+    assert rows.shape == (120, 9)
+    assert np.isnan(rows[3]).sum() == 8
+    assert np.isnan(rows[4]).sum() == 7
+    np.testing.assert_allclose(rows[:, 8], material.recordings.frame["range_m"], rtol=1e-6)
+    assert rows_for(material, ("cir",)).shape == (120, 1)  # a row to count, for the floors
+
+
+def test_a_model_that_lacks_what_it_reads_says_what() -> None:
+    bare = load_material(table(levels=False), "link-kfold:3")
+    assert missing(bare, REMnet) == "made up has no CIR, which REMnet reads"
+    reason = missing(bare, ConstantByLevel)
+    assert reason is not None
+    assert "no levels (rx_power_dbm," in reason
+    for model in (NoMitigation, Constant, GradientBoosting):
+        assert missing(bare, model) is None
+
+
+@pytest.mark.slow
+def test_a_table_without_a_cir_runs_every_model_that_needs_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+    done = bench.run(
+        "none,constant,constant-by-level,gbm,remnet", "fp32", table(), split="link-kfold:3",
+        out=tmp_path / "r",
+    )  # fmt: skip
+    assert not done.failures
+    status = {run.key.model: run for run in done.runs}
+    assert status["remnet"].reason == "made up has no CIR, which REMnet reads"
+    maes = {name: run.nlos.mae_m.value for name, run in status.items() if run.nlos}
+    assert set(maes) == {"none", "constant", "constant-by-level", "gbm"}
+    assert maes["gbm"] < maes["constant"] < maes["none"]
