@@ -34,7 +34,7 @@ PENALTY = 0.1  # inverse strength of the ridge: few, overlapping figures
 
 def obstructing(added: Added) -> Effect | None:
     """Return the effect among `added` that strikes a share of the links, None without one."""
-    struck = [e for e in added if type(e).per_link and hasattr(e, "share")]
+    struck = [e for e in added if type(e).per_link and type(e).strikes is not None]
     return struck[0] if struck else None
 
 
@@ -59,7 +59,9 @@ def link_log_odds(comparison: Comparison, view: View, added: Added) -> pd.Series
 
 def _with_share(added: Added, effect: Effect, share: float) -> Added:
     """Return the effects with the obstruction striking that share of the links."""
-    changed: Any = replace(effect, **{"share": share})
+    named = type(effect).strikes
+    assert named is not None
+    changed: Any = replace(effect, **{named[0]: share})
     return swapped(added, changed)
 
 

@@ -21,11 +21,13 @@ and registers it under the entry-point group `bench.effects`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass, field, fields
 from math import isfinite
 from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.errors import BenchError, unknown_name
@@ -40,7 +42,8 @@ STAGES: tuple[Stage, ...] = ("propagation", "receiver", "ranging")
 class Parameter:
     """One parameter: unit, physical bounds, and the value at which it does nothing, if any.
 
-    `whole` parameters are counts or switches: nothing to be fitted by small steps.
+    `whole` parameters are counts or switches: nothing to be fitted by small steps. `fitted` False:
+    a search leaves it at its default.
     """
 
     name: str
@@ -51,6 +54,7 @@ class Parameter:
     meaning: str
     null: float | None
     whole: bool = False
+    fitted: bool = True
 
 
 def parameter(
@@ -61,10 +65,11 @@ def parameter(
     meaning: str,
     *,
     null: float | None = None,
+    fitted: bool = True,
 ) -> Any:
     """Return a dataclass field that carries its unit, bounds and meaning."""
     facts = {"unit": unit, "low": low, "high": high, "meaning": meaning, "null": null}
-    return field(default=default, metadata=facts)
+    return field(default=default, metadata={**facts, "fitted": fitted})
 
 
 def describe(kind: type[Any]) -> tuple[Parameter, ...]:
@@ -110,6 +115,9 @@ class Effect(ABC):
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
+    `needs`: columns without which a table says nothing about it, as alternatives that each are
+    enough. `strikes`: the names of the parameters for the share of the links it strikes at random
+    and for how hard, where it does.
     """
 
     name: ClassVar[str]
@@ -126,6 +134,9 @@ class Effect(ABC):
     independent: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    strikes: ClassVar[tuple[str, str] | None] = None
+    values_unit: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)
@@ -142,6 +153,31 @@ class Effect(ABC):
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows [n] on which the effect must do nothing: its negative control."""
         return np.zeros(len(batch.rows), bool)
+
+    @classmethod
+    def lacking(cls, columns: Collection[str]) -> str:
+        """Return in words what it needs that these columns lack, "" where nothing is."""
+        if not cls.needs or any(set(way) <= set(columns) for way in cls.needs):
+            return ""
+        return ", or ".join(" and ".join(c for c in way if c not in columns) for way in cls.needs)
+
+    @classmethod
+    def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:
+        """Return the effect with values per device (or level, or place) that fit recorded rows.
+
+        `frame` [n] as known to a simulator, `residual_m` [n] recorded minus simulated range (NaN =
+        unknown). None where the rows support none, and for effects without such values.
+        """
+        return None
+
+    def values(self) -> dict[str, float]:
+        """Return the fitted values by name, in `values_unit`; none where parameters are all."""
+        return {}
+
+    @property
+    def freed(self) -> int:
+        """How many values a fit sets free: what its gain has to pay for."""
+        return len(self.values()) or sum(p.fitted and p.high > p.low for p in self.parameters())
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:

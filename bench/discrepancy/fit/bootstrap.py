@@ -6,7 +6,7 @@ few links there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,28 +44,55 @@ def latent_values(view: View, effect: Effect) -> tuple[tuple[str, ...], str, Val
     """Return names, unit and estimator of the values an effect holds, None where it holds none.
 
     The estimator maps rows of the view, the residual range of all rows [n] and whether physical
-    bounds hold to the values.
-    Offsets of clocks are relative to their mean: only differences act. Clocks that wander have
-    curves instead of values.
+    bounds hold to the values. Clocks that wander have curves besides their values.
     """
-    if isinstance(effect, DeviceClock) and effect.offsets_ppm:
-        names = tuple(f"offset_ppm[{device}]" for device in effect.devices)
-        return names, "ppm", lambda rows, left, _: _offsets(view, left, rows)
-    if isinstance(effect, DeviceDelay):
-        names = tuple(f"delay_ns[{device}]" for device in effect.devices)
-        return names, "ns", lambda rows, left, _: delays_of(view, left, rows)
-    if isinstance(effect, PowerCurve):
-        level = effect.level_dbm(view.scene)
-        return (
-            tuple(f"bias_m[{knot:g} dBm]" for knot in KNOTS_DBM),
-            "m",
-            lambda rows, left, bounded: _bias(level, left, rows, bounded),
-        )
-    if isinstance(effect, PatternCurve):
-        heading = heading_rad(view.scene)
-        names = tuple(f"bias_m[{heading_deg:g} deg]" for heading_deg in HEADINGS_DEG)
-        return names, "m", lambda rows, left, _: _lobes(heading, left, rows)
-    return None
+    if not effect.values():
+        return None
+    names, estimate = ESTIMATORS.get(type(effect), _refitted)(view, effect)
+    return names, type(effect).values_unit, estimate
+
+
+def _refitted(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    """Return the values of an effect that fits them itself, fitted again on some rows."""
+    names = tuple(effect.values())
+
+    def estimate(rows: Rows, residual_m: Floats, bounded: bool) -> Floats:
+        frame = view.frame.iloc[rows].reset_index(drop=True)
+        made = type(effect).fit_values(frame, residual_m[rows])
+        found = made.values() if made is not None else {}
+        return np.array([found.get(name, np.nan) for name in names])
+
+    return names, estimate
+
+
+def _of_clocks(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    return tuple(effect.values()), lambda rows, left, _: _offsets(view, left, rows)
+
+
+def _of_delays(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    return tuple(effect.values()), lambda rows, left, _: delays_of(view, left, rows)
+
+
+def _of_levels(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    assert isinstance(effect, PowerCurve)
+    level = effect.level_dbm(view.scene)
+    names = tuple(f"bias_m[{knot:g} dBm]" for knot in KNOTS_DBM)
+    return names, lambda rows, left, bounded: _bias(level, left, rows, bounded)
+
+
+def _of_headings(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    heading = heading_rad(view.scene)
+    names = tuple(f"bias_m[{heading_deg:g} deg]" for heading_deg in HEADINGS_DEG)
+    return names, lambda rows, left, _: _lobes(heading, left, rows)
+
+
+# How values are estimated that are fitted by code of ours; other effects are fitted again.
+ESTIMATORS: Mapping[type[Effect], Callable[[View, Effect], tuple[tuple[str, ...], Values]]] = {
+    DeviceClock: _of_clocks,
+    DeviceDelay: _of_delays,
+    PowerCurve: _of_levels,
+    PatternCurve: _of_headings,
+}
 
 
 def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:

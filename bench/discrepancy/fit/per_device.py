@@ -30,6 +30,7 @@ from bench.discrepancy.settings import (
     STEEPEST_M_PER_KNOT,
     UNCOMPRESSED_DBM,
 )
+from bench.errors import BenchError
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
@@ -38,10 +39,37 @@ from bench.physics.units import C_M_PER_NS
 Floats = NDArray[np.float64]
 
 
+OWN = ("device-clock", "device-delay", "power-curve", "pattern-curve")  # fitted by code here
+
+
 def latent_effects(comparison: Comparison, view: View, added: Added) -> list[Effect]:
-    """Return the effects with values per device or level that the rows support."""
+    """Return the effects of ours with values per device or level that the rows support."""
     curves = power_curve(comparison, view, added), pattern_curve(comparison, view, added)
     return [*device_terms(comparison, view, added), *(curve for curve in curves if curve)]
+
+
+def fits_itself(kind: type[Effect]) -> bool:
+    """Return whether an effect holds values that it fits itself (see `Effect.fit_values`)."""
+    return bool(kind.values_unit) and kind.name not in OWN
+
+
+def with_values(
+    comparison: Comparison, view: View, added: Added, kind: type[Effect]
+) -> Effect | None:
+    """Return an effect with its values fitted to the rows, None where they support none.
+
+    Raises BenchError where it fails.
+    """
+    if not fits_itself(kind):
+        own = latent_effects(comparison, view, added)
+        return next((effect for effect in own if effect.name == kind.name), None)
+    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    if RANGE not in ensemble.names:
+        return None
+    try:
+        return kind.fit_values(view.frame, ensemble.residual_of(RANGE))
+    except Exception as problem:
+        raise BenchError(f"effect {kind.name!r} failed to fit its values: {problem}") from problem
 
 
 def device_terms(comparison: Comparison, view: View, added: Added) -> list[Effect]:

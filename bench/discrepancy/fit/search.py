@@ -45,7 +45,6 @@ from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
-FLAG = "0 or 1"
 
 
 @dataclass(frozen=True)
@@ -111,16 +110,10 @@ def members_for(kind: type[Effect], view: View, members: int) -> int:
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
     """Return the parameters that are fitted.
 
-    Not switches, not where a tail is cut or what it is where there is no room, not the width of
-    the base's own pulse, and not spreads over devices: the devices of recordings are few and have
-    values of their own, which `bench.discrepancy.fit.per_device` finds.
+    Not spreads over devices: the devices of recordings are few and have values of their own,
+    which `bench.discrepancy.fit.per_device` finds.
     """
-    skip = ("device_spread", "open_space", "length_ns", "pulse_fwhm")
-    return tuple(
-        p
-        for p in kind.parameters()
-        if p.unit != FLAG and p.high > p.low and not p.name.startswith(skip)
-    )
+    return tuple(p for p in kind.parameters() if p.fitted and p.high > p.low)
 
 
 def screen(objective: Objective) -> Fitted:

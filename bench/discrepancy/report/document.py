@@ -100,8 +100,7 @@ def _option_lines(option: LeftOut) -> list[str]:
     out += [f"  - {parameter} (90 %)" for parameter in option.parameters]
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]
-    judged = "offsets of links" if "likelihood" in option.gain.unit else "gain on held-out links"
-    out += [f"  - {judged}: {option.gain}"]
+    out += [f"  - {option.judged}: {option.gain}"]
     if option.control.passed is not None:
         word = "passed" if option.control.passed else "FAILED"
         out += [

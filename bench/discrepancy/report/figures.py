@@ -135,11 +135,8 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
 
     Small marks: what the others would have gained in its place.
     """
-    steps = [
-        turn.explanation.contenders
-        for turn in diagnosis.selection.rounds
-        if turn.added is not None and turn.explanation is not None
-    ]
+    turns = [t for t in diagnosis.selection.rounds if t.added is not None and t.explanation]
+    steps = [turn.explanation.contenders for turn in turns if turn.explanation]
     places = np.arange(len(steps))
     gains = [step[0].gain for step in steps]
     values = np.array([gain.value for gain in gains])
@@ -148,7 +145,7 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     for place, (_, *others) in enumerate(steps):
         for other in others[:3]:
             _mark(axes, max(other.gain.value, 0.0), place, other.name)
-    by_link = ["\n(likelihood)" if "likelihood" in g.unit else "" for g in gains]
+    by_link = ["\n(likelihood)" if turn.strike else "" for turn in turns]
     axes.set_yticks(places, [f"{s[0].name}{w}" for s, w in zip(steps, by_link, strict=True)])
     axes.invert_yaxis()
     axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from bench.discrepancy.compare.skill import gain, gain_interval, gains, tally
 from bench.discrepancy.compare.view import Added, Comparison, View, swapped, without
-from bench.discrepancy.fit.per_device import latent_effects
+from bench.discrepancy.fit.per_device import with_values
 from bench.discrepancy.fit.search import Fitted, Objective, refine, screen
 from bench.discrepancy.select.candidates import (
     Contender,
@@ -187,13 +187,11 @@ def settled(comparison: Comparison, rows: View, added: Added) -> Added:
 def _relearnt(comparison: Comparison, rows: View, added: Added, effect: Effect) -> Effect:
     """Return an effect with values per device or level learnt from these rows, if it scores."""
     rest = without(added, effect)
-    again = [e for e in latent_effects(comparison, rows, rest) if e.name == effect.name]
-    if not again:
+    again = with_values(comparison, rows, rest, type(effect))
+    if again is None:
         return effect
-    now, then = (
-        tally(comparison.ensemble(rows, (*rest, e), FIT_MEMBERS)) for e in (effect, again[0])
-    )
-    return again[0] if gain(now, then) > 0 else effect
+    now, then = (tally(comparison.ensemble(rows, (*rest, e), FIT_MEMBERS)) for e in (effect, again))
+    return again if gain(now, then) > 0 else effect
 
 
 def pruned(
@@ -266,8 +264,8 @@ def _fitted(
 ) -> Fitted | None:
     """Return a rival fitted beside the rest, None where that fails."""
     if not other.effect.fitted:
-        found = [e for e in latent_effects(comparison, fit, rest) if e.name == other.effect.name]
-        return Fitted(found[0], 0.0, 0) if found else None
+        found = with_values(comparison, fit, rest, type(other.effect))
+        return Fitted(found, 0.0, 0) if found else None
     kind = kinds.get(other.effect.name, type(other.effect))
     base = tally(comparison.ensemble(fit, rest, FIT_MEMBERS))
     try:

@@ -10,7 +10,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.fit.per_device import latent_effects
+from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.reference_regression import corrected
 from bench.discrepancy.fit.search import (
     Fitted,
@@ -87,7 +87,7 @@ def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
             kind = plugin.load()
             if not (isinstance(kind, type) and issubclass(kind, Effect)):
                 raise BenchError(f"effect {plugin.name!r} is no Effect")
-            if kind.fitted:
+            if kind.fitted or fits_itself(kind):
                 loaded[plugin.name] = kind
         except BenchError as problem:
             skipped[plugin.name] = str(problem)
@@ -154,7 +154,13 @@ def _one_way(
     before = comparison.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
     reference = tally(before)
     have = {effect.physics for effect in added}
-    found = [e for e in latent_effects(comparison, fit, added) if e.physics not in have]
+    own = latent_effects(comparison, fit, added)
+    own_fits, failed = _each(
+        lambda name: with_values(comparison, fit, added, kinds[name]),
+        [name for name, kind in kinds.items() if fits_itself(kind)],
+    )
+    skipped |= failed
+    found = [e for e in (*own, *own_fits.values()) if e is not None and e.physics not in have]
     terms = [Fitted(effect, 0.0, 0) for effect in found]
     contenders = [contender(comparison, held, added, one, reference, seed) for one in terms]
 
@@ -222,7 +228,8 @@ def _screened(
     progress: Progress,
 ) -> tuple[dict[str, tuple[Objective, Fitted]], dict[str, str]]:
     """Return the line search of every effect, and why others were skipped."""
-    able = [name for name, kind in kinds.items() if fit.waveform or kind.without_cir]
+    searched_for = {name: kind for name, kind in kinds.items() if kind.fitted}
+    able = [name for name, kind in searched_for.items() if fit.waveform or kind.without_cir]
 
     def searched(name: str) -> tuple[Objective, Fitted]:
         progress(f"trying {name}")

@@ -67,7 +67,15 @@ def _struck_out(search: Search, turn: Round, found: Strike) -> LeftOut:
     """Return the verdict on an effect that strikes links at random."""
     control = negative_control(search, (), found.effect, turn.located.findings[0])
     findings = turn.located.findings
-    return LeftOut(found.effect, found.parameters, found.evidence, 1.0, control, findings)
+    return LeftOut(
+        found.effect,
+        found.parameters,
+        found.evidence,
+        1.0,
+        control,
+        findings,
+        judged="evidence in the offsets of links",
+    )
 
 
 def _real(search: Search, last: Round) -> bool:

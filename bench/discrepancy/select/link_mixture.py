@@ -24,7 +24,6 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.fit.search import free_parameters
 from bench.discrepancy.settings import (
     BEHIND_M,
     BEND_M,
@@ -117,8 +116,7 @@ class Mixture:
 
 def strikable(kind: type[Effect], view: View) -> bool:
     """Return whether an effect is judged link by link: it strikes a share, and ranges are all."""
-    names = {p.name for p in kind.parameters()}
-    return kind.per_link and kind.without_cir and "share" in names and not view.waveform
+    return kind.strikes is not None and kind.without_cir and not view.waveform
 
 
 def strike(
@@ -161,7 +159,7 @@ def _one(
         return None
     if (likeliest == 2).sum() > STRAY_SHARE * outlying.sum():
         return None
-    effect = kind.from_values({"share": mixed.share, _size(kind).name: mixed.size})
+    effect = _striking(kind, mixed.share, mixed.size)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
     evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
     parameters = _intervals(likely, mixed, kind)
@@ -209,9 +207,7 @@ def _alone(comparison: Comparison, view: View, added: Added) -> float:
 
 def _cost(effect: Effect, view: View) -> float:
     """Return what the parameters, or values per device or level, of an effect cost in nats."""
-    values = [v for v in vars(effect).values() if isinstance(v, tuple) and v]
-    count = len(values[-1]) if values else len(free_parameters(type(effect)))
-    return 0.5 * count * float(np.log(len(np.unique(view.links))))
+    return 0.5 * effect.freed * float(np.log(len(np.unique(view.links))))
 
 
 def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect] | None) -> Offsets:
@@ -240,14 +236,22 @@ def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
     return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
 
 
-def _size(kind: type[Effect]) -> Parameter:
-    """Return the first parameter of an effect that is a length: how hard it strikes."""
-    return next(p for p in kind.parameters() if p.unit == "m")
+def _share_and_size(kind: type[Effect]) -> tuple[Parameter, Parameter]:
+    """Return the parameters of an effect for the share of links it strikes and for how hard."""
+    assert kind.strikes is not None
+    known = {p.name: p for p in kind.parameters()}
+    return known[kind.strikes[0]], known[kind.strikes[1]]
+
+
+def _striking(kind: type[Effect], share: float, size: float) -> Effect:
+    """Return the effect that strikes a share of the links so hard."""
+    names = [p.name for p in _share_and_size(kind)]
+    return kind.from_values(dict(zip(names, (share, size), strict=True)))
 
 
 def _sizes(kind: type[Effect]) -> list[float]:
     """Return the sizes that are tried."""
-    high = _size(kind).high
+    high = _share_and_size(kind)[1].high
     return [float(s) for s in np.geomspace(SMALLEST_STRIKE * high, high, STRIKE_SIZES)]
 
 
@@ -264,7 +268,7 @@ def _struck(
 
     `bare` is the ensemble of the same replicates with `added` alone.
     """
-    effect = kind.from_values({"share": 1.0, _size(kind).name: size})
+    effect = _striking(kind, 1.0, size)
     with_it = comparison.ensemble(view, (*added, effect), OFFSET_MEMBERS // 2, OFFSET_FIRST)
     shift = _shift(with_it, bare)[:, ~seen.inert].ravel()
     if not len(shift):
@@ -319,11 +323,11 @@ def _intervals(
     likely: list[Mixture], best: Mixture, kind: type[Effect]
 ) -> tuple[ParameterEstimate, ...]:
     """Return share and size with the 90 % intervals of the profile likelihood (on the grid)."""
-    share = next(p for p in kind.parameters() if p.name == "share")
+    share, size = _share_and_size(kind)
     out = []
     for item, now, near in (
         (share, best.share, [one.share for one in likely]),
-        (_size(kind), best.size, [one.size for one in likely]),
+        (size, best.size, [one.size for one in likely]),
     ):
         bound = now >= item.high
         out.append(ParameterEstimate(item.name, now, min(near), max(near), item.unit, bound))

@@ -27,7 +27,7 @@ class Control:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """The simulator leaves out one effect of the library."""
+    """The simulator leaves out one effect of the library; `judged`: what `gain` was counted in."""
 
     effect: Effect
     parameters: tuple[ParameterEstimate, ...]
@@ -36,6 +36,7 @@ class LeftOut:
     control: Control
     findings: tuple[Finding, ...] = ()
     note: str = ""
+    judged: str = "gain on held-out links"
 
     @property
     def names(self) -> tuple[str, ...]:

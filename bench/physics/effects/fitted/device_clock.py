@@ -41,10 +41,12 @@ class DeviceClock(Effect):
 
     name = "device-clock"
     explains: ClassVar[str] = "clock-offset"
+    values_unit: ClassVar[str] = "ppm"
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
+    needs = (("tx", "rx", "reply_time_s"),)
     control = "rows with zero reply time"
 
     devices: tuple[str, ...] = ()
@@ -62,6 +64,12 @@ class DeviceClock(Effect):
         count = len(self.devices)
         as_tuples(self, devices=None, offsets_ppm=count, drifts_ppm_per_hour=count)
         as_curves(self, "knots_s", "wander_ppm", count)
+
+    def values(self) -> dict[str, float]:
+        """Return the offset of every device in ppm, their mean taken out: only differences act."""
+        mean = sum(self.offsets_ppm) / max(len(self.offsets_ppm), 1)
+        pairs = zip(self.devices, self.offsets_ppm, strict=True)
+        return {f"offset_ppm[{device}]": offset - mean for device, offset in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of each row's two devices."""

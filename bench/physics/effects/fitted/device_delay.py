@@ -18,10 +18,12 @@ class DeviceDelay(Effect):
 
     name = "device-delay"
     explains: ClassVar[str] = "antenna-delay"
+    values_unit: ClassVar[str] = "ns"
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Decawave application note APS014; delays fitted to recordings"
     signature = "constant in distance, power and line of sight; separable per pair of devices"
+    needs = (("tx", "rx"),)
 
     devices: tuple[str, ...] = ()
     delays_ns: tuple[float, ...] = ()
@@ -31,6 +33,11 @@ class DeviceDelay(Effect):
         as_tuples(self, devices=None, delays_ns=len(self.devices))
         if any(abs(delay) > 20 for delay in self.delays_ns):
             raise BenchError("effect 'device-delay': delays_ns expected within -20 to 20 ns")
+
+    def values(self) -> dict[str, float]:
+        """Return the delay of every device in ns."""
+        pairs = zip(self.devices, self.delays_ns, strict=True)
+        return {f"delay_ns[{device}]": delay for device, delay in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by half the sum of both delays."""

@@ -26,10 +26,12 @@ class PatternCurve(Effect):
     name = "pattern-curve"
     explains: ClassVar[str] = "antenna-pattern"
     contains = ("antenna-pattern",)  # the library's two harmonics
+    values_unit: ClassVar[str] = "m"
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); curve fitted to recordings"
     signature = "periodic in heading, the same at all distances"
+    needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))
 
     headings_deg: tuple[float, ...] = (0.0,)
     bias_m: tuple[float, ...] = (0.0,)
@@ -37,6 +39,11 @@ class PatternCurve(Effect):
     def __post_init__(self) -> None:
         super().__post_init__()
         as_tuples(self, headings_deg=None, bias_m=len(self.headings_deg))
+
+    def values(self) -> dict[str, float]:
+        """Return the bias at every heading in metres."""
+        pairs = zip(self.headings_deg, self.bias_m, strict=True)
+        return {f"bias_m[{heading:g} deg]": bias for heading, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the curve at each row's heading."""

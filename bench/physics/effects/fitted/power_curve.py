@@ -45,10 +45,12 @@ class PowerCurve(Effect):
     name = "power-curve"
     explains: ClassVar[str] = "power-bias"
     contains = ("antenna-delay",)  # a curve that is level
+    values_unit: ClassVar[str] = "m"
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Decawave application note APS011, version 1.0; curve fitted to recordings"
     signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
+    needs = (("rx_power_dbm",),)
 
     levels_dbm: tuple[float, ...] = (-77.0,)
     bias_m: tuple[float, ...] = (0.0,)
@@ -64,6 +66,11 @@ class PowerCurve(Effect):
         logged = rows.numbers.get("rx_power_dbm", np.full(len(rows), np.nan))
         budget = self.level_at_1m_dbm - 20 * np.log10(rows.true_range_m)
         return true_level_dbm(np.asarray(logged, np.float64), budget, self.spread_db)
+
+    def values(self) -> dict[str, float]:
+        """Return the bias at every level in metres."""
+        pairs = zip(self.levels_dbm, self.bias_m, strict=True)
+        return {f"bias_m[{level:g} dBm]": bias for level, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the curve at each row's level."""

@@ -27,6 +27,7 @@ class AntennaPattern(Effect):
     stage = "propagation"
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); up to 10-20 cm over direction"
     signature = "periodic in heading, the same at all distances"
+    needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))
 
     delay_m: float = parameter(0, "m", 0, 0.5, "first harmonic of the range", null=0)
     delay_2_m: float = parameter(0, "m", 0, 0.5, "second harmonic of the range", null=0)

@@ -29,6 +29,7 @@ class BlockedPath(Effect):
     signature = "errors of metres, one-sided, no energy before the detected path"
     control = "rows with line of sight"
     per_link = True
+    strikes = ("share", "detour_m")
 
     share: float = parameter(0.3, "ratio", 0, 1, "of the links without line of sight", null=0)
     detour_m: float = parameter(1.0, "m", 0, 5, "mean extra length of the first reflection")

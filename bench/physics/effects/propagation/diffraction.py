@@ -29,6 +29,7 @@ class Diffraction(Effect):
     stage = "propagation"
     source = "ITU-R P.526-15, section 4.1, equations (26) and (31)"
     signature = "large loss with a small delay: mid-link body 13-19 dB, 2-4 cm"
+    needs = (("obstacles",),)
     control = "rows with nothing in the straight line"
 
     strength_db: float = parameter(0, "dB", -20, 10, "of the bent paths over the knife edge's")

@@ -38,6 +38,7 @@ class DiffuseTail(Effect):
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004); room scaling: "
     source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27"
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
+    needs = (("cir",),)
 
     level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m", null=-60)
     distance_exponent: float = parameter(0.5, "1", 0, 6, "how the level falls with distance")
@@ -46,9 +47,13 @@ class DiffuseTail(Effect):
     cluster_rate: float = parameter(0.05, "1/ns", 0.001, 1, "arrivals of clusters (Lambda)")
     cluster_sigma_db: float = parameter(3, "dB", 0, 10, "shadowing of each cluster")
     static: float = parameter(0.3, "ratio", 0, 1, "of a tap's power that a link keeps")
-    room_scaling: int = parameter(1, "0 or 1", 0, 1, "decays follow the size of the room")
-    open_space_db: float = parameter(-15, "dB", -60, 0, "level where there is no room")
-    length_ns: float = parameter(165, "ns", 10, 1000, "where the tail is cut")
+    room_scaling: int = parameter(
+        1, "0 or 1", 0, 1, "decays follow the size of the room", fitted=False
+    )
+    open_space_db: float = parameter(
+        -15, "dB", -60, 0, "level where there is no room", fitted=False
+    )
+    length_ns: float = parameter(165, "ns", 10, 1000, "where the tail is cut", fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the tail's taps, the first at the straight line's delay; none at -60 dB."""

@@ -28,6 +28,7 @@ class GroundBounce(Effect):
     stage = "propagation"
     source = "two-ray model; Fresnel coefficient with the permittivity of ITU-R P.2040-3"
     signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
+    needs = (("tx_z_m", "rx_z_m"),)
     control = "rows inside a known room"
 
     strength_db: float = parameter(0, "dB", -60, 6, "over the Fresnel coefficient")

@@ -31,6 +31,7 @@ class MaterialDelay(Effect):
     stage = "propagation"
     source = "ITU-R P.2040-3 (2023), section 2.2.2 and table 3"
     signature = "a positive step per wall, the same at all distances; the first path weaker"
+    needs = (("obstacles",), ("los",))
     control = "rows with nothing in the straight line"
 
     thickness_scale: float = parameter(1, "ratio", 0, 4, "of the listed thickness", null=0)

@@ -30,6 +30,7 @@ class SpecularReflections(Effect):
     stage = "propagation"
     source = "Allen and Berkley 1979; Fresnel coefficients with ITU-R P.2040-3 permittivities"
     signature = "separate paths whose delay moves with the geometry"
+    needs = (("room_x_m", "room_y_m", "tx_x_m", "rx_x_m"),)
     without_cir = False  # a range alone does not show a second path
 
     strength_db: float = parameter(0, "dB", -40, 10, "over the Fresnel coefficient")

@@ -24,7 +24,7 @@ class AntennaDelay(Effect):
     signature = "a constant over distance, power and line of sight; separable per pair of devices"
 
     delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)
-    device_spread_ns: float = parameter(0, "ns", 0, 5, "std over devices", null=0)
+    device_spread_ns: float = parameter(0, "ns", 0, 5, "std over devices", null=0, fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by half the sum of both delays."""

@@ -28,14 +28,19 @@ class ClockOffset(Effect):
     stage = "ranging"
     source = "Neirynck, Luk and McLaughlin, WPNC 2016; Decawave APS011, section 2"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
+    needs = (("reply_time_s",), ("clock_offset_ppm",))
     control = "rows with zero reply time"
 
     offset_ppm: float = parameter(0, "ppm", -100, 100, "common offset", null=0)
-    device_spread_ppm: float = parameter(0, "ppm", 0, 40, "std over devices", null=0)
+    device_spread_ppm: float = parameter(0, "ppm", 0, 40, "std over devices", null=0, fitted=False)
     drift_ppm_per_hour: float = parameter(0, "ppm/h", -20, 20, "drift of the offset", null=0)
     reply_time_s: float = parameter(3e-4, "s", 0, 1, "where the rows do not tell")
-    double_sided: int = parameter(0, "0 or 1", 0, 1, "asymmetric double-sided exchange")
-    use_column: int = parameter(0, "0 or 1", 0, 1, "add the recorded clock_offset_ppm")
+    double_sided: int = parameter(
+        0, "0 or 1", 0, 1, "asymmetric double-sided exchange", fitted=False
+    )
+    use_column: int = parameter(
+        0, "0 or 1", 0, 1, "add the recorded clock_offset_ppm", fitted=False
+    )
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of the exchange."""

@@ -27,6 +27,7 @@ class NarrowbandInterference(Effect):
     stage = "receiver"
     source = "a tone through the receiver's linear chain; level and offset are free parameters"
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
+    needs = (("cir",),)
     without_cir = False
 
     level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)

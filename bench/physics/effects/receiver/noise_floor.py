@@ -27,7 +27,9 @@ class NoiseFloor(Effect):
     signature = "noise level and correlation in every bin alike, before the first path too"
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)
-    device_spread_db: float = parameter(0, "dB", 0, 6, "std over receiving devices", null=0)
+    device_spread_db: float = parameter(
+        0, "dB", 0, 6, "std over receiving devices", null=0, fitted=False
+    )
     lag_1: float = parameter(0.32, "1", -0.45, 0.45, "autocorrelation at lag 1", null=0)
     lag_2: float = parameter(-0.17, "1", -0.3, 0.3, "autocorrelation at lag 2", null=0)
     lag_3: float = parameter(-0.20, "1", -0.25, 0.25, "autocorrelation at lag 3", null=0)

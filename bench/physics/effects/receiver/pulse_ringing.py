@@ -26,13 +26,14 @@ class PulseRinging(Effect):
     stage = "receiver"
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     signature = "all paths widened alike, an echo at a delay that no geometry moves"
+    needs = (("cir",),)
     without_cir = False
 
     ring_db: float = parameter(-60, "dB", -60, 0, "echo over the path itself", null=-60)
     ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
     ring_phase_deg: float = parameter(120, "deg", -360, 360, "of the echo")
     widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
-    pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before")
+    pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before", fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Filter signal and noise-free waveform; noise is left as it is."""

@@ -26,6 +26,7 @@ class Quantisation(Effect):
     stage = "receiver"
     source = "DW1000 User Manual 2.11, 7.2.38 (ACC_MEM); offsets measured on zenodo.4742391"
     signature = "whole numbers; a constant added to every complex sample"
+    needs = (("cir",),)
     without_cir = False
 
     step_counts: float = parameter(1, "counts", 0, 256, "rounding step", null=0)
