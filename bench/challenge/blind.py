@@ -26,7 +26,7 @@ Progress = Callable[[str], None]
 def run_case(number: int, seed: int) -> Outcome:
     """Diagnose one case and score it."""
     case = make_case(number, seed)
-    options = Options(seed, fit_rows=400, observables=("error_m",), waveform=False)
+    options = Options(seed)
     found = diagnose(case.recorded, case.simulated, options)
     beside = compared(case, found)
     made = outcome(case.hidden, found, number, case.way, case.strength_z)

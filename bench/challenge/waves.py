@@ -88,7 +88,7 @@ def _uncounted(simulator: Simulator) -> Simulator:
 def run_wave(number: int, seed: int) -> Outcome:
     """Diagnose one waveform case and score it; `removed` is the held-out gain in nats."""
     case = make_wave(number, seed)
-    options = Options(seed, search_rows=400, fit_rows=200, confirm_rows=120)
+    options = Options(seed)
     found = diagnose(case.recorded, case.simulated, options)
     made = outcome(case.hidden, found, FIRST + number, "resimulated", case.strength_z)
     return replace(made, removed=found.confirmed.gain.value)

@@ -32,7 +32,11 @@ Examples:
 )
 @click.option("--hide", default="", metavar="COLUMN,..", help="Columns the diagnosis must not see.")
 @click.option("--observe", default="", metavar="NAME,..", help="Compare only these observables.")
-@click.option("--paths-only", is_flag=True, help="Simulate no waveforms: range and level only.")
+@click.option(
+    "--paths-only",
+    is_flag=True,
+    help="Compare no waveforms even where both sides have them: range and level only.",
+)
 @click.option("--environment", metavar="NAME", help="Only the rows of this environment.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option(
@@ -64,7 +68,9 @@ def command(
     from bench.discrepancy.report.document import summary, write_report
 
     seen = _names(observe) or None
-    options = Options(seed, hide=_names(hide), observables=seen, waveform=not paths_only)
+    options = Options(
+        seed, hide=_names(hide), observables=seen, waveform=False if paths_only else None
+    )
     table, against = _recorded(recorded, environment, options.hide), _simulated(simulated)
     kept = None if out is None else _kept(out, table, against, options)
     diagnosis = _run(table, against, options, kept)

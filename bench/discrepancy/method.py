@@ -10,20 +10,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, View, view, without
 from bench.discrepancy.confirm import Confirmed, confirm, improves
 from bench.discrepancy.data.checks import check_recorded
-from bench.discrepancy.data.columns import hidden
+from bench.discrepancy.data.columns import has_waveforms, hidden
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.backfitting import polished, settled
-from bench.discrepancy.select.candidates import Contender, Explanation, library
+from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
+from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -39,7 +43,7 @@ from bench.discrepancy.select.stepwise import (
     witnessed_by_links,
 )
 from bench.discrepancy.select.verdict import Unknown
-from bench.discrepancy.settings import MOST_ROUNDS
+from bench.discrepancy.settings import MARGIN_NATS, MOST_ROUNDS
 from bench.physics.effect import Effect
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
@@ -49,7 +53,8 @@ from bench.recordings.table import Recordings
 class Options:
     """How much is done: rows used for search, fit and confirmation, the seed, what is compared.
 
-    `waveform` False simulates from paths alone (see `View`).
+    `waveform` False simulates from paths alone (see `View`); None decides by the tables: waveforms
+    are compared where both sides have them.
     """
 
     seed: int = 0
@@ -58,12 +63,16 @@ class Options:
     confirm_rows: int = 2000
     hide: tuple[str, ...] = ()
     observables: tuple[str, ...] | None = None
-    waveform: bool = True
+    waveform: bool | None = None
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """A finished diagnosis; `simulator` has the effects added, None where a table was compared."""
+    """A finished diagnosis; `simulator` has the effects added, None where a table was compared.
+
+    `mix` maps covariates to what differs in their mix (see `TableComparison.mix`); `uncovered` is
+    the share of the recorded rows that have no simulated counterpart and took no part.
+    """
 
     source: str
     simulated: str
@@ -74,6 +83,7 @@ class Diagnosis:
     simulator: Simulator | None
     mix: dict[str, tuple[float, float]] = field(default_factory=dict)
     options: Options = field(default_factory=Options)
+    uncovered: float = 0.0
 
 
 def diagnose(
@@ -89,12 +99,16 @@ def diagnose(
     `kinds` restricts the library. Deterministic from `options.seed`. What a `journal` keeps of an
     earlier, unfinished diagnosis of the same input is not done again.
     """
-    asked, journal = options or Options(), journal or Journal()
     check_recorded(recorded)
-    rows = _WorkingRows.of(recorded, asked)
-    comparison = compared_with(simulated, rows.window, asked.seed)
+    asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
+    shown = replace(recorded, frame=hidden(recorded.frame, asked.hide))
+    comparison = compared_with(simulated, window_of(shown.frame), asked.seed)
+    inside = covered(comparison, shown)
+    rows = _WorkingRows.of(shown.select(inside), asked)
     every, skipped = library()
-    search = _search(comparison, rows, kinds or every, progress)
+    able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform))
+    skipped |= lacking
+    search = _search(comparison, rows, able, progress)
     journal.know(search.kinds)
     found = select_effects(search, journal)
     found = replace(found, skipped={**skipped, **found.skipped})
@@ -104,7 +118,19 @@ def diagnose(
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name
-    return Diagnosis(recorded.label, name, found, added, confirmed, rows.split, after, mix, asked)
+    lost = 1 - float(inside.mean())
+    return Diagnosis(
+        recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost
+    )
+
+
+def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Recordings) -> Options:
+    """Return the options with what they leave open decided by the tables."""
+    if asked.waveform is not None:
+        return asked
+    both = [recorded, *([simulated] if isinstance(simulated, Recordings) else [])]
+    shown = [hidden(table.frame, asked.hide) for table in both]
+    return replace(asked, waveform=all(map(has_waveforms, shown)))
 
 
 @dataclass(frozen=True)
@@ -118,17 +144,16 @@ class _WorkingRows:
 
     @classmethod
     def of(cls, recorded: Recordings, asked: Options) -> _WorkingRows:
-        """Return a recorded table without hidden columns, split."""
-        shown = replace(recorded, frame=hidden(recorded.frame, asked.hide))
-        split = split_links(shown.frame, asked.seed)
-        return cls(shown, asked, split, window_of(shown.frame))
+        """Return a recorded table, split by link."""
+        split = split_links(recorded.frame, asked.seed)
+        return cls(recorded, asked, split, window_of(recorded.frame))
 
     def view(self, rows: Rows, most: int) -> View:
         """Return at most about `most` of some rows, evenly from every link."""
         codes, asked = link_codes(self.recorded.frame), self.asked
         kept = thinned(rows, codes, most)
         frame = self.recorded.frame
-        return view(frame, codes, kept, self.window, asked.observables, asked.waveform)
+        return view(frame, codes, kept, self.window, asked.observables, bool(asked.waveform))
 
     def confirm(self) -> View:
         """Open the sealed links. Raises RuntimeError the second time."""
@@ -140,6 +165,13 @@ def compared_with(simulated: Simulator | Recordings, window: Window, seed: int) 
     if isinstance(simulated, Recordings):
         return TableComparison(simulated.frame, window, seed)
     return Resimulation(simulated, window)
+
+
+def covered(comparison: Comparison, recorded: Recordings) -> NDArray[np.bool_]:
+    """Return which rows [n] the simulated side has a counterpart of: all, but for tables."""
+    if isinstance(comparison, TableComparison):
+        return comparison.covered(recorded.frame)
+    return np.ones(len(recorded), bool)
 
 
 def _search(
@@ -170,20 +202,22 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
 
 def one_round(state: State, turn: int, journal: Journal) -> State:
     """Locate what is left, explain it, and add what explains it best."""
-    kept = journal.kept
+    kept, safely = journal.kept, state.guard.safely
     state, located = _located(state, turn, journal)
     search, added = state.search, state.added
     if not located.significant:
         return state.after(Round(located, None, None), finished=True)
     explanation = kept(explain_left)(search, added, located)
-    explanation = kept(order)(search, added, explanation)
+    explanation = safely("order", kept(order), explanation)(search, added, explanation)
     best = best_contender(explanation)
-    best = best or kept(witnessed_by_links)(search, added, explanation)
-    struck = kept(strike_links)(search, added, best)
+    witness = safely("offsets of links", kept(witnessed_by_links), None)
+    best = best or witness(search, added, explanation)
+    struck = safely("links struck at random", kept(strike_links), None)(search, added, best)
     if struck:
         state = state.after(struck_round(located, explanation, struck))
         search = search.spared(struck)
-        added = kept(polished)(search.comparison, search.fit, added)  # by what was not struck
+        again = safely("fitting again", kept(polished), added)
+        added = again(search.comparison, search.fit, added)  # by what was not struck
         return replace(state, search=search, added=added)
     if best is None:
         return state.after(Round(located, explanation, None), finished=True)
@@ -209,10 +243,11 @@ def _with_best(
     state = state.after(Round(located, explanation.led_by(best), best.effect))
     added = with_contender(before, best)
     if len(added) > 1 or search.fit.waveform:
-        anew = len(added) > 1
-        added = journal.kept(polished)(search.comparison, search.fit, added, anew=anew)
-        least = journal.kept(margin)(search, added)
-        added = journal.kept(prune)(search, added, least, best.effect, located)
+        kept, safely, anew = journal.kept, state.guard.safely, len(added) > 1
+        again = safely("fitting again", kept(polished), added)
+        added = again(search.comparison, search.fit, added, anew=anew)
+        least = safely("margin", kept(margin), MARGIN_NATS)(search, added)
+        added = safely("pruning", kept(prune), added)(search, added, least, best.effect, located)
     if {e.name for e in added} <= {e.name for e in before}:  # what was added was taken out again
         known = best.effect.name in search.kinds
         return replace(state, search=search.without(best.effect), added=added, finished=not known)
@@ -223,11 +258,13 @@ def concluded(state: State, journal: Journal) -> Selection:
     """Fit what was chosen once more on all working rows, and say what can be said."""
     search, added = state.search, state.added
     if search.work is not None and added:
-        added = journal.kept(settled)(search.comparison, search.work, added)
+        last = state.guard.safely("last fit", journal.kept(settled), added)
+        added = last(search.comparison, search.work, added)
     said = journal.kept(verdicts)(search, state.rounds, added)
     struck = tuple(turn.strike.effect for turn in state.rounds if turn.strike)
     named = tuple(e for e in (*struck, *added) if any(e.physics in v.names for v in said))
-    return Selection(said, named, state.rounds, state.skipped)
+    skipped = {**state.skipped, **state.guard.failed}
+    return Selection(said, named, state.rounds, skipped)
 
 
 def _unnamed(search: Search, found: Selection) -> Added:
@@ -235,7 +272,8 @@ def _unnamed(search: Search, found: Selection) -> Added:
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
     if not rest:
         return ()
-    extra = unnamed_effect(search.comparison, search.fit, found.added, rest[0].findings)
+    curve = Guard().safely("unnamed curve", unnamed_effect, None)
+    extra = curve(search.comparison, search.fit, found.added, rest[0].findings)
     if extra is None:
         return ()
     both = (*found.added, extra)

@@ -68,8 +68,10 @@ AUC_FOLDS: Final = 4
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
-FAR_STD: Final = 1.0  # standard deviations of a covariate: farther is no counterpart [convention]
-OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart [convention]
+FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [convention]
+CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]
+DEVICE_STD: Final = 0.3  # that another device counts as: it varies less than a room [convention]
+OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart, to go on [convention]
 LEAST_STD: Final = 1e-9  # keeps a constant covariate finite [derived]
 
 # --- Replicates: ranges of random numbers that no two uses share [derived] -----------------------

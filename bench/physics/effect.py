@@ -162,7 +162,7 @@ class Effect(ABC):
         return ", or ".join(" and ".join(c for c in way if c not in columns) for way in cls.needs)
 
     @classmethod
-    def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:
+    def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:  # noqa: ARG003
         """Return the effect with values per device (or level, or place) that fit recorded rows.
 
         `frame` [n] as known to a simulator, `residual_m` [n] recorded minus simulated range (NaN =

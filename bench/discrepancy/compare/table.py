@@ -8,7 +8,7 @@ Effects act on the table's rows: on range and receive level, and on the CIR wher
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.matching import by_link, by_neighbours
 from bench.discrepancy.compare.prefix_cache import Memory
+from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
@@ -48,7 +49,9 @@ from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
 from bench.physics.simulator import Simulator
 
-MATCHED_ON = ("true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m")
+LEVELS = (
+    "rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db", "peak_counts_db",
+)  # fmt: skip  # observables that follow the distance in free space
 CHANGED = ("error_m", "rx_power_dbm")
 
 
@@ -90,7 +93,8 @@ class TableComparison:
             return stack(view.recorded, made, view.links)
         replicas = []
         for number, pick in enumerate(picks):
-            values = seen.values[pick] + self._change(seen, view, added, first + number)
+            values = seen.values[pick] + self._nearer(seen, view, pick)
+            values = values + self._change(seen, view, added, first + number)
             replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
 
@@ -107,7 +111,8 @@ class TableComparison:
         period = np.full(len(made), made.sample_period_ns)
         cir = around(made.cir, made.first_path_index, period, self.window)
         shape = shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
-        return collect(scalars, shape)
+        seen = collect(scalars, shape)
+        return replace(seen, values=seen.values + self._nearer(seen, view, pick))
 
     @cached_property
     def _tables(self) -> Memory[ForeignTable]:
@@ -185,56 +190,72 @@ class TableComparison:
         """Return how many versions, the first ones, a permutation may swap with the recorded."""
         return self._matched(view)[1]
 
-    def _similar_links(self, view: View) -> list[NDArray[np.intp]]:
-        """Match rows with those of the simulated links nearest in their covariates."""
-        left, right = self._points(view)
-        if not self.paired(view):
-            self._check_overlap(view, left, right)
-        return by_neighbours(left, right, view.links, self.links, MOST_VERSIONS)
+    def _similar_links(self, view: View) -> list[Rows]:
+        """Match rows with those of the simulated links nearest in all that both tables know."""
+        alike = shared_with_categories(view.frame, self.frame)
+        return by_neighbours(alike.left, alike.right, view.links, self.links, MOST_VERSIONS)
 
     def _same_links(self, view: View) -> list[NDArray[np.intp]]:
         """Match rows with those of the same link."""
-        left, right = self._points(view, every=True)
+        alike = shared(view.frame, self.frame, tuple(view.covariates.numbers))
         rows = self.frame.groupby(self.frame["link"].astype(str)).indices
         names = view.frame["link"].astype(str).to_numpy()
         labels, codes = np.unique(names, return_inverse=True)
         pools = [np.asarray(rows[label], np.intp) for label in labels]
-        return by_link(left, right, codes, pools, MOST_VERSIONS)
+        return by_link(alike.left, alike.right, codes, pools, MOST_VERSIONS)
 
     def paired(self, view: View) -> bool:
         """Return whether every recorded link is in the simulated table too."""
+        return self._has_links(view.frame)
+
+    def _has_links(self, frame: pd.DataFrame) -> bool:
+        """Return whether every link of a table is in the simulated table too."""
         if "link" not in self.frame:
             return False
-        return bool(set(view.frame["link"].astype(str)) <= set(self.frame["link"].astype(str)))
+        return bool(set(frame["link"].astype(str)) <= set(self.frame["link"].astype(str)))
 
-    def _shared(self, view: View, every: bool = False) -> list[str]:
-        """Return the covariates rows are matched on: the settings, or all that both tables have."""
-        names = tuple(view.covariates.numbers) if every else MATCHED_ON
-        return [
-            name
-            for name in names
-            if np.isfinite(numeric(view.frame, name)).all()
-            and np.isfinite(numeric(self.frame, name)).all()
-        ]
+    def covered(self, frame: pd.DataFrame) -> NDArray[np.bool_]:
+        """Return which recorded rows [n] belong to links that have a simulated counterpart.
 
-    def _points(self, view: View, every: bool = False) -> tuple[Floats, Floats]:
-        """Return recorded and simulated rows in the matched covariates, in standard deviations."""
-        names = self._shared(view, every)
-        if not names and not self.paired(view):
+        Every link that both tables have; else links near a simulated one in all that both know.
+        Raises BenchError where most have none.
+        """
+        if self._has_links(frame):
+            return np.ones(len(frame), bool)
+        alike = shared(frame, self.frame, NUMBERS)
+        categories = shared_with_categories(frame, self.frame)
+        if not alike.names:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
-        left = np.stack([np.zeros(len(view.frame)), *(numeric(view.frame, n) for n in names)], 1)
-        right = np.stack([np.zeros(len(self.frame)), *(numeric(self.frame, n) for n in names)], 1)
-        centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), LEAST_STD)
-        return (left - centre) / scale, (right - centre) / scale
-
-    def _check_overlap(self, view: View, left: Floats, right: Floats) -> None:
-        """Raise BenchError where most recorded rows have no simulated row near them."""
-        distance = cKDTree(right).query(left)[0]
-        if np.mean(distance > FAR_STD) > 1 - OVERLAP_SHARE:
+        code = link_codes(frame)
+        ours, theirs = _link_means(alike.left, code), _link_means(alike.right, self.links)
+        # Each number by itself: in many at once every link is far from every other.
+        gaps = [
+            cKDTree(b[:, None]).query(a[:, None])[0] for a, b in zip(ours.T, theirs.T, strict=True)
+        ]
+        far = (np.stack(gaps) > FAR_STD).any(axis=0)
+        unknown = np.bincount(code, categories.unknown) > 0
+        inside = ~(far | unknown)[code]
+        if inside.mean() < OVERLAP_SHARE:
             raise BenchError(
-                "no overlap of covariates: most recorded rows have no simulated row within one "
-                f"standard deviation of {', '.join(self._shared(view))}"
+                "no overlap of covariates: most recorded links have no simulated link within "
+                f"{FAR_STD:g} standard deviations of {', '.join(alike.names)}"
             )
+        return np.asarray(inside)
+
+    def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:
+        """Return by how much levels [n, p] change from the matched rows' distances to our own.
+
+        A matched row 1 m nearer is 20 log10 of the ratio stronger: free space (Friis), whatever
+        the mix of distances.
+        """
+        change = np.zeros((len(pick), len(seen.names)))
+        theirs = numeric(self.frame, "true_range_m")[pick]
+        ratio = theirs / np.asarray(view.scene.true_range_m, np.float64)
+        gain = np.where((ratio > 0) & np.isfinite(ratio), 20 * np.log10(np.abs(ratio) + 1e-300), 0)
+        for place, name in enumerate(seen.names):
+            if name in LEVELS:
+                change[:, place] = gain
+        return change
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).
@@ -244,7 +265,7 @@ class TableComparison:
         from scipy.stats import ks_2samp
 
         out = {}
-        for name in self._shared(view):
+        for name in shared(view.frame, self.frame, NUMBERS).names:
             left = _link_means(numeric(view.frame, name), view.links)
             right = _link_means(numeric(self.frame, name), self.links)
             shift = (left.mean() - right.mean()) / max(float(left.std()), LEAST_STD)
@@ -253,5 +274,8 @@ class TableComparison:
 
 
 def _link_means(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return the means of values [n] or [n, q] over the rows of each link, [L] or [L, q]."""
     code = np.unique(links, return_inverse=True)[1]
-    return np.asarray(np.bincount(code, values) / np.bincount(code), np.float64)
+    if values.ndim == 1:
+        return np.asarray(np.bincount(code, values) / np.bincount(code), np.float64)
+    return np.stack([_link_means(column, links) for column in values.T], axis=1)

@@ -19,3 +19,13 @@ def numeric(frame: pd.DataFrame, name: str) -> Floats:
 def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
     """Return the table without some columns, so that the diagnosis cannot see them."""
     return frame.drop(columns=[c for c in columns if c in frame])
+
+
+def known_columns(frame: pd.DataFrame) -> set[str]:
+    """Return the columns that hold a value anywhere, not only NaN or nothing."""
+    return {str(name) for name in frame if frame[name].notna().any()}
+
+
+def has_waveforms(frame: pd.DataFrame) -> bool:
+    """Return whether a table has CIRs with the position of their first path."""
+    return {"cir", "first_path_index"} <= known_columns(frame)

@@ -56,7 +56,7 @@ def _refitted(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     """Return the values of an effect that fits them itself, fitted again on some rows."""
     names = tuple(effect.values())
 
-    def estimate(rows: Rows, residual_m: Floats, bounded: bool) -> Floats:
+    def estimate(rows: Rows, residual_m: Floats, _: bool) -> Floats:
         frame = view.frame.iloc[rows].reset_index(drop=True)
         made = type(effect).fit_values(frame, residual_m[rows])
         found = made.values() if made is not None else {}
@@ -80,10 +80,10 @@ def _of_levels(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     return names, lambda rows, left, bounded: _bias(level, left, rows, bounded)
 
 
-def _of_headings(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+def _of_headings(view: View, _: Effect) -> tuple[tuple[str, ...], Values]:
     heading = heading_rad(view.scene)
     names = tuple(f"bias_m[{heading_deg:g} deg]" for heading_deg in HEADINGS_DEG)
-    return names, lambda rows, left, _: _lobes(heading, left, rows)
+    return names, lambda rows, left, __: _lobes(heading, left, rows)
 
 
 # How values are estimated that are fitted by code of ours; other effects are fitted again.

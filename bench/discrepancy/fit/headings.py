@@ -31,7 +31,8 @@ def pattern_curve(comparison: Comparison, view: View, added: Added) -> PatternCu
     leaves least.
     """
     heading = heading_rad(view.scene)
-    if len(np.unique(np.floor(np.degrees(heading) / HEADING_SECTOR_DEG))) < HEADING_SECTORS:
+    known = heading[np.isfinite(heading)]
+    if len(np.unique(np.floor(np.degrees(known) / HEADING_SECTOR_DEG))) < HEADING_SECTORS:
         return None
     ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
     if RANGE not in ensemble.names:
@@ -43,7 +44,7 @@ def pattern_curve(comparison: Comparison, view: View, added: Added) -> PatternCu
 
 def curve_over(heading: Floats, residual: Floats, smooth: float) -> Floats:
     """Return the bias at HEADINGS_DEG in metres from headings [n] in radians and residuals [n]."""
-    known = np.isfinite(residual)
+    known = np.isfinite(residual) & np.isfinite(heading)
     hats = np.stack([closed(heading[known], HEADINGS_DEG, tuple(row)) for row in _EYE], axis=1)
     bend = (np.roll(_EYE, 1, axis=1) + np.roll(_EYE, -1, axis=1) - 2 * _EYE) * smooth
     design = np.vstack([hats, bend * np.sqrt(known.sum())])

@@ -288,7 +288,8 @@ def _descended(objective: Objective, start: Fitted, evaluations: int) -> Fitted:
 
     if len(ways):
         minimize(along, simplex[0], method="Nelder-Mead", options=options)
-    assert objective.best is not None
+    if objective.best is None:
+        return start
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 

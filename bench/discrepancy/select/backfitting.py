@@ -26,6 +26,7 @@ from bench.discrepancy.settings import (
     BACKFIT_STALLED_NATS,
     EQUIVALENT_SHARE,
     FIT_MEMBERS,
+    NOTHING_NATS,
     SCORE_FIRST,
     SCORE_MEMBERS,
     SIMPLER_SHARE,
@@ -161,13 +162,17 @@ def _again(
     others = without(added, effect)
     base = tally(comparison.ensemble(fit, others, FIT_MEMBERS))
     objective = Objective(type(effect), comparison, fit, others, base)
-    before = objective({p.name: getattr(effect, p.name) for p in objective.free})
-    if anew:
-        screen(objective)
-    assert objective.best is not None
-    start = Fitted(objective.best[1], objective.best[0], 0)
-    fitted = refine(objective, start, BACKFIT_EVALUATIONS)
-    return fitted.effect, fitted.gain - before
+    try:
+        before = objective({p.name: getattr(effect, p.name) for p in objective.free})
+        if anew:
+            screen(objective)
+        if objective.best is None:  # in company it leaves an observable unknown in every row
+            return effect, 0.0
+        start = Fitted(objective.best[1], objective.best[0], 0)
+        fitted = refine(objective, start, BACKFIT_EVALUATIONS)
+    except BenchError:
+        return effect, 0.0
+    return fitted.effect, fitted.gain - (start.gain if before <= NOTHING_NATS else before)
 
 
 def settled(comparison: Comparison, rows: View, added: Added) -> Added:

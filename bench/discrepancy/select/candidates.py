@@ -6,10 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+import pandas as pd
+
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.columns import known_columns
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.reference_regression import corrected
 from bench.discrepancy.fit.search import (
@@ -92,6 +95,19 @@ def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
         except BenchError as problem:
             skipped[plugin.name] = str(problem)
     return loaded, skipped
+
+
+def offered(
+    kinds: Mapping[str, type[Effect]], frame: pd.DataFrame, waveform: bool
+) -> tuple[dict[str, type[Effect]], dict[str, str]]:
+    """Return the effects that a table says anything about, and what the others need.
+
+    CIRs count as a column only where they are compared.
+    """
+    columns = known_columns(frame) - (set() if waveform else {"cir"})
+    lacking = {name: kind.lacking(columns) for name, kind in kinds.items()}
+    able = {name: kind for name, kind in kinds.items() if not lacking[name]}
+    return able, {n: f"could not be tried: needs {words}" for n, words in lacking.items() if words}
 
 
 def explain(

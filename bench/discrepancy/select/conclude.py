@@ -7,11 +7,12 @@ import numpy as np
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import parameter_intervals
-from bench.discrepancy.locate.hypotheses import Cell
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents
+from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import (
@@ -132,9 +133,20 @@ def _named(
             _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
             for i, c in enumerate(same)
         )
-        passed = tuple(o for o in options if o.control.passed is not False) or options[:1]
-        out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
+        passed = tuple(o for o in options if o.control.passed is not False)
+        if not passed:  # a name whose own negative control fails is none
+            out.append(_refuted(turn, options[0]))
+        else:
+            out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
     return tuple(out)
+
+
+def _refuted(turn: Round, option: LeftOut) -> Unknown:
+    """Return the verdict where what gained most is still there where it must vanish."""
+    assert turn.explanation is not None
+    tried = {c.name: c.gain.value for c in turn.explanation.contenders}
+    note = f"{option.names[0]} gains most, but it is there too in {option.control.words}"
+    return Unknown(turn.located.findings, turn.explanation.removable, tried, note)
 
 
 def _left_out(
@@ -142,8 +154,12 @@ def _left_out(
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""
     others = without(added, turn.added) if turn.added else added
-    intervals = parameter_intervals(search.comparison, search.sharpest, others, effect)
-    control = negative_control(search, others, effect, turn.located.findings[0])
+    guard = Guard()
+    sizes = guard.safely("intervals", parameter_intervals, ())
+    intervals = sizes(search.comparison, search.sharpest, others, effect)
+    unknown = Control(type(effect).control, None)
+    test = guard.safely("negative control", negative_control, unknown)
+    control = test(search, others, effect, turn.located.findings[0])
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
 
 
@@ -154,11 +170,11 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     if inert.sum() < CONTROL_ROWS or inert.all():
         return Control(words, None)
     ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
-    cell = Cell(top.cell.observable, "mean", top.cell.place)
-    if cell.observable not in ensemble.names:
+    name = RANGE if effect.stage == "ranging" else top.cell.observable
+    if name not in ensemble.names:
         return Control(words, None)
-    residual = ensemble.residual_of(cell.observable)
-    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed)
+    residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
+    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
     loud = float(np.nanmean(np.abs(residual[~inert])))
     passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud
     return Control(words, bool(passed), int(inert.sum()), quiet)

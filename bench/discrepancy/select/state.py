@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.verdict import Verdict
 from bench.physics.effect import Effect
@@ -76,13 +77,17 @@ class Round:
 
 @dataclass(frozen=True)
 class State:
-    """Where a search stands: the effects `added` so far, its rounds, whether it has `finished`."""
+    """Where a search stands: the effects `added` so far, its rounds, whether it has `finished`.
+
+    `guard` notes steps that failed.
+    """
 
     search: Search
     added: Added = ()
     rounds: tuple[Round, ...] = ()
     skipped: Mapping[str, str] = field(default_factory=dict)
     finished: bool = False
+    guard: Guard = field(default_factory=Guard)
 
     def after(self, turn: Round, finished: bool = False) -> State:
         """Return the state with one more round, its failed effects noted."""

@@ -46,10 +46,11 @@ class PatternCurve(Effect):
         return {f"bias_m[{heading:g} deg]": bias for heading, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        """Lengthen ranges by the curve at each row's heading."""
-        return batch.longer(closed(heading_rad(batch.rows), self.headings_deg, self.bias_m))
+        """Lengthen ranges by the curve at each row's heading, where that is known."""
+        bias = closed(heading_rad(batch.rows), self.headings_deg, self.bias_m)
+        return batch.longer(np.nan_to_num(bias))
 
 
 def closed(heading: Floats, headings_deg: tuple[float, ...], values: tuple[float, ...]) -> Floats:
-    """Return a closed curve at headings [n] in radians."""
+    """Return a closed curve at headings [n] in radians, NaN where one is not known."""
     return np.asarray(np.interp(np.degrees(heading), headings_deg, values, period=360.0))

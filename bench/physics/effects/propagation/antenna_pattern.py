@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
@@ -19,7 +20,7 @@ class AntennaPattern(Effect):
     """Group delay and gain vary with the heading: a first and a second harmonic.
 
     The heading is `azimuth_deg` where known, else the bearing from `rx` to `tx`. All paths are
-    shifted alike (the pattern of the strongest direction).
+    shifted alike (the pattern of the strongest direction); rows without a heading are left alone.
     """
 
     name = "antenna-pattern"
@@ -27,6 +28,7 @@ class AntennaPattern(Effect):
     stage = "propagation"
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); up to 10-20 cm over direction"
     signature = "periodic in heading, the same at all distances"
+    control = "rows without a known heading"
     needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))
 
     delay_m: float = parameter(0, "m", 0, 0.5, "first harmonic of the range", null=0)
@@ -41,12 +43,19 @@ class AntennaPattern(Effect):
         first = np.cos(turn - np.radians(self.phase_deg))
         second = np.cos(2 * (turn - np.radians(self.phase_2_deg)))
         late = (self.delay_m * first + self.delay_2_m * second) / C_M_PER_NS
-        return batch.postponed(late).louder(-self.gain_db * first)
+        known = np.isfinite(turn)
+        return batch.postponed(np.where(known, late, 0.0)).louder(
+            np.where(known, -self.gain_db * first, 0.0)
+        )
+
+    def inert(self, batch: Batch) -> NDArray[np.bool_]:
+        """Return the rows without a known heading."""
+        return ~np.isfinite(heading_rad(batch.rows))
 
 
 def heading_rad(rows: Scene) -> Floats:
-    """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, 0 where unknown."""
+    """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, NaN where unknown."""
     way = positions(rows, "tx") - positions(rows, "rx")
-    bearing = np.where(np.isfinite(way[:, 0]), np.arctan2(way[:, 1], way[:, 0]), 0.0)
+    bearing = np.where(np.isfinite(way[:, 0]), np.arctan2(way[:, 1], way[:, 0]), np.nan)
     azimuth = np.radians(rows.number("azimuth_deg", np.nan))
     return np.where(np.isfinite(azimuth), azimuth, bearing)

@@ -1,0 +1,123 @@
+"""What two tables both know before a range is measured, as points: near points are alike.
+
+Numbers count in standard deviations of the recorded rows; a category (room, sight, obstacles,
+device) that differs counts as so many of them. What is measured takes no part: matched on, it
+could not differ any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.settings import (
+    CATEGORY_STD,
+    DEVICE_STD,
+    LEAST_STD,
+    MOST_CATEGORIES,
+)
+
+Floats = NDArray[np.float64]
+NUMBERS = (
+    "true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m",
+    "room_x_m", "room_y_m", "room_z_m", "preamble_symbols", "channel", "prf_mhz", "tx_power_dbm",
+)  # fmt: skip
+CATEGORIES = ("environment", "los", "tx", "rx")
+DEVICES = ("tx", "rx")
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Points of recorded rows `left` [n, q] and simulated rows `right` [k, q]; `names` of columns.
+
+    `unknown` [n]: recorded rows of a category that no simulated row has.
+    """
+
+    left: Floats
+    right: Floats
+    names: tuple[str, ...]
+    unknown: NDArray[np.bool_]
+
+
+def shared(recorded: pd.DataFrame, simulated: pd.DataFrame, numbers: tuple[str, ...]) -> Shared:
+    """Return both tables' rows as points in some `numbers` alone, as far as both know them."""
+    names = _known_numbers(recorded, simulated, numbers)
+    left, right = _standardised(recorded, simulated, names)
+    return Shared(left, right, names, np.zeros(len(recorded), bool))
+
+
+def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Shared:
+    """Return both tables' rows as points in every number and category that both know."""
+    plain = shared(recorded, simulated, NUMBERS)
+    left, right, names = [plain.left], [plain.right], plain.names
+    unknown = plain.unknown.copy()
+    for name, (ours, theirs) in _categories(recorded, simulated).items():
+        values = sorted(set(ours) & set(theirs))
+        if not values:  # other rooms, other devices: nothing to match on
+            continue
+        size = DEVICE_STD if name in DEVICES else CATEGORY_STD
+        left.append(_coded(ours, values) * size)
+        right.append(_coded(theirs, values) * size)
+        names = (*names, name)
+        if name not in DEVICES:
+            unknown |= ~np.isin(ours, values)
+    return Shared(np.hstack(left), np.hstack(right), names, unknown)
+
+
+def _known_numbers(
+    recorded: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return the numbers known in every row of both tables."""
+    both = (recorded, simulated)
+    return tuple(n for n in names if all(np.isfinite(numeric(f, n)).all() for f in both))
+
+
+def _standardised(
+    recorded: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, ...]
+) -> tuple[Floats, Floats]:
+    """Return both tables' numbers in standard deviations of the recorded ones."""
+    left, right = (
+        np.stack([np.zeros(len(frame)), *(numeric(frame, n) for n in names)], axis=1)
+        for frame in (recorded, simulated)
+    )
+    centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), LEAST_STD)
+    # A number that is constant in the recordings but not in the table must not decide alone.
+    scale = np.where(left.std(axis=0) > 0, scale, np.maximum(right.std(axis=0), LEAST_STD))
+    return (left - centre) / scale, (right - centre) / scale
+
+
+def _categories(
+    recorded: pd.DataFrame, simulated: pd.DataFrame
+) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
+    """Return the categories of both tables, as words: rooms, sight, devices, kinds of obstacles."""
+    out: dict[str, tuple[NDArray[Any], NDArray[Any]]] = {}
+    for name in CATEGORIES:
+        if name in recorded and name in simulated and recorded[name].nunique() <= MOST_CATEGORIES:
+            out[name] = (
+                recorded[name].astype(str).to_numpy(),
+                simulated[name].astype(str).to_numpy(),
+            )
+    if "obstacles" in recorded and "obstacles" in simulated:
+        out["obstacles"] = _kinds(recorded["obstacles"]), _kinds(simulated["obstacles"])
+    return out
+
+
+def _kinds(lists: pd.Series) -> NDArray[Any]:
+    """Return the kinds of obstacles of every row as one word."""
+    made = [
+        "+".join(sorted({str(kind) for kind in row}))
+        if isinstance(row, list | tuple | np.ndarray)
+        else ""
+        for row in lists
+    ]
+    return np.array(made, dtype=np.str_)
+
+
+def _coded(values: NDArray[Any], known: list[str]) -> Floats:
+    """Return 1 for the value of each row, 0 for others, [n, c], over root two: one apart."""
+    return np.asarray((values[:, None] == np.array(known)) / np.sqrt(2), np.float64)

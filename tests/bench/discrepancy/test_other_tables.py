@@ -1,0 +1,118 @@
+"""Tables that our own simulator did not make, default options: what must not be called physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy_tables as made
+import pytest
+
+from bench.discrepancy import NoMismatch, Options, Unknown, diagnose
+from bench.discrepancy.data.columns import known_columns
+from bench.discrepancy.select.candidates import library, offered
+from bench.errors import BenchError
+from bench.physics.base import Base
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.temperature import TemperatureDrift
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+SOME = {"antenna-delay": AntennaDelay, "temperature-drift": TemperatureDrift}
+
+
+@pytest.mark.parametrize("replicas", [1, 3, 8])
+def test_another_mix_of_distances_is_not_physics(replicas):
+    recorded, simulated = made.tables(7 + replicas, None, replicas=replicas, paired=False,
+                                      theirs=(2.0, 8.0))  # fmt: skip
+    found = diagnose(recorded, simulated)
+    assert isinstance(found.selection.verdicts[0], NoMismatch)
+    assert 0.5 > found.uncovered > 0.0  # the far links have no counterpart and take no part
+
+
+def test_rooms_that_only_the_recordings_have_take_no_part():
+    recorded, simulated = made.tables(3, None, paired=False)
+    cellar = (recorded.frame["environment"] == "cellar").to_numpy()
+    frame = recorded.frame.assign(error_m=recorded.frame["error_m"] + 0.5 * cellar)
+    kept = simulated.frame[simulated.frame["environment"] != "cellar"].reset_index(drop=True)
+    found = diagnose(replace(recorded, frame=frame), replace(simulated, frame=kept), kinds=SOME)
+    assert found.selection.names == ()
+    assert found.uncovered >= cellar.mean()
+
+
+def test_tables_of_ranges_need_no_flag():
+    recorded, simulated = made.tables(2, made.warmth, replicas=3)
+    found = diagnose(recorded, simulated, Options(seed=1), kinds=SOME)
+    assert found.options.waveform is False
+    assert "rx_power_dbm" in found.confirmed.before.names  # levels take part
+    assert found.selection.names == (("temperature-drift",),)
+    assert found.confirmed.mae_after_m.value < 0.8 * found.confirmed.mae_before_m.value
+
+
+def test_an_effect_is_offered_only_where_its_columns_are():
+    recorded, _ = made.tables(1, None)
+    every, _ = library()
+    able, lacking = offered(every, recorded.frame, False)
+    assert "room_x_m" in lacking["specular-reflections"]
+    assert "could not be tried: needs azimuth_deg" in lacking["antenna-pattern"]
+    assert {"quantisation", "diffuse-tail", "material-delay"} <= set(lacking)
+    assert {"antenna-delay", "temperature-drift", "power-bias", "clock-offset"} <= set(able)
+    with_heading = recorded.frame.assign(azimuth_deg=np.nan)
+    assert "antenna-pattern" in offered(every, with_heading, False)[1]
+    assert "azimuth_deg" not in known_columns(with_heading)
+
+
+def test_an_unknown_heading_is_no_heading():
+    recorded, _ = made.tables(1, None, links=8)
+    turned = recorded.frame.assign(azimuth_deg=np.where(np.arange(48) < 24, 90.0, np.nan))
+    ranges = [
+        Simulator(Base(), effects).observe(scene(turned), 0, cir=False).range_m
+        for effects in ((), (AntennaPattern(delay_m=0.3, phase_deg=90.0),))
+    ]
+    change = ranges[1] - ranges[0]
+    assert change[:24] == pytest.approx(0.3, abs=1e-3)
+    assert change[24:] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_step_that_fails_does_not_end_the_diagnosis():
+    @dataclass(frozen=True)
+    class Moody(TemperatureDrift):
+        """Fails in company, and on held-out links."""
+
+        name = "moody"
+
+        def apply(self, batch, draws):
+            if len(batch) % 2 or draws.replicate >= 100:
+                raise ArithmeticError("not today")
+            return super().apply(batch, draws)
+
+    recorded, simulated = made.tables(2, made.warmth, replicas=3, links=40)
+    found = diagnose(recorded, simulated, kinds={"moody": Moody, **SOME})
+    assert "not today" in found.selection.skipped["moody"]
+    assert found.selection.names == (("temperature-drift",),)
+
+
+def test_what_a_failed_negative_control_refutes_is_not_named():
+    @dataclass(frozen=True)
+    class HotRooms(AntennaDelay):
+        """A constant that must vanish in the cold: it does not."""
+
+        name = "hot-rooms"
+        control = "rows below 20 degrees"
+
+        def inert(self, batch):
+            return np.asarray(batch.rows.number("temperature_c", 0.0) < 20)
+
+    recorded, simulated = made.tables(5, made.constant, replicas=3)
+    alone = recorded.frame.drop(columns=["tx", "rx", "rx_power_dbm"])  # nothing else to name
+    found = diagnose(replace(recorded, frame=alone), simulated, kinds={"hot-rooms": HotRooms})
+    assert "hot-rooms" not in {name for names in found.selection.names for name in names}
+    assert isinstance(found.selection.verdicts[0], Unknown)
+
+
+def test_tables_that_share_nothing_are_refused():
+    recorded, simulated = made.tables(1, None, paired=False)
+    far = simulated.frame.assign(true_range_m=200.0)
+    with pytest.raises(BenchError, match="no overlap"):
+        diagnose(recorded, replace(simulated, frame=far))
