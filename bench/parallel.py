@@ -61,6 +61,11 @@ class Spread:
         if self.scheduler and self.jobs > 1:
             raise BenchError("--jobs and --scheduler: expected one of them")
 
+    @property
+    def spreads(self) -> bool:
+        """True where work leaves this process."""
+        return self.jobs > 1 or self.scheduler is not None
+
     def map(self, work: Work, shared: Any, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """Yield (position, work(shared, task)) as they finish, in no order.
 

@@ -12,7 +12,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import bench
 from bench.errors import BenchError, foreign
 from bench.plugin_source import places_of
 from bench.plugins import Plugin, source_path
@@ -154,7 +153,7 @@ def _hash_sources(places: Iterable[Path], texts: Iterable[str] = ()) -> str:
 
 def commit(places: Iterable[str]) -> str:
     """Return the commit of the source, and whether anything in `places` differs from it."""
-    folder = Path(bench.__file__).parents[1]
+    folder = Path(__file__).parents[1]
     if not (folder / ".git").exists():
         return UNKNOWN
     name = _git(folder, "rev-parse", "--short=12", "HEAD")

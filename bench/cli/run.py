@@ -17,6 +17,7 @@ Examples:
   bench run --model remnet --backend int8
   bench run --model all --backend all --seeds 5 --out results
   bench run --model remnet,mlp --backend fp32 --data mine.parquet --split link-kfold:5
+  bench run --model all --backend all --seeds 5 --jobs 4
 """
 
 
@@ -50,6 +51,8 @@ Examples:
     type=click.Path(path_type=Path),
     help="Result folder; finished runs found there are reused.",
 )
+@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
+@click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for the fits instead.")
 @click.option("--json", "as_json", is_flag=True, help="Print the records as JSON and nothing else.")
 def command(
     model: str,
@@ -59,6 +62,8 @@ def command(
     device: str,
     seeds: int,
     out: Path,
+    jobs: int,
+    scheduler: str | None,
     as_json: bool,
 ) -> None:
     """Benchmark models on backends and write the records.
@@ -72,8 +77,9 @@ def command(
 
     with RunView(quiet=as_json) as view:
         outcome: RunSet = run(
-            model, backend, data, split=split, device=device, seeds=seeds, out=out, observer=view
-        )
+            model, backend, data, split=split, device=device, seeds=seeds, out=out, jobs=jobs,
+            scheduler=scheduler, observer=view,
+        )  # fmt: skip
     (print_json if as_json else print_summary)(outcome)
     if outcome.failures:
         raise _failed(outcome)

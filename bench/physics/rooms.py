@@ -5,33 +5,40 @@ The simulator is `rooms.toml` beside this file; the plan of rooms and obstacles 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
-from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import ROW_TOTAL
+from bench.physics.rooms_data import LICENCE
 from bench.physics.simulator import Simulator
+from bench.physics.simulators import SimulatorPlugin
+from bench.physics.stream import rooms as room_rows
 from bench.physics.toml_file import read_toml, to_toml
 from bench.provenance import json_digest, package_version, packages_code_hash
 from bench.recordings.table import Recordings
 
-_HERE = Path(__file__).parent
-LICENCE = "Apache-2.0 (simulated by uwb-bench)"
 
-
-class Rooms:
+class Rooms(SimulatorPlugin):
     """The `rooms` simulator with a geometry of its own; SIMULATED, reproducible from a seed."""
 
+    rows = ROW_TOTAL
+
     def __init__(self, seed: int | None = None) -> None:
-        read = read_toml(_HERE / "rooms.toml")
+        read = read_toml(Path(__file__).parent / "rooms.toml")
         self.simulator: Simulator = read if seed is None else replace(read, seed=seed)
+
+    def geometry(self, rows: int, seed: int) -> Iterator[pd.DataFrame]:
+        """Yield rows in the rooms; beyond 55 000, in further campaigns of measurement."""
+        return room_rows(rows, seed)
 
     def generate(self, rows: int = ROW_TOTAL) -> Recordings:
         """Return 55 000 simulated recordings, or `rows` of the same mixture."""
-        geometry = room_geometry(np.random.default_rng(self.simulator.seed), rows)
-        return replace(self.simulator.simulate(geometry), licence=LICENCE)
+        frames = list(self.geometry(rows, self.simulator.seed))
+        whole = frames[0] if len(frames) == 1 else pd.concat(frames, ignore_index=True)
+        return replace(self.simulator.simulate(whole), licence=LICENCE)
 
     def key(self) -> str:
         """Return 20 hex digits that change with simulator, seed, code and numerical libraries."""

@@ -1,15 +1,76 @@
-"""Recordings by data set name or by path."""
+"""Recordings by data set name, by path, or as a table at hand."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
 from bench.errors import BenchError
+from bench.recordings.clean import clean
 from bench.recordings.io import read_recordings
 from bench.recordings.sources.base import Source, open_source
-from bench.recordings.table import Recordings
+from bench.recordings.table import CIR_COLUMNS, Recordings
 
-__all__ = ["open_recordings", "open_source"]
+__all__ = ["Table", "open_recordings", "open_source", "read"]
+Table = str | Path | pd.DataFrame | Recordings
+"""A data set name, a file, rows with units in the column names, or recordings."""
+
+
+def read(recordings: Table, environment: str | None = None) -> Recordings:
+    """Return recordings: a data set by name, a .parquet or .csv file, or a table's usable rows.
+
+    `environment` keeps only its rows. Raises BenchError as `open_recordings` does, for an
+    environment that is not there and for a table of which most rows are unusable.
+
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"range_m": [5.1, 7.0], "true_range_m": [5.0, -1.0]})
+    >>> read(frame).errors_m().round(2)
+    array([0.1])
+    >>> dict(read(frame).dropped)
+    {'negative true range': 1}
+    """
+    whole = _whole(recordings)
+    return whole if environment is None else _only(whole, environment)
+
+
+def _whole(recordings: Table) -> Recordings:
+    """Return all rows of a table."""
+    if isinstance(recordings, Recordings):
+        return recordings
+    if isinstance(recordings, pd.DataFrame):
+        cleaned = clean(_as_in_a_file(recordings), "the table given")
+        return Recordings(cleaned.frame, "the table given", dropped=cleaned.dropped)
+    return open_recordings(recordings)[0]
+
+
+def _as_in_a_file(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with its CIRs as a file would give them: one float32 array per cell."""
+    cirs = [name for name in CIR_COLUMNS if name in frame]
+    try:
+        return frame.assign(**{name: _cells(frame[name]) for name in cirs})
+    except (TypeError, ValueError) as problem:
+        raise BenchError(f"the table given: {cirs[0]!r} must hold lists of numbers") from problem
+
+
+def _cells(column: pd.Series) -> pd.Series:
+    """Return lists of numbers as float32 arrays; what is no list as an empty one."""
+    cells = np.empty(len(column), dtype=object)
+    for row, cell in enumerate(column):
+        listed = isinstance(cell, list | tuple | np.ndarray)
+        cells[row] = np.asarray(cell if listed else [], np.float32)
+    return pd.Series(cells, index=column.index)
+
+
+def _only(table: Recordings, environment: str) -> Recordings:
+    """Return the rows of one environment. Raises BenchError where there is none."""
+    table.require("environment")
+    rows = np.asarray(table.frame["environment"] == environment, bool)
+    if not rows.any():
+        have = ", ".join(sorted(map(str, table.frame["environment"].dropna().unique())))
+        raise BenchError(f"{table.source}: no environment {environment!r} (it has: {have})")
+    return table.select(rows)
 
 
 def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None]:

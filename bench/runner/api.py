@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bench.measure.on_devices import estimates_of
+from bench.parallel import Spread
 from bench.plugins import Plugin
-from bench.recordings.table import Recordings
+from bench.recordings.open import Table
 from bench.results import Estimate, RunRecord, TimingRecord
 from bench.runner.execute import execute
 from bench.runner.failure import Failure
@@ -47,27 +48,34 @@ class RunSet:
 def run(
     model: str = "remnet",
     backend: str = "int8",
-    data: str | Recordings = "rooms",
+    data: Table = "rooms",
     *,
     split: str | None = None,
     device: str = "all",
     seeds: int = 1,
     out: str | Path = "results",
+    jobs: int = 1,
+    scheduler: str | None = None,
     observer: Observer | None = None,
 ) -> RunSet:
     """Benchmark models on backends and return the records, also written under `out`.
 
     `model`, `backend`, `device`: a name, several with commas, or "all". `data`: a data set name, a
-    recordings file, or `Recordings`. `split`: "leave-environment-out[:ENV]" or "link-kfold[:K]";
-    None takes what suits the data. Finished runs found under `out` are reused while nothing that
-    determines them has changed. Raises BenchError on bad input, before anything is written.
+    recordings file, a frame or `Recordings`. `split`: "leave-environment-out[:ENV]" or
+    "link-kfold[:K]"; None takes what suits the data. Finished runs found under `out` are reused
+    while nothing that determines them has changed. `jobs` processes or a Dask `scheduler` share
+    the fits, never the timings. Raises BenchError on bad input, before anything is written.
+
+    >>> run(model="remnett")
+    Traceback (most recent call last):
+    bench.errors.BenchError: unknown model 'remnett'; did you mean 'remnet'? ...
     """
-    watch = observer or Observer()
+    watch, spread = observer or Observer(), Spread(jobs, scheduler)
     plan = make_plan(model, backend, device, seeds)
     folder = ResultFolder(Path(out))
     folder.check_writable()
     watch.stage("reading the recordings")
     material = load_material(data, split)
-    runs, failures = execute(plan, material, folder, watch)
+    runs, failures = execute(plan, material, folder, watch, spread)
     timings, late = time_artifacts(runs, folder, widths(plan.models, material), watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)

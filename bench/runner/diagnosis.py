@@ -1,11 +1,19 @@
-"""What the outcome of a diagnosis depends on, so that a stopped one resumes only as itself."""
+"""`bench.diagnose`: what a simulator leaves out of recordings, as one Python call."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict
+from pathlib import Path
 
-from bench.discrepancy.method import Options
+import pandas as pd
+
+from bench.checkpoint.journal import Kept
+from bench.discrepancy import Diagnosis, Options, method, write_report
+from bench.errors import BenchError
+from bench.physics.base import Base
 from bench.physics.simulator import Simulator
+from bench.physics.simulators import read_simulator
 from bench.physics.toml_file import to_toml
 from bench.plugins import plugins
 from bench.provenance import (
@@ -14,13 +22,94 @@ from bench.provenance import (
     packages_code_hash,
     plugins_code_hash,
 )
+from bench.recordings.io import CSV_SUFFIXES, PARQUET_SUFFIXES
+from bench.recordings.open import Table, read
 from bench.recordings.table import Recordings
+from bench.runner.observer import Observer
 
 CODE = ("bench/discrepancy", "bench/physics", "bench/recordings")
 
 
+def diagnose(
+    recorded: Table,
+    simulated: Table | Simulator | None = None,
+    *,
+    hide: str | Iterable[str] = (),
+    observe: str | Iterable[str] = (),
+    environment: str | None = None,
+    paths_only: bool = False,
+    seed: int = 0,
+    out: str | Path | None = None,
+    observer: Observer | None = None,
+) -> Diagnosis:
+    """Find, name, model and remove what a simulator leaves out of recordings.
+
+    `recorded`: a data set's name, a file, a frame or `Recordings`. `simulated`: a simulator (TOML
+    file, plug-in name, `Simulator`), which is run again at every recorded row, or a table of
+    another simulator's rows; None is the base simulator alone. `hide`: columns it must not see;
+    `observe`: compare only these observables; `paths_only`: no waveforms even where
+    both sides have them, range and level alone.
+    With `out` the report, the new simulator and figures go to that folder, and a diagnosis that
+    was stopped goes on from it. Raises BenchError on bad input, before anything is written.
+
+    >>> diagnose("apartmant", simulated="rooms")
+    Traceback (most recent call last):
+    bench.errors.BenchError: unknown data set 'apartmant'; did you mean 'apartment'? ...
+    >>> found = diagnose("mine.parquet", simulated="rooms")  # doctest: +SKIP
+    >>> found.selection.names  # doctest: +SKIP
+    (('antenna-delay',),)
+    """
+    if seed < 0:
+        raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
+    watch, chosen = observer or Observer(), _names(observe) or None
+    waves = False if paths_only else None
+    options = Options(seed, hide=_names(hide), observables=chosen, waveform=waves)
+    table, against = read(recorded, environment), counterpart(simulated)
+    table.require(*options.hide)
+    if out is None:
+        return method.diagnose(table, against, options, watch.stage)
+    kept = _kept(Path(out), fingerprint(table, against, options), watch)
+    found = method.diagnose(table, against, options, watch.stage, journal=kept)
+    watch.note(f"report: {write_report(found, Path(out))}")
+    kept.clear()
+    return found
+
+
+def counterpart(simulated: Table | Simulator | None) -> Simulator | Recordings:
+    """Return what recordings are compared with: a simulator, or a simulated table."""
+    if simulated is None:
+        return Simulator(Base(), name="base")
+    if isinstance(simulated, Simulator):
+        return simulated
+    if isinstance(simulated, pd.DataFrame | Recordings) or _is_table(simulated):
+        return read(simulated)
+    return read_simulator(simulated)
+
+
+def _is_table(name: str | Path) -> bool:
+    """Return whether a name or path is that of a table's file."""
+    return str(name).endswith((*PARQUET_SUFFIXES, *CSV_SUFFIXES))
+
+
+def _names(given: str | Iterable[str]) -> tuple[str, ...]:
+    """Return names: several in one text with commas, or one by one."""
+    every = given.split(",") if isinstance(given, str) else given
+    return tuple(name.strip() for name in every if name.strip())
+
+
+def _kept(out: Path, mark: str, watch: Observer) -> Kept:
+    """Return what an earlier run left in the folder, and say so where there is something."""
+    kept = Kept(out, mark)
+    if kept.started:
+        watch.note(f"resuming after round {kept.finished}")
+    return kept
+
+
 def fingerprint(recorded: Recordings, simulated: Simulator | Recordings, options: Options) -> str:
-    """Return 16 hex digits of code, packages, effects, both sides' content, options and seed."""
+    """Return 16 hex digits of all that decides the outcome: what was stopped goes on as itself.
+
+    Code, packages, effects, both sides' content, options and seed.
+    """
     other = simulated.fingerprint if isinstance(simulated, Recordings) else to_toml(simulated)
     parts = {
         "code": packages_code_hash(*CODE),

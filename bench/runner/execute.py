@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from bench.errors import BenchError, WriteError
 from bench.files import atomic_path
+from bench.parallel import Spread
 from bench.plugins import Plugin
 from bench.provenance import file_sha256
 from bench.results import RunKey, RunRecord
@@ -25,6 +26,7 @@ from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
 from bench.runner.records import finished_record, skipped_record, write_predictions
+from bench.runner.spread_fits import fit_ahead
 
 if TYPE_CHECKING:
     from backends.base import Backend
@@ -49,9 +51,18 @@ class Fitted:
 
 
 def execute(
-    plan: Plan, material: Material, folder: ResultFolder, watch: Observer
+    plan: Plan,
+    material: Material,
+    folder: ResultFolder,
+    watch: Observer,
+    spread: Spread | None = None,
 ) -> tuple[list[RunRecord], list[Failure]]:
-    """Do every run of the plan that is not done yet; one that breaks does not stop the others."""
+    """Do every run of the plan that is not done yet; one that breaks does not stop the others.
+
+    The fits are spread; nothing else is.
+    """
+    if spread and spread.spreads:
+        fit_ahead(_unfinished(plan, material, folder), material, spread, watch)
     records: list[RunRecord] = []
     failures: list[Failure] = []
     total = len(plan.models) * len(plan.backends) * len(plan.seeds)
@@ -61,6 +72,19 @@ def execute(
                 (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
                 watch.runs(len(records) + len(failures), total)
     return records, failures
+
+
+def _unfinished(plan: Plan, material: Material, folder: ResultFolder) -> list[tuple[Plugin, int]]:
+    """Return the models and seeds of which some run is not done yet."""
+
+    def done(model: Plugin, backend: Plugin, seed: int) -> bool:
+        try:
+            return folder.find_run(run_key(model, backend, material, seed)) is not None
+        except BenchError:  # it fails, and says so when it is its turn
+            return True
+
+    every = [(model, seed) for model in plan.models for seed in plan.seeds]
+    return [(m, seed) for m, seed in every if not all(done(m, b, seed) for b in plan.backends)]
 
 
 def _run_group(

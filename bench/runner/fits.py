@@ -46,24 +46,48 @@ def fit_fold(
 ) -> MitigationModel:
     """Return the model fitted on one fold's training rows, from the cache where it is there."""
     model = new_model(plugin, seed)
-    train = material.split.folds[fold].train
-    key = _key(plugin, model, material, fold, seed)
-    path = cache_dir() / "fits" / f"{plugin.name}-{json_digest(key, 24)}.npz"
+    path, key = place_of(plugin, material, fold, seed)
     state = _read_state(path, key)
     if state is not None and _restored(model, state):
         return model
+    fit_on(model, material, fold, progress)
+    if (state := state_of(model)) is not None:
+        write_state(path, key, state)
+    return model
+
+
+def fit_on(
+    model: MitigationModel, material: Material, fold: int, progress: Progress | None = None
+) -> None:
+    """Fit a model on one fold's training rows."""
+    train = material.split.folds[fold].train
     links = {"groups": material.links[train]} if _takes_groups(model) else {}
     X = rows_for(material, model.reads)[train]
     model.fit(X, material.errors_m[train], progress=progress, **links)
-    state = model.fitted_state()
-    if state is not None:
-        _write_state(path, key, {**state, _TRAINING: told(training_of(model))})
-    return model
 
 
 def _takes_groups(model: MitigationModel) -> bool:
     """Tell whether a model wants to know whose link a row is; one from elsewhere need not."""
     return "groups" in inspect.signature(model.fit).parameters
+
+
+def place_of(
+    plugin: Plugin, material: Material, fold: int, seed: int
+) -> tuple[Path, dict[str, Any]]:
+    """Return the file that a fit is kept in, and all that it depends on."""
+    key = _key(plugin, new_model(plugin, seed), material, fold, seed)
+    return cache_dir() / "fits" / f"{plugin.name}-{json_digest(key, 24)}.npz", key
+
+
+def is_kept(path: Path, key: Mapping[str, Any]) -> bool:
+    """Return True where a fit is kept that can be believed."""
+    return _read_state(path, key) is not None
+
+
+def state_of(model: MitigationModel) -> State | None:
+    """Return a fitted model's arrays with how it was trained, None where it has none."""
+    state = model.fitted_state()
+    return None if state is None else {**state, _TRAINING: told(training_of(model))}
 
 
 def _restored(model: MitigationModel, state: State) -> bool:
@@ -97,7 +121,8 @@ def _rows_hash(fold: Fold) -> str:
     return hashlib.sha256(np.ascontiguousarray(fold.train, np.int64).tobytes()).hexdigest()[:16]
 
 
-def _write_state(path: Path, key: Mapping[str, Any], state: State) -> None:
+def write_state(path: Path, key: Mapping[str, Any], state: State) -> None:
+    """Keep a fit."""
     seals = {_KEY: json.dumps(key, sort_keys=True), _SUM: _sum(state)}
     with atomic_path(path) as scratch, scratch.open("wb") as stream:
         np.savez(stream, **state, **seals)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.recordings.open import open_recordings
+from bench.recordings.open import Table, open_recordings, read
 from bench.recordings.splits import Split, default_split, make_split
 from bench.recordings.table import Recordings
 from bench.recordings.window import CirWindow, cir_window
@@ -33,13 +33,14 @@ class Material:
     dropped: dict[str, int]
 
 
-def load_material(data: str | Recordings, split: str | None) -> Material:
+def load_material(data: Table, split: str | None) -> Material:
     """Open a data set, cut its windows and split it by link. Raises BenchError on bad input."""
-    if isinstance(data, Recordings):
-        whole, source, name = data, None, data.source
+    if isinstance(data, Recordings | pd.DataFrame):
+        whole, source = read(data), None
+        name = whole.source
     else:
         whole, source = open_recordings(data)
-        name = source.full_name if source else data
+        name = source.full_name if source else str(data)
     window = cir_window(whole) if "cir" in whole.frame else _no_window(len(whole))
     recordings = whole.select(window.rows)
     made = make_split(recordings, split or default_split(recordings, source), source=source)

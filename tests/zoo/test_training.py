@@ -10,6 +10,7 @@ import pytest
 import torch
 from torch import nn
 
+from zoo.cnn1d import CNN1D
 from zoo.training.eager import FloatArray, epoch_orders, train
 from zoo.training.recipe import Stopping, TrainingLog, TrainingRecipe
 from zoo.training.stopping import held_out
@@ -148,3 +149,17 @@ def test_no_link_is_on_both_sides_and_one_link_is_trained_to_the_last_step() -> 
     assert (log.steps, log.held_out_losses) == (25, ())
     with pytest.raises(ValueError, match="29 groups for 30 rows"):
         train(network(), X, y, recipe, groups=np.zeros(29))
+
+
+def test_weights_do_not_depend_on_the_number_of_threads() -> None:
+    """A convolution's gradient, summed over two threads, had other bits than over one."""
+    X = np.random.default_rng(1).rayleigh(100, (512, 157)).astype(np.float32)
+    before, fitted = torch.get_num_threads(), []
+    try:
+        for threads in (1, 2):
+            torch.set_num_threads(threads)
+            fitted.append(CNN1D(epochs=1, random_state=0).fit(X, X[:, 6] / 1000).predict(X))
+            assert torch.get_num_threads() == threads
+    finally:
+        torch.set_num_threads(before)
+    np.testing.assert_array_equal(*fitted)

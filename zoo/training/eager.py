@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Literal
 
 import numpy as np
@@ -48,7 +49,7 @@ def train(
     inputs, targets = as_tensors(X, y)
     check_recipe(recipe, len(inputs))
     loop, losses, started = Loop(module, recipe), [], time.perf_counter()
-    with torch.random.fork_rng(devices=[]):
+    with torch.random.fork_rng(devices=[]), one_thread():
         torch.manual_seed(recipe.seed)
         module.train()
         for epoch, order in enumerate(epoch_orders(len(inputs), recipe.epochs, recipe.seed)):
@@ -59,6 +60,21 @@ def train(
     module.eval()
     seconds = time.perf_counter() - started
     return TrainingLog(tuple(losses), len(inputs), seconds, "eager", loop.steps)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Have torch work in one thread: gradients are summed in the same order on any machine.
+
+    A convolution's weight gradient is summed per thread, so two threads give other bits than one;
+    and for networks this small threads wait for each other longer than they work.
+    """
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 class Loop:

@@ -12,7 +12,15 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
-from zoo.training.eager import FloatArray, Loop, Progress, as_tensors, loss_function, report
+from zoo.training.eager import (
+    FloatArray,
+    Loop,
+    Progress,
+    as_tensors,
+    loss_function,
+    one_thread,
+    report,
+)
 from zoo.training.recipe import Stopping, TrainingLog, TrainingRecipe, check_recipe
 
 _BLOCK_ROWS = 4096
@@ -39,7 +47,7 @@ def train_until(
     learn = torch.from_numpy(np.flatnonzero(~held))
     judge = _Judge(module, recipe, inputs[held], targets[held], links[held])
     loop = Loop(module, recipe)
-    with torch.random.fork_rng(devices=[]):
+    with torch.random.fork_rng(devices=[]), one_thread():
         torch.manual_seed(recipe.seed)
         batches = _batches(inputs[learn], targets[learn], recipe)
         losses = _run(module, loop, batches, judge, stopping, recipe.batch_size, progress)

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from bench.challenge import apartment as case
+from bench.challenge.api import REAL
 from bench.challenge.mitigation import ROWS, Effort, Mitigated, mitigated, training_geometry
 from bench.challenge.real.case import Check, RealCase
 from bench.cli import challenge as cli
@@ -139,8 +140,8 @@ def _made(small: RealCase) -> object:
 
 
 def test_cli_writes_a_report_with_figures(small, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("bench.recordings.open.open_recordings", lambda name: (_flat(), None))
-    monkeypatch.setattr(case, "apartment", _made(small))
+    monkeypatch.setattr("bench.challenge.api.open_recordings", lambda name: (_flat(), None))
+    monkeypatch.setitem(REAL, "apartment", _made(small))
     out = RUNNER.invoke(cli.command, ["--case", "apartment", "-o", str(tmp_path)])
     assert out.exit_code == 0, out.output
     text = (tmp_path / "apartment.md").read_text()
@@ -156,8 +157,8 @@ def test_cli_json_and_a_data_set_that_is_not_here(small, tmp_path, monkeypatch) 
             raise BenchError(f"{name} is not here")
         return _flat(), None
 
-    monkeypatch.setattr("bench.recordings.open.open_recordings", opened)
-    monkeypatch.setattr(case, "apartment", _made(small))
+    monkeypatch.setattr("bench.challenge.api.open_recordings", opened)
+    monkeypatch.setitem(REAL, "apartment", _made(small))
     out = RUNNER.invoke(cli.command, ["--real", "--json", "-o", str(tmp_path)])
     assert out.exit_code == 0, out.output
     scores = json.loads(out.stdout)
@@ -166,10 +167,10 @@ def test_cli_json_and_a_data_set_that_is_not_here(small, tmp_path, monkeypatch) 
 
 
 def test_cli_blind_cases_seal_run_and_report(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("bench.challenge.blind.run_blind", lambda *_: [])
-    monkeypatch.setattr("bench.challenge.blind_report.rates", lambda _: [SimpleNamespace(
+    monkeypatch.setattr("bench.challenge.api.run_blind", lambda *_: [])
+    monkeypatch.setattr("bench.challenge.api.rates", lambda _: [SimpleNamespace(
         words="false alarms", hits=0, cases=2, bar="at most 5 %", met=True)])  # fmt: skip
-    monkeypatch.setattr("bench.challenge.blind_report.blind_markdown", lambda *_: ["table"])
+    monkeypatch.setattr("bench.challenge.api.blind_markdown", lambda *_: ["table"])
     out = RUNNER.invoke(cli.command, ["--cases", "2", "--json", "-o", str(tmp_path)])
     assert out.exit_code == 0, out.output
     assert json.loads(out.stdout)[0]["met"] is True
@@ -178,13 +179,13 @@ def test_cli_blind_cases_seal_run_and_report(tmp_path, monkeypatch) -> None:
 
 
 def test_cli_page_holds_blind_and_real_cases(small, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("bench.recordings.open.open_recordings", lambda _: (_flat(), None))
+    monkeypatch.setattr("bench.challenge.api.open_recordings", lambda _: (_flat(), None))
     for name in ("ghent", "outdoor"):
-        monkeypatch.setattr(f"bench.challenge.real.{name}", _made(small))
-    monkeypatch.setattr(case, "apartment", _made(small))
-    monkeypatch.setattr("bench.challenge.blind.run_blind", lambda *_: [])
-    monkeypatch.setattr("bench.challenge.blind_report.rates", lambda _: [])
-    monkeypatch.setattr("bench.challenge.blind_report.blind_markdown", lambda *_: ["## Blind"])
+        monkeypatch.setitem(REAL, name, _made(small))
+    monkeypatch.setitem(REAL, "apartment", _made(small))
+    monkeypatch.setattr("bench.challenge.api.run_blind", lambda *_: [])
+    monkeypatch.setattr("bench.challenge.api.rates", lambda _: [])
+    monkeypatch.setattr("bench.challenge.api.blind_markdown", lambda *_: ["## Blind"])
     page = tmp_path / "challenge.md"
     asked = ["--cases", "2", "--page", str(page), "-o", str(tmp_path / "out")]
     out = RUNNER.invoke(cli.command, asked)

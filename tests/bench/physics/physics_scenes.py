@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.physics import Base, Outcome, Simulator, scene
+from bench.physics import Base, Outcome, Simulator
 from bench.physics.effect import Effect
+from bench.physics.scene import scene
 
 
 def line(n: int = 512, far_m: float = 10.0, **columns: Any) -> pd.DataFrame:

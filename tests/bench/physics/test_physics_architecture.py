@@ -6,10 +6,11 @@ import pytest
 from physics_scenes import line, room, seen
 
 from bench.errors import BenchError
-from bench.physics import Base, Batch, Draws, Effect, Simulator, parameter, scene
+from bench.physics import Base, Batch, Draws, Effect, Simulator, parameter
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.randomness import BLOCK
+from bench.physics.scene import scene
 from bench.recordings.table import Recordings
 
 

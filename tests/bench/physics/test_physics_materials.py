@@ -3,9 +3,9 @@ import pytest
 from physics_scenes import room
 
 from bench.errors import BenchError
-from bench.physics import scene
 from bench.physics.images import image_paths, orders
 from bench.physics.materials import excess_m, loss_db, material, obstacle, reflection
+from bench.physics.scene import scene
 from bench.physics.slabs import of_kind, of_metal, slabs
 
 GHZ = 3.9936

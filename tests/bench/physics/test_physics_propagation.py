@@ -3,7 +3,7 @@
 import numpy as np
 from physics_scenes import change, line, room, seen
 
-from bench.physics import Base, scene
+from bench.physics import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction, knife_edge
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
@@ -12,6 +12,7 @@ from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.propagation.specular import SpecularReflections
+from bench.physics.scene import scene
 
 GHZ = 3.9936
 NS = 1 / 0.299792458

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from physics_scenes import change, line, room, seen
 
-from bench.physics import scene
 from bench.physics.base import Base
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -12,6 +11,7 @@ from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias, published_bias_m
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.scene import scene
 
 C_M_PER_NS = 0.299792458
 

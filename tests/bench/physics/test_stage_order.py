@@ -12,8 +12,9 @@ from physics_scenes import line
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.data.observables import Window
 from bench.errors import BenchError
-from bench.physics import Batch, Draws, Effect, ForeignTable, Simulator, scene
+from bench.physics import Batch, Draws, Effect, ForeignTable, Simulator
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.scene import scene
 
 FRAME = line(64, range_m=5.0)
 

@@ -7,15 +7,16 @@ before the detected first path. Nothing in it was measured: it is SIMULATED.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from bench.errors import BenchError
 from bench.files import cache_dir
-from bench.plugins import load
 from bench.recordings.sources.base import Source
 
 if TYPE_CHECKING:
     from bench.recordings.table import Recordings
+
+LICENCE = "Apache-2.0 (simulated by uwb-bench)"
 
 
 class RoomsSource(Source):
@@ -23,7 +24,7 @@ class RoomsSource(Source):
 
     name = "rooms"
     title = "Simulated rooms after the Deep UWB dataset"
-    licence = "Apache-2.0 (simulated by uwb-bench)"
+    licence = LICENCE
     simulated = True
     test_environment = "medium"
 
@@ -36,16 +37,17 @@ class RoomsSource(Source):
 
         Where the cache cannot be written the rows are returned all the same.
         """
+        from bench.physics.rooms import Rooms
         from bench.recordings.io import read_recordings, write_recordings
 
-        rooms: Any = load("simulators", "rooms")()
+        rooms = Rooms()
         target = cache_dir() / "simulated" / f"rooms-{rooms.key()}.parquet"
         if target.exists():
             try:
                 return read_recordings(target)
             except BenchError:
                 target.unlink(missing_ok=True)
-        made: Recordings = rooms.generate()
+        made = rooms.generate()
         try:
             write_recordings(made, target)
         except BenchError:
