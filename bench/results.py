@@ -170,8 +170,9 @@ class Latency:
     """Time of one call with `batch` rows, measured in a fresh process on one thread.
 
     All in microseconds; `low_us`..`high_us` is a 95 % nonparametric interval of the median.
-    `samples_us` are the raw samples (each the mean of a calibrated loop). `unstable` warns that
-    the samples drifted or spread too much to be quoted.
+    `samples_us` are the raw samples (each the mean of a calibrated loop) of the rounds that nothing
+    disturbed. `unstable` warns that they drifted or spread too much to be quoted.
+    `reference_ratio` is the time over that of a product of two 96 x 96 matrices in the same round.
     """
 
     batch: int
@@ -182,11 +183,17 @@ class Latency:
     p99_us: float
     unstable: bool
     samples_us: list[float]
+    reference_ratio: float | None = None
 
 
 @dataclass(frozen=True)
 class TimingRecord:
-    """Measured speed and memory of one artifact on one machine."""
+    """Measured speed and memory of one artifact on one machine.
+
+    `withheld` says why there is no latency and no throughput: the machine was busy with other work
+    in too many of the `rounds`, and such figures are not kept. `reference_us` is the level of the
+    reference loop (`Latency.reference_ratio`) in microseconds.
+    """
 
     model: str
     backend: str
@@ -194,10 +201,14 @@ class TimingRecord:
     artifact_sha256: str
     machine: Mapping[str, Any]
     latency: list[Latency]
-    throughput_rows_per_s: float
+    throughput_rows_per_s: float | None
     peak_memory_bytes: int
     energy_mj: Interval | None
     energy_how: str
+    rounds: int = 0
+    dropped: int = 0
+    reference_us: float | None = None
+    withheld: str | None = None
     created_utc: str = ""
     schema_version: int = SCHEMA_VERSION
     kind: str = "timing"

@@ -137,11 +137,12 @@ class Latency:
     p95_us: float
     p99_us: float
     unstable: bool
+    reference_ratio: float | None = None
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Measured speed and memory of one artifact on one machine."""
+    """Measured speed and memory of one artifact on one machine; `withheld`: why no speed is."""
 
     model: str
     backend: str
@@ -149,10 +150,11 @@ class Timing:
     artifact_sha256: str
     machine: dict[str, Any]
     latency: list[Latency]
-    throughput_rows_per_s: float
+    throughput_rows_per_s: float | None
     peak_memory_bytes: int
     energy_mj: Interval | None
     energy_how: str
+    withheld: str | None = None
     created_utc: str = ""
 
 

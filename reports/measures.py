@@ -137,7 +137,7 @@ def _latency(batch: int) -> Measure:
     def figure(entry: Entry) -> Figure:
         one = entry.latency(batch)
         if one is None:
-            return NOTHING
+            return _withheld(entry)
         details = (f"[{significant(one.low_us)}, {significant(one.high_us)}]",)
         text = significant(one.median_us) + _dagger(entry)
         if one.unstable:
@@ -147,9 +147,15 @@ def _latency(batch: int) -> Measure:
     return Measure(Column(f"Latency, batch {batch} (µs)", SPEED), figure, "low")
 
 
+def _withheld(entry: Entry) -> Figure:
+    """Return the cell of a speed that is not known, or that a busy machine kept from being so."""
+    busy = entry.timing is not None and entry.timing.withheld is not None
+    return Figure(Cell(UNKNOWN, ("machine busy",))) if busy else NOTHING
+
+
 def _throughput(entry: Entry) -> Figure:
-    if entry.timing is None:
-        return NOTHING
+    if entry.timing is None or entry.timing.throughput_rows_per_s is None:
+        return _withheld(entry)
     value = entry.timing.throughput_rows_per_s
     cell = Cell(count(value) + _dagger(entry))
     if any(one.unstable for one in entry.timing.latency):

@@ -53,6 +53,11 @@ Examples:
 )
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
 @click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for the fits instead.")
+@click.option(
+    "--no-wait",
+    is_flag=True,
+    help="Do not wait (up to two minutes) for a quiet machine to time on.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the records as JSON and nothing else.")
 def command(
     model: str,
@@ -64,6 +69,7 @@ def command(
     out: Path,
     jobs: int,
     scheduler: str | None,
+    no_wait: bool,
     as_json: bool,
 ) -> None:
     """Benchmark models on backends and write the records.
@@ -78,7 +84,7 @@ def command(
     with RunView(quiet=as_json) as view:
         outcome: RunSet = run(
             model, backend, data, split=split, device=device, seeds=seeds, out=out, jobs=jobs,
-            scheduler=scheduler, observer=view,
+            scheduler=scheduler, observer=view, wait=not no_wait,
         )  # fmt: skip
     (print_json if as_json else print_summary)(outcome)
     if outcome.failures:

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from bench.results import Estimate, Interval, Latency, RunRecord, TimingRecord
+from bench.results import Estimate, Interval, RunRecord, TimingRecord
 from bench.runner.observer import Observer
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def _figures(run: RunRecord, timing: TimingRecord | None) -> list[str]:
         f"{nlos.r2.value:.3f}" if nlos else "-",
         f"{nlos.sigma_m.value:.4f}" if nlos else "-",
         _stacked(los.mae_m) if los else "-",
-        _latency(timing.latency[0] if timing else None),
+        _latency(timing),
         f"{run.size.file_bytes / 1000:.1f}" if run.size else "-",
     ]
 
@@ -174,9 +174,10 @@ def _interval(figure: Interval, digits: int) -> str:
     return f"{text} ({figure.low:.{digits}f}..{figure.high:.{digits}f})"
 
 
-def _latency(one: Latency | None) -> str:
-    if one is None:
-        return "-"
+def _latency(timing: TimingRecord | None) -> str:
+    if timing is None or not timing.latency:
+        return "machine\nbusy" if timing and timing.withheld else "-"
+    one = timing.latency[0]
     return f"{one.median_us:.1f}" + ("\nunstable" if one.unstable else "")
 
 

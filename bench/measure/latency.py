@@ -6,21 +6,28 @@ clock's resolution and long enough to hold the same mixture of fast and slow cal
 loop. Rounds go through all configurations in a new random order each time, so that whatever
 drifts (frequency, temperature, neighbours) drifts for all of them alike. Only one worker runs at
 any moment.
+
+Every round holds a reference loop too, the same work each time, just before and just after the
+samples, and how much of the machine others used. What these show to be disturbed is dropped; more
+is taken while there is patience; where fewer than six rounds are left there is no figure, and
+`withheld` says why. A figure also stands as a ratio to the reference loop.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bench.errors import BenchError
 from bench.measure.energy import EnergyMeter, NoMeter, energy_per_call
-from bench.measure.samples import FEWEST_ROUNDS, summarise
+from bench.measure.quiet import Load, Patience
+from bench.measure.samples import FEWEST_ROUNDS, Round, reference_level, summarise, undisturbed
 from bench.measure.timing_process import WorkerProcess
 from bench.results import Interval, Latency
 
@@ -31,6 +38,7 @@ SAMPLE_S = 0.002
 ROUNDS = 20
 SAMPLES_PER_ROUND = 5
 TIMEOUT_S = 120.0
+MOST = 3  # times the rounds asked for, before it is given up
 
 
 @dataclass(frozen=True)
@@ -52,19 +60,25 @@ class TimingTarget:
 class Timing:
     """Measured speed and memory of one target.
 
-    `throughput_rows_per_s` is the median with batches of `THROUGHPUT_ROWS`; `peak_memory_bytes`
-    is the most resident memory that opening the file and calling it with each batch of `latency`
+    `withheld` says why there is no `latency` (then empty) and no throughput: the machine was busy.
+    `rounds` were taken, of which `dropped` were disturbed; `reference_us` is the reference loop's
+    level. `throughput_rows_per_s` is the median with batches of `THROUGHPUT_ROWS`;
+    `peak_memory_bytes` is the most resident memory that opening the file and calling it with each batch of `latency`
     took above the interpreter with its runtime imported. `calls_per_sample` says, by batch, how
     many calls each raw sample is the mean of. `core` is the one pinned to, or None.
     """
 
     latency: list[Latency]
-    throughput_rows_per_s: float
+    throughput_rows_per_s: float | None
     peak_memory_bytes: int
     energy_mj: Interval | None
     energy_how: str
     calls_per_sample: dict[int, int] = field(default_factory=dict)
     core: int | None = None
+    rounds: int = 0
+    dropped: int = 0
+    reference_us: float | None = None
+    withheld: str | None = None
 
 
 def measure(
@@ -75,12 +89,15 @@ def measure(
     meter: EnergyMeter | None = None,
     timeout_s: float = TIMEOUT_S,
     seed: int = 0,
+    patience: Patience | None = None,
 ) -> list[Timing | BenchError]:
     """Time every target; return one `Timing` each, or the BenchError why that one failed.
 
     `rounds` (at least 6) is the number of interleaved rounds of 5 samples per batch; `progress`
     is called with the fraction done; `meter` reads the energy counters of this machine where it
-    has any; `seed` drives the order within rounds. A target that crashes or takes longer than
+    has any; `seed` drives the order within rounds. `patience` waits for a quiet machine before,
+    and takes up to three times the rounds where some are disturbed; without it nothing waits. A
+    target that crashes or takes longer than
     `timeout_s` for one request fails alone. Raises BenchError for fewer rounds.
     """
     if rounds < FEWEST_ROUNDS:
@@ -90,10 +107,8 @@ def measure(
         _open_all(runs)
         for run in runs:
             run.step(run.calibrate)
-        order = np.random.default_rng(seed)
-        for done in _rounds(runs, rounds, order):
-            if progress:
-                progress(done)
+        session = _Session(runs, np.random.default_rng(seed), progress or (lambda _: None))
+        session.take(rounds, patience or Patience(0))
         return [run.result(meter or NoMeter("not asked for")) for run in runs]
 
 
@@ -107,12 +122,37 @@ def _open_all(runs: list[_Run]) -> None:
             run.step(run.await_open)
 
 
-def _rounds(runs: list[_Run], rounds: int, order: np.random.Generator) -> Iterator[float]:
-    """Take every round of samples, yielding the fraction done."""
-    for done in range(rounds):
-        for position, k in enumerate(order.permutation(len(runs))):
-            runs[k].step(runs[k].sample)
-            yield (done + (position + 1) / len(runs)) / rounds
+class _Session:
+    """Rounds over all targets, with what others did meanwhile."""
+
+    def __init__(self, runs: list[_Run], order: np.random.Generator, progress: Progress) -> None:
+        self.runs, self.order, self.progress = runs, order, progress
+        self.load = Load()
+
+    def take(self, rounds: int, patience: Patience) -> None:
+        """Take the rounds, and more while some are disturbed and there is patience."""
+        patience.await_quiet(self.load)
+        self._some(rounds)
+        taken = rounds
+        while taken < MOST * rounds and patience.left and self._lacking(rounds):
+            patience.await_quiet(self.load)
+            self._some(FEWEST_ROUNDS)
+            taken += FEWEST_ROUNDS
+
+    def _lacking(self, rounds: int) -> bool:
+        return any(run.error is None and run.undisturbed() < rounds for run in self.runs)
+
+    def _some(self, rounds: int) -> None:
+        """Take some rounds, asking after the load as often as it can be told."""
+        self.load.others()
+        for done in range(rounds):
+            for position, k in enumerate(self.order.permutation(len(self.runs))):
+                self.runs[k].step(self.runs[k].sample)
+                self.progress((done + (position + 1) / len(self.runs)) / rounds)
+            if self.load.due() or done + 1 == rounds:
+                excess = self.load.others() - self.load.limit
+                for run in self.runs:
+                    run.beside(excess)
 
 
 class _Run:
@@ -123,8 +163,8 @@ class _Run:
     ) -> None:
         self.target, self.batches = target, batches
         self.error: BenchError | None = None
-        self.samples: dict[int, list[list[float]]] = {b: [] for b in [*batches, THROUGHPUT_ROWS]}
-        self.shares: dict[int, list[float]] = {batch: [] for batch in self.samples}
+        self.rounds: dict[int, list[Round]] = {b: [] for b in [*batches, THROUGHPUT_ROWS]}
+        self._fresh: dict[int, list[dict[str, Any]]] = {batch: [] for batch in self.rounds}
         self.calls: dict[int, int] = {}
         self._own, self._timeout_s = stack.enter_context(ExitStack()), timeout_s
 
@@ -163,26 +203,56 @@ class _Run:
 
     def sample(self) -> None:
         """Take one round of samples of every batch."""
-        for batch, rounds in self.samples.items():
+        for batch, fresh in self._fresh.items():
             count = 1 if batch == THROUGHPUT_ROWS else SAMPLES_PER_ROUND  # one lasts long enough
-            answer = self.worker.ask(do="sample", batch=batch, samples=count)
-            rounds.append(answer["samples_us"])
-            self.shares[batch].append(answer["core_share"])
+            fresh.append(dict(self.worker.ask(do="sample", batch=batch, samples=count)))
+
+    def beside(self, excess: float) -> None:
+        """Note how many cores too many others used during the rounds since the last note."""
+        for batch, fresh in self._fresh.items():
+            for answer in fresh:
+                flanks = (answer["reference_us"][0], answer["reference_us"][1])
+                one = Round(answer["samples_us"], flanks, answer["core_share"], excess)
+                self.rounds[batch].append(one)
+            fresh.clear()
+
+    def kept(self) -> dict[int, list[Round]]:
+        """Return the undisturbed rounds by batch."""
+        level_us = self._level_us()
+        return {batch: undisturbed(some, level_us) for batch, some in self.rounds.items()}
+
+    def undisturbed(self) -> int:
+        """Return the number of undisturbed rounds of the batch that has the fewest."""
+        return min(map(len, self.kept().values()))
+
+    def _level_us(self) -> float:
+        return reference_level([one for some in self.rounds.values() for one in some])
 
     def result(self, meter: EnergyMeter) -> Timing | BenchError:
         """Return the finished timing, or why there is none."""
         self.step(lambda: self._measure_energy(meter))
         if self.error is not None:
             return self.error
-        bulk_us = float(np.median(self.samples[THROUGHPUT_ROWS]))
+        kept, taken = self.kept(), len(self.rounds[THROUGHPUT_ROWS])
+        enough = self.undisturbed() >= FEWEST_ROUNDS
         return Timing(
-            latency=[summarise(b, self.samples[b], self.shares[b]) for b in self.batches],
-            throughput_rows_per_s=THROUGHPUT_ROWS * 1e6 / bulk_us,
+            latency=[summarise(b, kept[b]) for b in self.batches] if enough else [],
+            throughput_rows_per_s=_throughput(kept[THROUGHPUT_ROWS]) if enough else None,
             peak_memory_bytes=self.opened["peak_memory_bytes"],
             energy_mj=self.energy_mj,
             energy_how=meter.how,
             calls_per_sample=self.calls,
             core=self.opened["core"],
+            rounds=taken,
+            dropped=taken - self.undisturbed(),
+            reference_us=self._level_us(),
+            withheld=None if enough else self._why(taken),
+        )
+
+    def _why(self, taken: int) -> str:
+        return (
+            f"the machine was busy: {self.undisturbed()} of {taken} rounds were undisturbed, "
+            f"at least {FEWEST_ROUNDS} are needed"
         )
 
     def _measure_energy(self, meter: EnergyMeter) -> None:
@@ -191,3 +261,9 @@ class _Run:
             return int(answer["calls"])
 
         self.energy_mj = energy_per_call(meter, burst)
+
+
+def _throughput(rounds: Sequence[Round]) -> float:
+    """Return rows per second from the median time of the large batch."""
+    bulk_us = float(np.median([one.samples_us for one in rounds]))
+    return THROUGHPUT_ROWS * 1e6 / bulk_us

@@ -1,8 +1,9 @@
-"""What raw timing samples say: order statistics, and a warning where they say little."""
+"""What raw timing samples say: which to drop, order statistics, a warning where they say little."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,22 +12,62 @@ from scipy.special import bdtr
 from bench.results import Latency
 
 FEWEST_ROUNDS = 6  # fewer give no 95 % interval: 1 - 2 x 0.5^5 = 94 %
-WIDE, DRIFTED, SHARED = 0.10, 0.05, 0.95
+WIDE, DRIFTED = 0.10, 0.05
+SHARED = 0.97  # of its core's time; the rest went to other processes
+SLOWED = 1.03  # times the reference loop's own quiet level
+LEVEL = 25  # percentile of the reference taken for quiet: not the luckiest moment, not a slow one
 
 
-def summarise(
-    batch: int, rounds_us: Sequence[Sequence[float]], core_shares: Sequence[float]
-) -> Latency:
-    """Return the statistics of samples [rounds, samples] in microseconds.
+@dataclass(frozen=True)
+class Round:
+    """The samples of one round and batch, and what disturbed them.
+
+    `samples_us` are means over the calibrated calls; `reference_us` are the times of the reference
+    loop just before and after; `core_share` is processor time over time passed; `others` is how
+    many cores other work used meanwhile, less what it may use, so positive means busy.
+    """
+
+    samples_us: Sequence[float]
+    reference_us: tuple[float, float]
+    core_share: float = 1.0
+    others: float = 0.0
+
+    @property
+    def ratio(self) -> float:
+        """The median sample over the mean of the reference loops beside it."""
+        return float(np.median(self.samples_us) / np.mean(self.reference_us))
+
+
+def reference_level(rounds: Sequence[Round]) -> float:
+    """Return the reference loop's quiet level in microseconds: its lower quartile."""
+    return float(np.percentile([one.reference_us for one in rounds], LEVEL))
+
+
+def undisturbed(rounds: Sequence[Round], level_us: float) -> list[Round]:
+    """Return the rounds that nothing else disturbed.
+
+    Dropped are those in which the loop had less than 97 % of its core, the reference loop before
+    or after took more than 3 % longer than its level, or other work used too much of the machine.
+    """
+    return [
+        one
+        for one in rounds
+        if one.core_share >= SHARED
+        and max(one.reference_us) <= SLOWED * level_us
+        and one.others <= 0
+    ]
+
+
+def summarise(batch: int, rounds: Sequence[Round]) -> Latency:
+    """Return the statistics of at least 6 rounds.
 
     Median, p95 and p99 are over all samples. The interval of the median is between two order
     statistics of the ROUND medians (`median_ranks`), because samples of one round share what the
     machine was doing then. `unstable` is set where that interval is wider than 10 % of the median
-    (spread), where the medians of the first and the last half of the rounds differ by more than
-    5 % (drift), or where in the middle round of `core_shares` [rounds] other processes had the
-    core for more than 5 % of the time (load).
+    (spread), or where the medians of the first and the last half of the rounds differ by more
+    than 5 % (drift). `reference_ratio` is the median over rounds of sample over reference.
     """
-    samples = np.asarray(rounds_us, np.float64)
+    samples = np.asarray([one.samples_us for one in rounds], np.float64)
     median = float(np.median(samples))
     low, high = median_interval(np.median(samples, axis=1))
     half = len(samples) // 2
@@ -39,12 +80,9 @@ def summarise(
         high_us=max(high, median),
         p95_us=float(p95),
         p99_us=float(p99),
-        unstable=bool(
-            high - low > WIDE * median
-            or drift > DRIFTED * median
-            or np.median(core_shares) < SHARED
-        ),
+        unstable=bool(high - low > WIDE * median or drift > DRIFTED * median),
         samples_us=[round(float(sample), 4) for sample in samples.ravel()],
+        reference_ratio=float(np.median([one.ratio for one in rounds])),
     )
 
 

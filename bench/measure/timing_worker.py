@@ -6,7 +6,8 @@ ends when its input does, so it never outlives the process that asked.
     {"do": "open", "path": .., "opener": "module:function", "width": 157, "batches": [1, 4],
      "rows": 256, "preload": ["onnxruntime"]}      -> {"peak_memory_bytes": .., "core": 1}
     {"do": "calibrate", "sample_s": 0.002}         -> {"calls": {"1": 20, "4": 9, "256": 1}}
-    {"do": "sample", "batch": 1, "samples": 10}    -> {"samples_us": [..], "core_share": 0.998}
+    {"do": "sample", "batch": 1, "samples": 10}    -> {"samples_us": [..], "core_share": 0.998,
+                                                       "reference_us": [17.1, 17.2]}
     {"do": "burst", "batch": 1, "seconds": 0.5}    -> {"calls": 5012, "seconds": 0.5001}
 """
 
@@ -35,7 +36,32 @@ Floats = NDArray[np.float32]
 Runner = Callable[[Floats], Floats]
 THREADS = 1
 WARM_UP_S = 0.05
-SETTLE_S = 0.003  # re-warms caches after other workers had the core
+SETTLE_S = 0.003  # re-warms caches after other workers, or the reference, had the core
+REFERENCE_SIZE = 96  # the reference loop multiplies two such matrices: 108 kB, 1.8 million flops
+
+
+class Reference:
+    """Work that is always the same, so that its time tells what the machine is doing."""
+
+    def __init__(self, size: int = REFERENCE_SIZE) -> None:
+        rng = np.random.default_rng(0)
+        self.left, self.right = rng.random((2, size, size), dtype=np.float32)
+        self.result = np.empty((size, size), np.float32)
+        self.calls = 1
+
+    def calibrate(self, sample_s: float) -> None:
+        """Warm up, then choose how many products make one sample."""
+        for _ in range(50):
+            self.time_us()
+        fastest_s = min(self.time_us() for _ in range(20)) * 1e-6
+        self.calls = max(1, -int(-sample_s // fastest_s))
+
+    def time_us(self) -> float:
+        """Return microseconds for one product, the mean over the calibrated number."""
+        start = time.perf_counter_ns()
+        for _ in repeat(None, self.calls):
+            np.matmul(self.left, self.right, out=self.result)
+        return max(time.perf_counter_ns() - start, 1) * 1e-3 / self.calls
 
 
 class Timer:
@@ -45,6 +71,7 @@ class Timer:
         self.run = run
         self.inputs = {batch: cirs(batch, width) for batch in batches}
         self.calls = dict.fromkeys(batches, 1)
+        self.reference = Reference()
 
     def check(self, batch: int) -> None:
         """Run once. Raises ValueError where the answer is not one finite number per row."""
@@ -54,6 +81,7 @@ class Timer:
 
     def calibrate(self, sample_s: float) -> dict[int, int]:
         """Warm up, then choose how many calls make one sample of at least `sample_s` seconds."""
+        self.reference.calibrate(sample_s)
         for batch in self.inputs:
             self._run_for(batch, WARM_UP_S)
             fastest = min(self._time(batch, 1) for _ in range(5))
@@ -64,14 +92,18 @@ class Timer:
         """Return `samples` means over the calibrated number of calls, in microseconds a call.
 
         `core_share` is the processor time they took over the time that passed: below 1 where
-        other processes had the core meanwhile.
+        other processes had the core meanwhile. `reference_us` is the reference loop, a product in
+        microseconds, just before and just after.
         """
+        before = self.reference.time_us()
         self._run_for(batch, SETTLE_S)
         calls = self.calls[batch]
         start, start_busy = time.perf_counter(), time.process_time()
         samples_us = [self._time(batch, calls) * 1e6 / calls for _ in range(samples)]
         busy, passed = time.process_time() - start_busy, time.perf_counter() - start
-        return {"samples_us": samples_us, "core_share": busy / max(passed, 1e-9)}
+        flanks = [before, self.reference.time_us()]
+        share = busy / max(passed, 1e-9)
+        return {"samples_us": samples_us, "core_share": share, "reference_us": flanks}
 
     def burst(self, batch: int, seconds: float) -> dict[str, float]:
         """Run without pause for about `seconds`; return how many calls that took, and how long."""

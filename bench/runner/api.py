@@ -57,6 +57,7 @@ def run(
     jobs: int = 1,
     scheduler: str | None = None,
     observer: Observer | None = None,
+    wait: bool = True,
 ) -> RunSet:
     """Benchmark models on backends and return the records, also written under `out`.
 
@@ -64,7 +65,8 @@ def run(
     recordings file, a frame or `Recordings`. `split`: "leave-environment-out[:ENV]" or
     "link-kfold[:K]"; None takes what suits the data. Finished runs found under `out` are reused
     while nothing that determines them has changed. `jobs` processes or a Dask `scheduler` share
-    the fits, never the timings. Raises BenchError on bad input, before anything is written.
+    the fits, never the timings. `wait` waits up to two minutes for a quiet machine before timing;
+    what a busy one disturbed is not reported either way. Raises BenchError on bad input, before anything is written.
 
     >>> run(model="remnett")
     Traceback (most recent call last):
@@ -77,5 +79,5 @@ def run(
     watch.stage("reading the recordings")
     material = load_material(data, split)
     runs, failures = execute(plan, material, folder, watch, spread)
-    timings, late = time_artifacts(runs, folder, widths(plan.models, material), watch)
+    timings, late = time_artifacts(runs, folder, widths(plan.models, material), watch, wait)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)

@@ -48,10 +48,10 @@ def _score_columns(kind: str, score: Score | None) -> dict[str, float | int]:
     }
 
 
-def _timing_columns(timing: TimingRecord | None) -> dict[str, float | int]:
+def _timing_columns(timing: TimingRecord | None) -> dict[str, float | int | None]:
     if timing is None:
         return {}
-    columns: dict[str, float | int] = {
+    columns: dict[str, float | int | None] = {
         f"latency_batch{one.batch}_us": one.median_us for one in timing.latency
     }
     columns["throughput_rows_per_s"] = timing.throughput_rows_per_s

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -11,6 +13,7 @@ from bench.errors import BenchError
 from bench.measure.energy import host_meter
 from bench.measure.latency import Timing, TimingTarget, measure
 from bench.measure.machine import describe_machine
+from bench.measure.quiet import Patience
 from bench.plugins import find
 from bench.results import RunRecord, TimingRecord
 from bench.runner.failure import Failure
@@ -18,38 +21,68 @@ from bench.runner.folder import ResultFolder
 from bench.runner.observer import Observer
 from bench.runner.records import now_utc
 
+WAIT_S = 120.0  # for a quiet machine, in all; BENCH_WAIT_S says another number of seconds
 AT_ONCE = 25  # workers kept alive together: each holds a runtime of about 100 MB
 
 
 def time_artifacts(
-    runs: Sequence[RunRecord], folder: ResultFolder, widths: Mapping[str, int], watch: Observer
+    runs: Sequence[RunRecord],
+    folder: ResultFolder,
+    widths: Mapping[str, int],
+    watch: Observer,
+    wait: bool = True,
 ) -> tuple[list[TimingRecord], list[Failure]]:
     """Return a timing per model and backend (the first seed's artifact), measured or known.
 
     `widths`: how many columns a row has, by model.
 
-    Nothing else runs meanwhile. One artifact that cannot be timed does not stop the others.
+    Nothing else of ours runs meanwhile; `wait` waits, bounded, until nobody else's does. One
+    artifact that cannot be timed does not stop the others. A timing that the machine was too busy
+    for is written without figures, and tried again by the next run.
     """
     machine = describe_machine()
+    patience = Patience(wait_s() if wait else 0.0, watch.stage)
     known: list[TimingRecord] = []
     missing: list[RunRecord] = []
     for run in _first_seeds(runs):
         earlier = folder.find_timing(_untimed(run, machine), watch.note)
-        known.append(earlier) if earlier else missing.append(run)
+        known.append(earlier) if earlier and not earlier.withheld else missing.append(run)
     failures: list[Failure] = []
     for start in range(0, len(missing), AT_ONCE):
         block = missing[start : start + AT_ONCE]
-        for run, timing in zip(block, _measure(block, folder, widths, watch), strict=True):
+        for run, timing in zip(
+            block, _measure(block, folder, widths, watch, patience), strict=True
+        ):
             if isinstance(timing, BenchError):
                 failures.append(_failure(run, timing))
             else:
                 known.append(_record(run, timing, machine))
+                if timing.withheld:
+                    watch.note(
+                        f"{run.key.model} on {run.key.backend}: no timing: {timing.withheld}"
+                    )
                 folder.write_timing(known[-1])
     return known, failures
 
 
+def wait_s() -> float:
+    """Return how long to wait for a quiet machine, in seconds. Raises BenchError on nonsense."""
+    said = os.environ.get("BENCH_WAIT_S", "").strip()
+    try:
+        found = float(said or WAIT_S)
+    except ValueError:
+        found = math.nan
+    if not 0 <= found < math.inf:
+        raise BenchError(f"BENCH_WAIT_S = {said!r}: expected a number of seconds of 0 or more")
+    return found
+
+
 def _measure(
-    runs: Sequence[RunRecord], folder: ResultFolder, widths: Mapping[str, int], watch: Observer
+    runs: Sequence[RunRecord],
+    folder: ResultFolder,
+    widths: Mapping[str, int],
+    watch: Observer,
+    patience: Patience,
 ) -> list[Timing | BenchError]:
     targets = [
         TimingTarget(
@@ -61,7 +94,10 @@ def _measure(
         for run in runs
     ]
     return measure(
-        targets, progress=partial(watch.progress, "measuring latency"), meter=host_meter()
+        targets,
+        progress=partial(watch.progress, "measuring latency"),
+        meter=host_meter(),
+        patience=patience,
     )
 
 
@@ -103,6 +139,10 @@ def _record(run: RunRecord, timing: Timing, machine: dict[str, Any]) -> TimingRe
         peak_memory_bytes=timing.peak_memory_bytes,
         energy_mj=timing.energy_mj,
         energy_how=timing.energy_how,
+        rounds=timing.rounds,
+        dropped=timing.dropped,
+        reference_us=timing.reference_us,
+        withheld=timing.withheld,
         created_utc=now_utc(),
     )
 

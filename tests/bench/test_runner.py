@@ -68,10 +68,12 @@ def test_run_scores_every_pair_and_reuses_it(table: Path, tmp_path: Path) -> Non
     floor = frame.loc[("none", "fp32")]
     assert floor["nlos_mae_m"] == pytest.approx(floor["nlos_raw_mae_m"])
     assert floor["nlos_rows"] + floor["los_rows"] == len(tiny())
-    assert frame.loc[("mlp", "fp32"), "latency_batch1_us"] > 0
-    stamps = {p: p.stat().st_mtime_ns for p in out.rglob("*.json")}
+    for timing in first.timings:  # on a busy machine there is no figure, and a reason
+        assert timing.withheld if not timing.latency else timing.latency[0].median_us > 0
+    kept = [*out.glob("runs/*.json")]
+    stamps = {p: p.stat().st_mtime_ns for p in kept}
     again = bench.run(data=str(table), **ask)
-    assert {p: p.stat().st_mtime_ns for p in out.rglob("*.json")} == stamps
+    assert {p: p.stat().st_mtime_ns for p in out.glob("runs/*.json")} == stamps
     assert [r.key for r in again.runs] == [r.key for r in first.runs]
     assert not list(out.rglob("*.part*"))
 

@@ -50,7 +50,14 @@ def _asked() -> argparse.Namespace:
 
 def _preload() -> None:
     """Import everything once, so that a fork starts at its command. Results do not depend on it."""
-    for name in ("matplotlib.pyplot", "onnxruntime", "pandas", "pyarrow.parquet", "torch", "sklearn"):
+    for name in (
+        "matplotlib.pyplot",
+        "onnxruntime",
+        "pandas",
+        "pyarrow.parquet",
+        "torch",
+        "sklearn",
+    ):
         importlib.import_module(name)
     import matplotlib
 

@@ -122,7 +122,13 @@ def _plugin(rng: random.Random, folder: Path) -> Case:
         table, _ = _honest_table(rng, folder)
         model, backend = ("evil", "fp32") if group == "models" else ("none", "evil")
         words = ["run", "--model", model, "--backend", backend, "--data", str(table)]
-        words += ["--split", "link-kfold:2", "--out", str(folder / "runs"), *_maybe(rng, ["--json"])]
+        words += [
+            "--split",
+            "link-kfold:2",
+            "--out",
+            str(folder / "runs"),
+            *_maybe(rng, ["--json"]),
+        ]
         return Case(words, about, site, outputs=[folder / "runs"])
     listing = {"datasets": ["data", "list"], "effects": ["doctor"], "simulators": ["doctor"]}
     words = rng.choice((listing.get(group, [group]), ["doctor"], *_uses(group, folder)))

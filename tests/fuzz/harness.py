@@ -53,7 +53,12 @@ def _read(path: Path) -> str:
 def _environment(case: Case, folder: Path) -> dict[str, str]:
     root = str(Path(__file__).parents[2])
     own = {"BENCH_CACHE": str(folder.parent / "cache"), "HOME": str(folder.parent / "home")}
-    own |= {"OMP_NUM_THREADS": "1", "BENCH_DATA": str(folder / "no-data"), "COLUMNS": "100"}
+    own |= {
+        "BENCH_WAIT_S": "0",
+        "OMP_NUM_THREADS": "1",
+        "BENCH_DATA": str(folder / "no-data"),
+        "COLUMNS": "100",
+    }
     path = os.pathsep.join([*([str(case.site)] if case.site else []), root])
     return {**os.environ, **own, "PYTHONPATH": path}
 
@@ -178,7 +183,7 @@ def faults(case: Case, folder: Path, before: dict[str, str], ended: Ended) -> It
 
 
 def _allowed(case: Case) -> tuple[int, ...]:
-    """Return the exit codes that are right: a closed pipe or an interrupting plug-in has its own."""
+    """Return the exit codes that are right; closed pipes and interrupts have their own."""
     if case.words[:1] == ["doctor"]:
         return (0, 1, 2)  # 1: something is missing on this machine
     return (0, 2, INTERRUPTED) if case.site else (0, 1, 2, 120) if case.stdout != "file" else (0, 2)
@@ -234,6 +239,8 @@ def _innermost(words: str) -> str:
     """Return the last line of the last traceback and the innermost frame of ours in it."""
     last = words[words.rindex("Traceback (most recent call last)") :]
     ours = re.findall(r'/((?:bench|backends|zoo|reports)/\S+\.py)", line (\d+)', last)
-    raised = re.findall(r"^([A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Worse|Warning))", last, re.M)
+    raised = re.findall(
+        r"^([A-Za-z_][\w.]*(?:Error|Exception|Interrupt|Exit|Worse|Warning))", last, re.M
+    )
     where = ":".join(ours[-1]) if ours else "?"
     return f"{raised[-1] if raised else '?'} at {where}"

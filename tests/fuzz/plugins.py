@@ -72,10 +72,22 @@ DEEDS = (
     "return None",
     "return [1, 2]",
 )
-AT_IMPORT = ("", "", "", "raise RuntimeError('import')", "import sys; sys.exit(0)", "print('hello')")
+AT_IMPORT = (
+    "",
+    "",
+    "",
+    "raise RuntimeError('import')",
+    "import sys; sys.exit(0)",
+    "print('hello')",
+)
 AT_IMPORT += ("import no_such_module", "def broken(:", "1 / 0", "\x00")
 MALFORMED = ("[bench.models", "no section", "[bench.models]\nevil", "[bench.models]\nevil = ", "")
-MALFORMED += ("[bench.models]\n = x:y", "[bench.models]\nevil = a b c", "\x00\x01", "[bench.models]")
+MALFORMED += (
+    "[bench.models]\n = x:y",
+    "[bench.models]\nevil = a b c",
+    "\x00\x01",
+    "[bench.models]",
+)
 MALFORMED += ("[bench.models]\n\x1b[31mevil = evil_plugin:Evil",)
 
 
@@ -99,7 +111,7 @@ def plugin_package(rng: random.Random, folder: Path) -> tuple[Path, str, str]:
 
 def _module(rng: random.Random, site: Path, group: str) -> str:
     code = {"models": MODEL, "backends": BACKEND}.get(group, OTHER)
-    deeds = {where: "pass" for where in ("init", "fit", "module")}
+    deeds = dict.fromkeys(("init", "fit", "module"), "pass")
     where = rng.choice(sorted(deeds))
     deeds[where], begin = rng.choice(DEEDS), rng.choice(AT_IMPORT)
     source = code

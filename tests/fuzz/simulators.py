@@ -33,6 +33,8 @@ VALUES += ("-1e-9", "0x7f", '"\\u001b[31m"', "'''\na\n'''", "")
 
 def simulator_file(rng: random.Random, folder: Path) -> tuple[Path, str]:
     """Write a simulator, honest, edited or none; return its path and what it is."""
+    folder = folder / "simulators"
+    folder.mkdir(exist_ok=True)
     path = folder / file_name(rng, ".toml")
     if rng.random() < 0.1:
         return path, "simulator " + odd_file(rng, path)

@@ -41,6 +41,8 @@ def honest(rng: random.Random) -> pd.DataFrame:
 
 def table_file(rng: random.Random, folder: Path) -> tuple[Path, str]:
     """Write a recordings file, honest, spoilt or none; return its path and what it is."""
+    folder = folder / "recordings"
+    folder.mkdir(exist_ok=True)
     path = folder / file_name(rng, rng.choice((".parquet", ".parquet", ".csv", ".csv.gz", ".txt")))
     if rng.random() < 0.12:
         return path, "table " + odd_file(rng, path)
@@ -119,7 +121,7 @@ def _texts_as_numbers(rng: random.Random, frame: pd.DataFrame) -> pd.DataFrame:
 
 def _odd_names(rng: random.Random, frame: pd.DataFrame) -> pd.DataFrame:
     values: list[Any] = [_clean(text(rng)) for _ in range(len(frame))]
-    if rng.random() < 0.5:
+    if values and rng.random() < 0.5:
         values[0] = None
     return frame.assign(**{rng.choice(NAMES): values})
 

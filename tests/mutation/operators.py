@@ -94,12 +94,10 @@ def _faults(node: ast.AST) -> Iterator[ast.AST]:
             yield from _calls(node)
         case ast.Slice():
             yield from (_with(node, **{end: None}) for end in ("lower", "upper") if _has(node, end))
-        case ast.Raise() | ast.Expr() | ast.AugAssign():
+        case ast.Raise() | ast.Expr():
             yield ast.Pass()
-        case ast.Break():
-            yield ast.Continue()
-        case ast.Continue():
-            yield ast.Break()
+        case ast.Break() | ast.Continue():
+            yield ast.Continue() if isinstance(node, ast.Break) else ast.Break()
 
 
 def _has(node: ast.AST, field: str) -> bool:
@@ -110,7 +108,9 @@ def _swapped(node: ast.Compare | ast.BinOp | ast.BoolOp | ast.AugAssign) -> Iter
     operator = node.ops[0] if isinstance(node, ast.Compare) else node.op
     other = _SWAPPED.get(type(operator))
     if other is not None:
-        new = {"ops": [other(), *node.ops[1:]]} if isinstance(node, ast.Compare) else {"op": other()}
+        new = (
+            {"ops": [other(), *node.ops[1:]]} if isinstance(node, ast.Compare) else {"op": other()}
+        )
         yield _with(node, **new)
 
 

@@ -115,8 +115,10 @@ def _measured(context: Context, records: Sequence[RunRecord]) -> tuple[list[Pair
         _timed(record, by_name[name])
         for record in records
         if (name := (record.key.model, record.key.backend)) in by_name
+        and not by_name[name].withheld
     ]
-    return pairs, [str(one) for one in failures]
+    busy = [f"{t.model} on {t.backend}: no timing: {t.withheld}" for t in timings if t.withheld]
+    return pairs, [*(str(one) for one in failures), *busy]
 
 
 def _timed(record: RunRecord, timing: TimingRecord) -> Pair:

@@ -10,8 +10,10 @@ from pathlib import Path
 import pytest
 
 from bench.errors import BenchError
-from bench.measure import latency
+from bench.measure import latency, quiet
 from bench.measure.latency import THROUGHPUT_ROWS, Timing, TimingTarget, measure
+from bench.measure.quiet import Patience
+from bench.measure.samples import undisturbed as honest_undisturbed
 
 TOY = '''
 """Runners of known cost and known faults."""
@@ -67,6 +69,7 @@ def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "toy_runners.py").write_text(TOY)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(latency, "SAMPLE_S", 2e-4)
+    monkeypatch.setattr(latency, "undisturbed", lambda rounds, level_us: list(rounds))
 
     def target(function: str, content: str = "", width: int = 20) -> TimingTarget:
         path = tmp_path / f"{function}{content}.onnx"
@@ -106,6 +109,51 @@ def test_throughput_is_rows_over_the_median_time_of_a_large_batch(toy, monkeypat
     [found] = measure([toy("per_row", "1e-5")], rounds=6)
     expected = THROUGHPUT_ROWS / (statistics.median(times_us) * 1e-6)
     assert found.throughput_rows_per_s == pytest.approx(expected, rel=1e-9)
+
+
+class Told:
+    """A load that answers what it is told to, then that others use nothing."""
+
+    limit = 0.25
+
+    def __init__(self, *answers: float) -> None:
+        self.cores, self.answers = [0, 1], list(answers)
+
+    def due(self) -> bool:
+        return True
+
+    def others(self) -> float:
+        return self.answers.pop(0) if self.answers else 0.0
+
+
+def test_on_a_busy_machine_there_is_no_figure_and_a_reason(toy, monkeypatch) -> None:
+    monkeypatch.setattr(latency, "undisturbed", honest_undisturbed)
+    monkeypatch.setattr(latency, "Load", lambda: Told(*[2.0] * 100))
+    [found] = measure([toy("per_row", "1e-5")], rounds=8)
+    assert isinstance(found, Timing)
+    assert (found.latency, found.throughput_rows_per_s) == ([], None)
+    assert "the machine was busy: 0 of 8 rounds were undisturbed" in found.withheld
+    assert (found.rounds, found.dropped) == (8, 8)
+    assert found.peak_memory_bytes >= 0
+
+
+def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> None:
+    # Others come back for the first three rounds: those are dropped, and six more taken.
+    monkeypatch.setattr(
+        latency, "undisturbed", lambda rounds, _: [r for r in rounds if r.others <= 0]
+    )
+    monkeypatch.setattr(latency, "Load", lambda: Told(0, 0, 0, 2.0, 2.0, 2.0))
+    monkeypatch.setattr(quiet, "POLL_S", 0.01)
+    [found] = measure([toy("per_row", "1e-5")], rounds=8, patience=Patience(60))
+    assert found.withheld is None
+    assert found.rounds - found.dropped >= 8
+    assert found.rounds == 14
+
+
+def test_a_figure_has_a_ratio_to_the_reference_loop(toy) -> None:
+    [found] = measure([toy("per_row", "3e-4")], rounds=6)
+    one = found.latency[0]
+    assert one.reference_ratio == pytest.approx(one.median_us / found.reference_us, rel=0.5)
 
 
 def test_quick_calls_are_looped_and_slow_ones_are_not(toy) -> None:

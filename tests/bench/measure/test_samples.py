@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from bench.measure import samples
-from bench.measure.samples import median_interval, median_rank
+from bench.measure.samples import (
+    Round,
+    median_interval,
+    median_rank,
+    reference_level,
+    undisturbed,
+)
 
 
-def summarise(batch, rounds_us, share=1.0):
-    return samples.summarise(batch, rounds_us, [share] * len(rounds_us))
+def summarise(batch, rounds_us, reference_us=10.0):
+    rounds = [Round(list(some), (reference_us, reference_us)) for some in rounds_us]
+    return samples.summarise(batch, rounds)
 
 
 @pytest.mark.parametrize("count", [6, 7, 10, 20, 51, 200])
@@ -73,6 +82,39 @@ def test_samples_of_one_round_are_not_taken_for_independent() -> None:
     assert wide.high_us - wide.low_us > 2 * (narrow.high_us - narrow.low_us)
 
 
-@pytest.mark.parametrize(("share", "unstable"), [(0.99, False), (0.5, True)])
-def test_a_core_shared_with_others_is_unstable_however_steady_the_samples(share, unstable) -> None:
-    assert summarise(1, np.full((20, 5), 100.0), share).unstable is unstable
+def quiet(count: int = 8, **changes: object) -> list[Round]:
+    """Return undisturbed rounds, the last one changed."""
+    plain = Round([100.0] * 5, (10.0, 10.1), 0.999, -0.2)
+    return [plain] * (count - 1) + [dataclasses.replace(plain, **changes)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "kept"),
+    [
+        ({}, 8),
+        ({"core_share": 0.96}, 7),
+        ({"core_share": 0.98}, 8),
+        ({"reference_us": (10.0, 10.4)}, 7),
+        ({"reference_us": (10.4, 10.0)}, 7),
+        ({"reference_us": (9.0, 10.2)}, 8),
+        ({"others": 0.01}, 7),
+        ({"others": 0.0}, 8),
+        ({"samples_us": [900.0] * 5}, 8),  # a slow model is no disturbance
+    ],
+)
+def test_rounds_that_others_disturbed_are_dropped(changes, kept) -> None:
+    assert len(undisturbed(quiet(**changes), level_us=10.0)) == kept
+
+
+def test_the_reference_level_is_the_lower_quartile_of_all_loops() -> None:
+    rounds = [Round([1.0], (10.0 + k, 30.0)) for k in range(20)]
+    assert reference_level(rounds) == pytest.approx(np.percentile([*range(10, 30), *[30] * 20], 25))
+
+
+def test_the_ratio_to_the_reference_is_that_of_the_same_round() -> None:
+    # The machine slows down to half its speed in the middle: the ratio does not notice.
+    slow = np.repeat([1.0, 2.0], 10)
+    rounds = [Round([50.0 * k] * 5, (9.0 * k, 11.0 * k)) for k in slow]
+    found = samples.summarise(1, rounds)
+    assert found.reference_ratio == pytest.approx(5.0)
+    assert found.unstable

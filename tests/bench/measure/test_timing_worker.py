@@ -53,6 +53,9 @@ def test_a_whole_conversation(runners) -> None:
     assert len(sampled["samples_us"]) == 7
     assert 0 < sampled["core_share"] < 1.5  # the two clocks tick apart by microseconds
     assert all(sample > 0 for sample in sampled["samples_us"])
+    before, after = sampled["reference_us"]
+    assert before > 0
+    assert after > 0
     assert burst["calls"] >= 1
     assert burst["seconds"] >= 0.01
     assert gc.isenabled()
@@ -73,8 +76,19 @@ def test_calibrated_samples_last_as_long_as_asked(monkeypatch) -> None:
     now = iter(range(0, 10**12, 5_000))  # a clock that moves 5 us each time it is read
     monkeypatch.setattr(timing_worker.time, "perf_counter_ns", lambda: next(now))
     monkeypatch.setattr(timing_worker, "WARM_UP_S", 0)
-    calls = Timer(lambda x: x[:, 0], 3, [1]).calibrate(sample_s=1e-3)
-    assert calls == {1: 200}
+    timer = Timer(lambda x: x[:, 0], 3, [1])
+    assert timer.calibrate(sample_s=1e-3) == {1: 200}
+    assert timer.reference.calls in (200, 201)  # a float may land just above
+
+
+def test_the_reference_is_always_the_same_work() -> None:
+    one, two = timing_worker.Reference(), timing_worker.Reference()
+    one.time_us()
+    two.time_us()
+    np.testing.assert_array_equal(one.result, one.left @ one.right)
+    np.testing.assert_array_equal(one.result, two.result)
+    one.calls = 500
+    assert 0.2 < np.median([one.time_us() for _ in range(9)]) < 5000  # 1.8 million operations
 
 
 def test_inputs_look_like_cirs_and_are_the_same_every_time() -> None:

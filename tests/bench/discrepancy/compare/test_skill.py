@@ -51,7 +51,7 @@ def test_a_tally_sums_scores_and_resolution_by_link() -> None:
     assert found.names == NAMES
     for code, link in enumerate(np.unique(one.links)):
         rows = one.links == link
-        expected = (np.maximum(scores[rows], 0) + [5e-4, 0.1, 0.05]).sum(axis=0)
+        expected = (np.maximum(scores[rows], 0) + np.array([5e-4, 0.1, 0.05])).sum(axis=0)
         assert found.sums[code] == pytest.approx(expected)
         assert found.counts[code].tolist() == [rows.sum()] * 3
 
