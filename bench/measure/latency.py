@@ -63,9 +63,9 @@ class Timing:
     `withheld` says why there is no `latency` (then empty) and no throughput: the machine was busy.
     `rounds` were taken, of which `dropped` were disturbed; `reference_us` is the reference loop's
     level. `throughput_rows_per_s` is the median with batches of `THROUGHPUT_ROWS`;
-    `peak_memory_bytes` is the most resident memory that opening the file and calling it with each batch of `latency`
-    took above the interpreter with its runtime imported. `calls_per_sample` says, by batch, how
-    many calls each raw sample is the mean of. `core` is the one pinned to, or None.
+    `peak_memory_bytes` is the most resident memory that opening the file and calling it with each
+    batch of `latency` took above the interpreter with its runtime imported. `calls_per_sample`
+    says, by batch, how many calls each raw sample is the mean of. `core` is the one pinned to.
     """
 
     latency: list[Latency]
