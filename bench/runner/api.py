@@ -66,7 +66,8 @@ def run(
     "link-kfold[:K]"; None takes what suits the data. Finished runs found under `out` are reused
     while nothing that determines them has changed. `jobs` processes or a Dask `scheduler` share
     the fits, never the timings. `wait` waits up to two minutes for a quiet machine before timing;
-    what a busy one disturbed is not reported either way. Raises BenchError on bad input, before anything is written.
+    what a busy one disturbed is not reported either way. Raises BenchError on bad input, before
+    anything is written.
 
     >>> run(model="remnett")
     Traceback (most recent call last):
