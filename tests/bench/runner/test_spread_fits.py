@@ -17,7 +17,7 @@ from bench.results import RunRecord
 from bench.runner import api
 
 MODELS = "mlp,svm"
-PASSING = {"created_utc", "fit_s", "host", "opener"}
+PASSING = {"created_utc", "fit_s", "host", "training", "content_sha256"}
 
 
 def table() -> pd.DataFrame:
