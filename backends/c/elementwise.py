@@ -29,6 +29,8 @@ def function(name: str, arity: int) -> Handler:
     """Return the handler of an operator that is one function of `arity` values."""
 
     def handler(reading: Reading, node: Node) -> Value:
+        if len(node.inputs) < arity:
+            raise ValueError(f"{node.operator} of {len(node.inputs)} values")
         return apply(reading, name, [reading.values[item] for item in node.inputs[:arity]])
 
     return handler

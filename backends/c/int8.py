@@ -21,6 +21,8 @@ class CInt8Backend(Backend):
 
     name: ClassVar[str] = "c-int8"
     precision: ClassVar[Precision] = "int8"
+    opener: ClassVar[str] = "backends.c.run:open_integer"
+    bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
     source: ClassVar[type[Backend]] = Int8Backend
 
     def supports(self, model: MitigationModel) -> str | None:
@@ -42,11 +44,12 @@ class CInt8Backend(Backend):
 
         built = self.source().build(model, data, path, progress)
         note = f"{built.note}; {c_note(generate(path, 'int8').arena_bytes)}"
-        return replace(built, opener="backends.c.run:open_integer", note=note)
+        return replace(built, opener=self.opener, note=note)
 
 
 class CQatBackend(CInt8Backend):
     """8-bit C99 of the graph that ONNX Runtime executes for `qat`, compiled for this processor."""
 
     name: ClassVar[str] = "c-qat"
+    bits_depend_on_threads: ClassVar[bool] = True
     source: ClassVar[type[Backend]] = QatBackend

@@ -51,10 +51,9 @@ def convolution(reading: Reading, node: Node) -> Value:
             geometry.stride,
             geometry.dilation,
             geometry.pads,
-            relu_of(node),
         )
     )
-    return as_maps(y)
+    return _activated(reading, node, as_maps(y))
 
 
 class Geometry:
@@ -123,12 +122,12 @@ def _weights(reading: Reading, node: Node) -> tuple[Array, Array]:
     return weight, reading.array(node.inputs[2]).astype(np.float32).reshape(-1)
 
 
-def relu_of(node: Node) -> bool:
-    """Tell whether a fused layer ends in a ReLU. Raises ValueError for another activation."""
-    found = node.get("activation", "")
-    if found not in ("", "Relu"):
+def _activated(reading: Reading, node: Node, value: Ref) -> Value:
+    """Return a fused layer's activation. Raises UnknownOperatorError for one that is not known."""
+    found = str(node.get("activation", ""))
+    if found not in ("", "Relu", "Sigmoid", "Tanh"):
         raise UnknownOperatorError(node.operator, f"with {found}")
-    return bool(found)
+    return apply(reading, found.lower(), [value]) if found else value
 
 
 def gemm(reading: Reading, node: Node) -> Value:
@@ -141,7 +140,7 @@ def gemm(reading: Reading, node: Node) -> Value:
     if node.given(2):
         bias = bias + reading.array(node.inputs[2]).astype(np.float32).reshape(-1)
         bias = bias * np.float32(node.get("beta", 1.0))
-    return dense(reading, node.inputs[0], weight, bias, relu_of(node))
+    return _activated(reading, node, dense(reading, node.inputs[0], weight, bias))
 
 
 def matmul(reading: Reading, node: Node) -> Value:
@@ -149,10 +148,10 @@ def matmul(reading: Reading, node: Node) -> Value:
     weight = reading.array(node.inputs[1]).astype(np.float32)
     if weight.ndim != 2:
         raise UnknownOperatorError("MatMul", f"by constants of shape {weight.shape}")
-    return dense(reading, node.inputs[0], weight, np.zeros(weight.shape[1], np.float32), False)
+    return dense(reading, node.inputs[0], weight, np.zeros(weight.shape[1], np.float32))
 
 
-def dense(reading: Reading, name: str, weight: Array, bias: Array, relu: bool) -> Value:
+def dense(reading: Reading, name: str, weight: Array, bias: Array) -> Ref:
     """Return x [.., n] times weight [n, outs]; weights follow the order x is stored in."""
     x, order = dense_input(reading, name)
     if x.shape[-1] != weight.shape[0] or len(bias) != weight.shape[1]:
@@ -160,7 +159,7 @@ def dense(reading: Reading, name: str, weight: Array, bias: Array, relu: bool) -
     stored = np.ascontiguousarray(weight[order])
     outer = reading.shape(name)[:-1]
     y = reading.new((x.shape[0], weight.shape[1]))
-    layer = Convolution(x, y, stored[None], bias.astype(np.float32), relu=relu, kind="dense")
+    layer = Convolution(x, y, stored[None], bias.astype(np.float32), kind="dense")
     reading.operators.append(layer)
     return reshaped(y, (*outer, weight.shape[1]))
 

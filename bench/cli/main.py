@@ -13,6 +13,7 @@ from bench.errors import BenchError, unknown_name
 
 COMMANDS = {
     "run": "Benchmark models on backends: error, latency, size, energy.",
+    "export": "Write a fitted model as C for a microcontroller, or as ONNX.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",
     "compare": "Compare two result folders or two runs on the same rows.",
     "models": "List the mitigation models.",

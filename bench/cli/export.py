@@ -1,0 +1,120 @@
+"""`bench export`: a fitted model as C for a microcontroller, or as ONNX."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from bench.export import Chosen, Exported
+
+EPILOG = """\b
+Examples:
+  bench export --model remnet --backend int8 --to c -o firmware
+  bench export --run 3f2a91 --to c -o firmware
+  bench export --model mlp --backend fp32 --data mine.parquet --to onnx -o out
+"""
+
+
+@click.command(epilog=EPILOG, no_args_is_help=True)
+@click.option("--model", metavar="NAME", help="See `bench models`.")
+@click.option("--backend", metavar="NAME", help="fp32, fp16, int8, qat; see `bench backends`.")
+@click.option("--data", metavar="NAME|PATH", help="Data to train on.  [default: rooms]")
+@click.option("--run", metavar="ID", help="A finished run instead: its id, or the start of it.")
+@click.option(
+    "--results",
+    default="results",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Folder of finished runs, reused where nothing has changed.",
+)
+@click.option("--to", "to", default="c", show_default=True, type=click.Choice(["c", "onnx"]))
+@click.option(
+    "--requantise",
+    default="float",
+    show_default=True,
+    type=click.Choice(["float", "fixed"]),
+    help="How 8-bit layers round: float, or integers alone (no FPU needed).",
+)
+@click.option(
+    "-o", "--out", required=True, type=click.Path(path_type=Path), help="Folder to write into."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
+def command(
+    model: str | None,
+    backend: str | None,
+    data: str | None,
+    run: str | None,
+    results: Path,
+    to: Literal["c", "onnx"],
+    requantise: Literal["float", "fixed"],
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Write a fitted model as C99 for a microcontroller, or as ONNX.
+
+    The C is one function: CIR magnitudes in counts in, the range error in metres out; one static
+    arena, no library but memcpy. With it come a self-test of ten recorded rows, a Makefile and
+    REPORT.md: agreement with ONNX Runtime (mm), flash and RAM (bytes), how to call it.
+    """
+    from bench.cli.run_view import RunView
+    from bench.export import export
+
+    if run is None and (model is None or backend is None):
+        raise BenchError("name a --model and a --backend, or a finished --run")
+    if run is not None and (model or backend):
+        raise BenchError("--run says which model and backend: leave --model and --backend out")
+    with tempfile.TemporaryDirectory() as scratch, RunView(quiet=as_json) as view:
+        chosen = _choose(model, backend, data, run, results, Path(scratch), view)
+        view.stage("writing C and comparing it with ONNX Runtime")
+        exported = export(chosen, to, out, requantise)
+    _show(chosen, exported, as_json)
+
+
+def _choose(
+    model: str | None,
+    backend: str | None,
+    data: str | None,
+    run: str | None,
+    results: Path,
+    scratch: Path,
+    view: Any,
+) -> Chosen:
+    from bench.export import from_fit, from_run
+
+    if run is not None:
+        view.stage("reading the run")
+        return from_run(run, results, data)
+    return from_fit(str(model), str(backend), data or "rooms", results, scratch, view.stage)
+
+
+def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
+    found = exported.agreement
+    if as_json:
+        from bench.cli.console import print_json
+
+        told = found and {"rows": found.rows, "equal": found.equal, "largest_m": found.largest_m}
+        names = {"folder": str(exported.folder), "files": list(exported.files)}
+        print_json({**names, "arena_bytes": exported.arena_bytes, "agreement": told})
+        return
+    click.echo(f"{chosen.model} on {chosen.backend}, trained on {chosen.data}")
+    click.echo(f"{exported.folder}: {', '.join(exported.files)}")
+    if exported.arena_bytes is not None:
+        click.echo(f"RAM for activations: {exported.arena_bytes} bytes")
+    if found:
+        same = f", {100 * found.equal:.2f} % equal bit by bit" if _integer(chosen) else ""
+        gap = f"at most {found.largest_m * 1e3:.2g} mm from ONNX Runtime"
+        click.echo(f"{found.rows} held-out rows: {gap}{same}")
+    elif exported.arena_bytes is not None:
+        from bench.export.report import NOT_CHECKED
+
+        click.echo(f"agreement with ONNX Runtime {NOT_CHECKED}")
+
+
+def _integer(chosen: Chosen) -> bool:
+    return chosen.artifact.precision == "int8"

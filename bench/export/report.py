@@ -1,0 +1,109 @@
+"""REPORT.md: what was exported, how well it agrees, what it takes, how it is called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from bench.export.agreement import Agreement
+from bench.export.chosen import Chosen
+
+NOT_CHECKED = "not checked: no C compiler on this machine"
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What is known of the C: `constant_bytes` of tables; agreement None where not compiled."""
+
+    integer: bool
+    agreement: Agreement | None
+    constant_bytes: int
+    arena_bytes: int
+    samples: int
+
+
+def report(chosen: Chosen, figures: Figures | None) -> str:
+    """Return the report; without figures it is of an ONNX file."""
+    return "\n".join([*_origin(chosen), *(_c_parts(figures) if figures else _onnx_parts())])
+
+
+def _origin(chosen: Chosen) -> list[str]:
+    made = " (SIMULATED)" if chosen.simulated else ""
+    return [
+        f"# {chosen.model} on {chosen.backend}",
+        "",
+        f"Trained on `{chosen.data}`{made}: the first fold of its split, seed 0. The prediction "
+        "is the range error (measured - true) in metres: subtract it from the range.",
+        "",
+    ]
+
+
+def _onnx_parts() -> list[str]:
+    return [
+        "`model.onnx` takes `cir` float32 [n, width] and gives `error_m` float32 [n]; features and "
+        "normalisation are inside.",
+        "",
+    ]
+
+
+def _c_parts(figures: Figures) -> Iterable[str]:
+    return [
+        "| figure | value | how obtained |",
+        "| --- | --- | --- |",
+        *_agreement(figures),
+        f"| flash for constants | {figures.constant_bytes} bytes | counted in the source |",
+        f"| RAM for activations | {figures.arena_bytes} bytes, static | counted in the source |",
+        "| code size, cycles | `bench count` counts them for a part | – |",
+        "",
+        *_calling(figures.samples),
+        *_inputs(),
+    ]
+
+
+def _agreement(figures: Figures) -> list[str]:
+    found = figures.agreement
+    if found is None:
+        return [f"| agreement with ONNX Runtime | {NOT_CHECKED} | – |"]
+    how = f"measured on {found.rows} held-out rows, this machine"
+    lines = [f"| largest difference from ONNX Runtime | {found.largest_m * 1e3:.2g} mm | {how} |"]
+    if figures.integer:
+        lines.append(f"| rows equal to it bit by bit | {100 * found.equal:.2f} % | {how} |")
+    return lines
+
+
+def _calling(samples: int) -> list[str]:
+    return [
+        "## Calling it from DW1000 firmware (DWM1001 and others)",
+        "",
+        "1. After a good frame read the first path index FP_INDEX from RX_TIME (register 0x15, "
+        "offset 0x05, 16 bits: ten whole, six fractional).",
+        "2. Read the accumulator ACC_MEM (register 0x25) from sample floor(FP_INDEX) - 5 on: "
+        f"{samples} samples of four bytes, real then imaginary, each signed 16 bits, little "
+        "endian. A read begins with one dummy byte, and the accumulator's clock has to be on "
+        "(PMSC_CTRL0: FACE and AMCE), as `dwt_readaccdata` does.",
+        "3. Take the magnitude of each as a float: sqrt(re^2 + im^2), in counts as they are. "
+        "Scaling and features are inside `uwb_predict`.",
+        "4. Correct the range:",
+        "",
+        "```c",
+        "float cir[UWB_PREDICT_SAMPLES], error_m;",
+        "/* cir[5] is the sample of the detected first path */",
+        "if (uwb_predict(cir, &error_m) == 0) {",
+        "    range_m -= error_m;",
+        "}",
+        "```",
+        "",
+    ]
+
+
+def _inputs() -> list[str]:
+    return [
+        "## What it gives for odd inputs",
+        "",
+        "A sample that is NaN, infinite or beyond +-1e9 counts: 1 is returned, the error is 0 m. "
+        "Sums that overflow: 2, and 0 m. All zeros are an input like others. Not reentrant: the "
+        "arena is static.",
+        "",
+        "Check it on the target with `uwb_selftest.c`; the `Makefile` runs it here.",
+        "",
+    ]

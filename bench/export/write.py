@@ -1,0 +1,134 @@
+"""Writing an export: everything is made and checked first, then the files are put in place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.export.agreement import Agreement, check, compare
+from bench.export.chosen import Chosen
+from bench.export.makefile import licence, makefile
+from bench.export.report import Figures, report
+from bench.export.selftest import chosen_rows, selftest
+from bench.files import write_atomically
+
+if TYPE_CHECKING:
+    from backends.c.emit import CSource, Requantise
+
+Format = Literal["c", "onnx"]
+LIMITS_M = {"fp32": 1e-5, "fp16": 1e-5, "int8": 5e-3}
+_WIDTHS = {"float": 4, "int32_t": 4, "int8_t": 1, "uint8_t": 1}
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written where. `agreement` is None where nothing could be compiled."""
+
+    folder: Path
+    files: tuple[str, ...]
+    agreement: Agreement | None
+    arena_bytes: int | None
+
+
+def export(chosen: Chosen, to: Format, folder: Path, requantise: Requantise = "float") -> Exported:
+    """Write a model as C or ONNX into a folder.
+
+    Raises BenchError where C cannot be written for an operator, where it does not agree with ONNX
+    Runtime, or where the folder cannot be written; nothing is written then.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise BenchError(f"-o {folder}: a file, expected a folder")
+    if to == "onnx":
+        return _put(folder, {"model.onnx": _bytes(chosen), "REPORT.md": report(chosen, None)})
+    return _export_c(chosen, folder, requantise)
+
+
+def _bytes(chosen: Chosen) -> bytes:
+    return chosen.artifact.path.read_bytes()
+
+
+def _export_c(chosen: Chosen, folder: Path, requantise: Requantise) -> Exported:
+    from backends.c.emit import generate
+    from backends.c.run import samples
+
+    artifact = chosen.artifact
+    try:
+        source = generate(artifact.path, _kind(artifact.precision), requantise)
+    except ValueError as problem:
+        told = str(problem).removeprefix(f"{artifact.path}: ")
+        raise BenchError(f"{chosen.model} on {chosen.backend}: {told}") from problem
+    expected = _runtime(chosen)
+    limit_m = LIMITS_M[artifact.precision]
+    agreement = _agreement(source, chosen, expected, limit_m)
+    figures = Figures(
+        artifact.precision == "int8",
+        agreement,
+        constant_bytes(source),
+        source.arena_bytes,
+        samples(source),
+    )
+    rows = chosen_rows(expected)
+    files: dict[str, str | bytes] = {
+        **source.files,
+        "uwb_selftest.c": selftest(chosen.cirs[rows], expected[rows], limit_m),
+        "Makefile": makefile(),
+        "LICENCE": licence(),
+        "REPORT.md": report(chosen, figures),
+    }
+    return _put(folder, files, agreement, source.arena_bytes)
+
+
+def _kind(precision: str) -> Literal["fp32", "int8"]:
+    return "int8" if precision == "int8" else "fp32"
+
+
+def _runtime(chosen: Chosen) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
+    """Return what ONNX Runtime gives for the held-out rows, whatever opens the artifact."""
+    from backends.ort import open_optimised
+
+    run = open_optimised(chosen.artifact.path)
+    blocks = [run(chosen.cirs[i : i + 512]) for i in range(0, len(chosen.cirs), 512)]
+    return np.concatenate(blocks)
+
+
+def _agreement(
+    source: CSource,
+    chosen: Chosen,
+    expected: np.ndarray[tuple[int], np.dtype[np.float32]],
+    limit_m: float,
+) -> Agreement | None:
+    from backends.c.compile import CompilerError, missing_compiler
+    from backends.c.run import load
+
+    if missing_compiler():
+        return None
+    try:
+        found = load(source)(chosen.cirs)
+    except CompilerError as problem:
+        raise BenchError(str(problem)) from problem
+    agreement = compare(found, expected)
+    check(agreement, limit_m)
+    return agreement
+
+
+def constant_bytes(source: CSource) -> int:
+    """Return the bytes of the tables in generated C."""
+    tables = re.findall(r"^static const (\w+) \w+\[(\d+)\] =", source.files["uwb_predict.c"], re.M)
+    return sum(_WIDTHS[kind] * int(count) for kind, count in tables)
+
+
+def _put(
+    folder: Path,
+    files: Mapping[str, str | bytes],
+    agreement: Agreement | None = None,
+    arena_bytes: int | None = None,
+) -> Exported:
+    for name, content in files.items():
+        write_atomically(folder / name, content)
+    return Exported(folder, tuple(files), agreement, arena_bytes)

@@ -1,0 +1,100 @@
+"""C against torch in float64 and against ONNX Runtime, as each promises."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from backends.c.compile import FLAGS, NATIVE, missing_compiler
+from backends.c.emit import generate
+from backends.c.run import load
+from backends.ort import open_optimised
+
+pytestmark = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
+SCALAR = (*FLAGS, "-DUWB_SCALAR")
+
+
+@pytest.mark.parametrize(
+    ("model", "limit_m"),
+    # the machine sums some thousand opposing float32 weights: see zoo.svm
+    [("remnet", 1e-6), ("cnn1d", 1e-6), ("mlp", 1e-6), ("svm", 1e-5), ("none", 0.0)],
+)
+def test_float_c_is_torch_in_float64(model, limit_m, built, fitted, test_rows) -> None:
+    source = generate(built(model, "fp32").path, "fp32")
+    found = load(source)(test_rows[0])
+    with torch.inference_mode():
+        exact = fitted(model).to_module().double()(torch.tensor(test_rows[0]).double()).numpy()
+    assert np.abs(found - exact).max() <= limit_m
+
+
+@pytest.mark.parametrize("model", ["remnet", "mlp"])
+def test_every_vector_width_gives_the_same_bits(model, built, test_rows) -> None:
+    source = generate(built(model, "fp32").path, "fp32")
+    rows = test_rows[0][:100]
+    builds = [load(source, flags)(rows) for flags in (SCALAR, FLAGS, (*FLAGS, NATIVE))]
+    assert np.array_equal(builds[0], builds[1])
+    assert np.array_equal(builds[0], builds[2])
+
+
+@pytest.mark.parametrize("model", ["remnet", "cnn1d"])
+@pytest.mark.parametrize("backend", ["int8", "qat"])
+@pytest.mark.parametrize("requantise", ["float", "fixed"])
+def test_8_bit_c_is_the_runtime_bit_by_bit(model, backend, requantise, built, test_rows) -> None:
+    path = built(model, backend).path
+    found = load(generate(path, "int8", requantise), SCALAR)(test_rows[0])
+    expected = open_optimised(path)(test_rows[0])
+    assert len(np.unique(expected)) > 20
+    if requantise == "float":
+        assert np.array_equal(found, expected)
+    assert np.mean(found == expected) >= 0.999
+    assert np.abs(found - expected).max() <= 1e-3
+
+
+def test_8_bit_c_after_features_is_the_runtime_nearly_always(built, test_rows) -> None:
+    path = built("mlp", "int8").path
+    found = load(generate(path, "int8"))(test_rows[0])
+    expected = open_optimised(path)(test_rows[0])
+    assert np.mean(found == expected) >= 0.999
+
+
+@pytest.mark.parametrize("model", ["remnet", "svm"])
+def test_half_precision_weights_are_widened(model, built, test_rows) -> None:
+    path = built(model, "fp16").path
+    found = load(generate(path, "fp32"))(test_rows[0])
+    assert np.abs(found - open_optimised(path)(test_rows[0])).max() < 1e-5
+
+
+@pytest.mark.parametrize("model", ["remnet", "mlp"])
+def test_a_graph_with_fused_operators_is_read_too(model, built, test_rows) -> None:
+    path = built(model, "graph").path
+    found = load(generate(path, "fp32"))(test_rows[0])
+    assert np.abs(found - open_optimised(path)(test_rows[0])).max() < 1e-5
+
+
+@pytest.mark.parametrize(("model", "backend"), [("remnet", "fp32"), ("mlp", "int8")])
+def test_odd_inputs_give_what_is_promised(model, backend, built, tmp_path: Path) -> None:
+    precision = "fp32" if backend == "fp32" else "int8"
+    path = built(model, backend).path
+    run = load(generate(path, precision))
+    for odd in (np.nan, np.inf, -np.inf, 1.1e9):
+        row = np.ones((1, 157), np.float32)
+        row[0, 156] = odd
+        with pytest.raises(ValueError, match="not finite, or out of the range"):
+            run(row)
+    zeros = np.zeros((1, 157), np.float32)
+    assert abs(run(zeros)[0] - open_optimised(path)(zeros)[0]) < 1e-3
+    for extreme in (np.full((1, 157), 1e9, np.float32), np.full((1, 157), -46341.0, np.float32)):
+        assert np.isfinite(run(extreme)).all()
+
+
+def test_the_runner_refuses_other_rows(built) -> None:
+    run = load(generate(built("remnet", "fp32").path, "fp32"))
+    for rows in (np.ones((2, 156), np.float32), np.ones((2, 157)), np.ones(157, np.float32)):
+        with pytest.raises(ValueError, match=r"expected CIRs float32 \[n, 157\]"):
+            run(rows)
+    assert run(np.ones((0, 157), np.float32)).shape == (0,)
+    wide = np.ones((3, 314), np.float32)[:, ::2]
+    assert np.array_equal(run(wide), run(np.ones((3, 157), np.float32)))

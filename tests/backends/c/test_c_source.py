@@ -1,0 +1,163 @@
+"""What the C looks like to a compiler: no warning, no library, the same bytes each time."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from onnx import helper
+from onnx_models import model_of, saved
+
+from backends.c.compile import CompilerError, compile_files, compile_shared, missing_compiler
+from backends.c.emit import generate
+from backends.c.run import load
+from backends.c.text import identifiers, number
+
+needs_compiler = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
+STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror")
+CASES = [
+    ("remnet", "fp32"),
+    ("cnn1d", "fp32"),
+    ("svm", "fp32"),
+    ("none", "fp32"),
+    ("remnet", "int8"),
+    ("mlp", "int8"),
+]
+
+
+@needs_compiler
+@pytest.mark.parametrize(("model", "backend"), CASES)
+def test_it_compiles_without_a_warning_and_needs_only_memcpy(
+    model, backend, built, tmp_path: Path
+) -> None:
+    requantise = "fixed" if model == "remnet" else "float"
+    source = generate(built(model, backend).path, backend, requantise)
+    made = tmp_path / "made.o"
+    compile_files(source.files, tmp_path, (*STRICT, "-c", "-o", str(made)))
+    if shutil.which("nm") is None:
+        pytest.skip("no nm to list symbols with (Debian: binutils)")
+    named = subprocess.run(["nm", "-u", made], capture_output=True, text=True, check=True).stdout
+    assert set(named.split()) <= {"U", "memcpy"}
+
+
+@pytest.mark.parametrize(("model", "backend"), [("remnet", "fp32"), ("remnet", "int8")])
+def test_it_is_the_same_bytes_each_time_and_names_its_layers(model, backend, built) -> None:
+    path = built(model, backend).path
+    source, again = generate(path, backend), generate(path, backend)
+    assert source == again
+    text = source.files["uwb_predict.c"]
+    for position, layer in enumerate(source.layers):
+        assert re.fullmatch(rf"uwb_layer_{position:02d}_[a-z]+", layer)
+        assert f"UWB_LAYER {layer}(" in text
+    header = source.files["uwb_predict.h"]
+    assert "#define UWB_PREDICT_SAMPLES 157" in header
+    assert f"#define UWB_PREDICT_ARENA_BYTES {source.arena_bytes}" in header
+    assert "int uwb_predict(const float cir[UWB_PREDICT_SAMPLES], float *error_m);" in header
+
+
+def test_memory_stays_within_a_microcontroller(built) -> None:
+    assert generate(built("remnet", "fp32").path, "fp32").arena_bytes <= 17 * 1024
+    assert generate(built("remnet", "int8").path, "int8").arena_bytes <= 4608
+
+
+def test_numbers_and_names_are_c() -> None:
+    assert number(1.0) == "1.0f"
+    assert number(1e-20) == "9.99999968e-21f"
+    for value in np.random.default_rng(0).normal(size=200).astype(np.float32):
+        assert np.float32(number(value).rstrip("f")) == value
+    assert identifiers(["cir", "int", "3d", "a b", "a-b", "uwb_x", ""]) == [
+        *("cir", "in_int", "in_3d", "a_b", "a_b_", "in_uwb_x", "input"),
+    ]
+
+
+def test_named_inputs_become_pointers_in_order(tmp_path: Path) -> None:
+    nodes = [
+        helper.make_node("Concat", ["cir", "range m", "int"], ["all"], axis=1),
+        helper.make_node("ReduceSum", ["all", "axes"], ["y"], keepdims=0),
+    ]
+    inputs = [("cir", 8), ("range m", 1), ("int", 3)]
+    model = model_of(nodes, inputs, [("axes", np.array([1], np.int64))])
+    header = generate(saved(model, tmp_path), "fp32").files["uwb_predict.h"]
+    assert "#define UWB_PREDICT_RANGE_M_VALUES 1" in header
+    assert (
+        "int uwb_predict(const float cir[UWB_PREDICT_SAMPLES], "
+        "const float range_m[UWB_PREDICT_RANGE_M_VALUES], "
+        "const float in_int[UWB_PREDICT_IN_INT_VALUES], float *error_m);"
+    ) in header
+
+
+@needs_compiler
+@pytest.mark.parametrize("operator", ["Exp", "Sqrt", "Sigmoid", "Tanh", "Log"])
+def test_mathematics_without_a_library_is_close_to_a_library(operator, tmp_path: Path) -> None:
+    nodes = [
+        helper.make_node(operator, ["x"], ["z"]),
+        helper.make_node("Squeeze", ["z", "axes"], ["y"]),
+    ]
+    model = model_of(nodes, [("x", 1)], [("axes", np.array([1], np.int64))])
+    run = load(generate(saved(model, tmp_path), "fp32"))
+    x = np.linspace(-80, 80, 4001, dtype=np.float32)
+    if operator in ("Sqrt", "Log"):
+        x = np.geomspace(1e-30, 1e8, 4001, dtype=np.float32)
+    exact = {
+        "Exp": np.exp,
+        "Sqrt": np.sqrt,
+        "Log": np.log,
+        "Tanh": np.tanh,
+        "Sigmoid": lambda v: 1 / (1 + np.exp(-v)),
+    }[operator](x.astype(np.float64))
+    found = run(x[:, None])
+    assert np.abs(found - exact).max() <= 3e-7 * max(1.0, np.abs(exact).max())
+    if operator == "Sqrt":
+        assert np.array_equal(found, np.sqrt(x))
+    if operator == "Exp":
+        assert np.abs(found / exact - 1).max() < 3e-7
+
+
+@needs_compiler
+def test_odd_convolutions_and_pools_are_the_runtimes(tmp_path: Path) -> None:
+    from backends.ort import open_plain
+
+    rng = np.random.default_rng(0)
+    tensors = [
+        ("w", rng.normal(size=(6, 1, 3)).astype(np.float32)),
+        ("v", rng.normal(size=(5, 6, 3)).astype(np.float32)),
+        ("b", rng.normal(size=5).astype(np.float32)),
+        ("u", rng.normal(size=(35, 1)).astype(np.float32)),
+        ("one", np.array([1], np.int64)),
+        ("flat", np.array([-1, 35], np.int64)),
+    ]
+    nodes = [
+        helper.make_node("Unsqueeze", ["x", "one"], ["a"]),
+        helper.make_node("Conv", ["a", "w"], ["c"], pads=[2, 2], dilations=[2]),
+        helper.make_node("Tanh", ["c"], ["d"]),
+        helper.make_node("Conv", ["d", "v", "b"], ["e"], strides=[2], pads=[1, 0]),
+        helper.make_node("AveragePool", ["e"], ["f"], kernel_shape=[2], strides=[2]),
+        helper.make_node("Reshape", ["f", "flat"], ["g"]),
+        helper.make_node("MatMul", ["g", "u"], ["h"]),
+        helper.make_node("Squeeze", ["h", "one"], ["y"]),
+    ]
+    path = saved(model_of(nodes, [("x", 29)], tensors), tmp_path)
+    rows = rng.normal(size=(50, 29)).astype(np.float32)
+    found, expected = load(generate(path, "fp32"))(rows), open_plain(path)(rows)
+    assert np.abs(found - expected).max() < 1e-5
+
+
+@needs_compiler
+def test_a_compiler_that_refuses_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(CompilerError, match="error"):
+        compile_shared({"bad.c": "int main(void) { return }"}, tmp_path)
+
+
+def test_without_a_compiler_the_remedy_is_named(monkeypatch, tmp_path: Path) -> None:
+    from backends.c import compile as compiling
+    from backends.c.fp32 import CFp32Backend
+    from zoo.none import NoMitigation
+
+    monkeypatch.setattr(compiling, "compiler", lambda: None)
+    assert "apt install gcc" in str(CFp32Backend().supports(NoMitigation()))
+    with pytest.raises(CompilerError, match="native"):
+        compile_shared({"a.c": ""}, tmp_path)
