@@ -16,6 +16,7 @@ COMMANDS = {
     "export": "Write a fitted model as C for a microcontroller, or as ONNX.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",
     "compare": "Compare two result folders or two runs on the same rows.",
+    "site": "Write one self-contained page of all results.",
     "models": "List the mitigation models.",
     "backends": "List the backends a model can run on.",
     "devices": "List the device profiles and what their figures rest on.",
