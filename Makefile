@@ -9,9 +9,14 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
+# On Linux PyPI's own torch brings gigabytes of CUDA; where its CPU index answers, that is taken.
+TORCH_INDEX := https://download.pytorch.org/whl/cpu
+TORCH_ANSWERS = $(BIN)/python -c "import sys, urllib.request as u; sys.platform == 'linux' and u.urlopen('$(TORCH_INDEX)/torch/', timeout=5)" 2>/dev/null
+
 $(VENV)/installed: pyproject.toml constraints.txt
 	@echo "Installing into $(VENV) (a few minutes the first time) ..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@if $(TORCH_ANSWERS); then $(PIP) --index-url $(TORCH_INDEX) torch==2.13.0 2>/dev/null || true; fi
 	@$(PIP) -e .
 	@touch $@
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from reports.load import Estimate, Latency, Results, Run, Size, Timing
+from reports.load import Cost, Estimate, Latency, Results, Run, Size, Timing
 from reports.machines import check_machine, choose_machine, machine_label, timing_of
 from reports.seeds import Accuracy, accuracy_over_seeds, estimates_over_seeds, size_over_seeds
 from reports.selection import Pair, Place, by_pair, by_place, newest_code, newest_data
@@ -37,6 +37,8 @@ class Entry:
     is_floor: bool = False
     files: tuple[str, ...] = ()
     """Names of its run records, without their ending, one per seed."""
+    cost: Cost | None = None
+    """Its kernels, those of the first seed."""
 
     @property
     def name(self) -> str:
@@ -149,6 +151,7 @@ def _entry(pair: Pair, runs: Sequence[Run], timings: Sequence[Timing]) -> Entry:
         notes=tuple(dict.fromkeys(run.note for run in runs if run.note)),
         files=tuple(run.file for run in runs),
         is_floor=any(run.floor for run in runs),
+        cost=runs[0].cost,
     )
 
 

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.estimates import estimator
 from bench.errors import BenchError, unknown_name
 from bench.files import atomic_path, check_output, write_atomically
 
 if TYPE_CHECKING:
     from reports import Board, Results
     from reports.document import Document
-    from reports.load import Estimator
     from reports.overview import Ranked
 
 
@@ -63,7 +63,7 @@ def command(
     if out is not None:
         check_output(out)
     try:
-        results = read_results(folder, _estimator())
+        results = read_results(folder, estimator())
         boards = make_boards(results, machine)
         _check_device(boards, plot, device)
         pictures = _draw(boards, plot, device) if plot else []
@@ -77,23 +77,6 @@ def command(
         click.echo(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
     elif out is None:
         _print(_document(results, short, details, pictures))
-
-
-def _estimator() -> Estimator:
-    """Return what estimates a run's latency and energy on every device there is, as of now."""
-    from msgspec import convert
-
-    from bench.measure.on_devices import estimates_of
-    from bench.runner.plan import resolve
-    from reports.load import Estimate, Run
-
-    devices = resolve("devices", "all")
-
-    def estimated(run: Run) -> list[Estimate]:
-        found = estimates_of(run.cost, run.precision, devices)
-        return [convert(asdict(one), Estimate) for one in found]
-
-    return estimated
 
 
 def _document(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
 
@@ -63,7 +64,7 @@ def command(
     pages = [_page(path) for path in reports]
     with Console(stderr=True).status("making the page ..."):
         try:
-            results = read_results(folder)
+            results = read_results(folder, estimator())
             data = payload(results, [ranked(one, results) for one in make_boards(results, machine)])
         except ReportError as problem:
             raise BenchError(str(problem)) from problem

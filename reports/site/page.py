@@ -42,8 +42,8 @@ def render(data: Mapping[str, Any], pages: Sequence[Page] = (), made: str = "") 
         scripts=[Markup(script) for script in scripts],  # noqa: S704 - our own files
         style=Markup(_own("style.css")),  # noqa: S704 - our own file
         policy=" ".join(f"'sha256-{_hash(script)}'" for script in scripts),
-        pages=[(page.title, Markup(_html(page.markdown))) for page in pages],  # noqa: S704
-        made=made,
+        pages=[(_shown(page.title), Markup(_html(page.markdown))) for page in pages],  # noqa: S704
+        made=_shown(made),
     )
 
 
@@ -63,9 +63,14 @@ def _hash(script: str) -> str:
     return b64encode(sha256(script.encode()).digest()).decode()
 
 
+def _shown(words: str) -> str:
+    """Return words without control characters; line ends stay."""
+    return "".join(c if c.isprintable() or c == "\n" else " " for c in words)
+
+
 def _html(markdown: str) -> str:
     """Return Markdown as HTML; markup in it stays text, pictures and links are left out."""
     from markdown_it import MarkdownIt
 
     parser = MarkdownIt("commonmark", {"html": False}).enable("table").disable(["image", "link"])
-    return str(parser.render(markdown))
+    return str(parser.render(_shown(markdown)))

@@ -99,8 +99,7 @@ def _entry(entry: Entry, folder: Path, rich: bool) -> dict[str, Any]:
 
 def _layers(entry: Entry) -> list[list[Any]]:
     """Return [kind, multiply-adds, outputs, type] of every kernel of the network."""
-    cost = getattr(entry, "cost", None)
-    layers = cost.layers[:MOST_LAYERS] if cost else ()
+    layers = entry.cost.layers[:MOST_LAYERS] if entry.cost else ()
     return [[text(one.kind), one.macs, one.outputs, text(one.dtype)] for one in layers]
 
 
@@ -145,7 +144,7 @@ def _interval(one: Interval | SeedMean | None) -> dict[str, float | None] | None
 
 
 def _number(value: float | None) -> float | None:
-    """Return a number that JSON can hold, with six significant digits."""
+    """Return a number that JSON can hold, with nine significant digits."""
     if value is None or not math.isfinite(value):
         return None
-    return float(f"{value:.6g}")
+    return float(f"{value:.9g}")

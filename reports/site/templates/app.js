@@ -187,7 +187,7 @@
     box.append(make("h3", title), area);
     return [box, canvas];
   }
-  const bars = (label, values, name) => ({ label, data: values, backgroundColor: colour(name) });
+  const bars = (label, values, name) => ({ label, data: values, backgroundColor: colour(name), barPercentage: 1, categoryPercentage: 0.9 });
   function drawRun() {
     const section = $("view-run");
     const entry = board().entries.find((one) => nameOf(one) === state.run);
