@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import say
+
 if TYPE_CHECKING:
     from bench.discrepancy import Diagnosis
 
@@ -71,7 +73,7 @@ def command(
             paths_only=paths_only, seed=seed, out=out, observer=view,
         )  # fmt: skip
     if as_json:
-        click.echo(json.dumps(summary(found), indent=1))
+        say(json.dumps(summary(found), indent=1))
     else:
         _print(found)
 
@@ -82,11 +84,11 @@ def _print(diagnosis: Diagnosis) -> None:
 
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
-            click.echo(line.replace("**", ""))
+            say(line.replace("**", ""))
     seen = diagnosis.confirmed
-    click.echo(
+    say(
         f"confirm links ({seen.links}): mean abs. range mismatch {seen.mae_before_m} -> "
         f"{seen.mae_after_m}; AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
     )
     for name, reason in diagnosis.selection.skipped.items():
-        click.echo(f"skipped {name}: {reason}")
+        say(f"skipped {name}: {reason}")
