@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import click
 
 from bench.cli.console import say
-
 from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
