@@ -17,6 +17,7 @@ T = TypeVar("T")
 
 SCHEMA_VERSION = 2
 Status = Literal["ok", "skipped"]
+How = Literal["measured", "counted", "estimated", "published"]
 
 
 @dataclass(frozen=True)
@@ -113,16 +114,57 @@ class Training:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Latency and energy of one inference (batch 1) on a device, from its profile: an ESTIMATE.
+    """Latency and energy of one inference (batch 1) on a device that is not here.
 
-    `reason` is set, and the figures None, where the device cannot run that precision. Estimates
-    are made when a result is shown, and never kept: profiles change, runs do not.
+    `how` says where they come from: "estimated" from its profile, or "counted" (emulated), then
+    `fits` says what of its flash and RAM that takes. `reason` is set, and the figures None, where
+    the device cannot run the network. Estimates are made when a result is shown, and never kept:
+    profiles change, runs do not.
     """
 
     device: str
     latency_us: Interval | None
     energy_mj: Interval | None
     reason: str | None = None
+    how: How = "estimated"
+    fits: str | None = None
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """Cycles of one call by a core's table: low, typical, high; no wait states of memory."""
+
+    low: float
+    typical: float
+    high: float
+
+
+@dataclass(frozen=True)
+class CountRecord:
+    """What one call of an artifact takes on a core, COUNTED in an emulator.
+
+    `outputs_equal` of `rows` answers were this machine's bit by bit, `largest_m` is the most that
+    any was off, in metres. `ram_bytes`: variables and stack.
+    """
+
+    artifact_sha256: str
+    core: str
+    compiler: str
+    rows: int
+    outputs_equal: int
+    largest_m: float
+    instructions: float
+    cycles: Cycles
+    flash_reads: int
+    flash_bytes: int
+    ram_bytes: int
+    created_utc: str = ""
+    schema_version: int = SCHEMA_VERSION
+    kind: str = "count"
+
+    def digest(self) -> str:
+        """Return the name of the record's file, without its ending."""
+        return json_digest([self.artifact_sha256, self.core])
 
 
 @dataclass(frozen=True)
@@ -219,7 +261,7 @@ class TimingRecord:
         return json_digest([self.model, self.backend, self.data, self.artifact_sha256, where])
 
 
-def to_json(record: RunRecord | TimingRecord) -> str:
+def to_json(record: RunRecord | TimingRecord | CountRecord) -> str:
     """Return the record as indented JSON text, with the hash of its content."""
     plain = json.loads(json.dumps(asdict(record), default=str))
     return json.dumps(sealed(plain), indent=1, sort_keys=True) + "\n"

@@ -35,7 +35,8 @@ _LEGEND = (
     "Latency, throughput and peak memory are measured on one thread of the machine named below "
     "the table; kB = 1000 bytes, MB = 1000 kB. † timed with other weights of the same model and "
     "backend.",
-    "(est.): estimated from a device profile, never measured; low to high is the profile's range.",
+    "(est.): estimated from a device profile, never measured; (counted): run in an emulator, "
+    "cycles by the core's table; low to high is the profile's or the table's range.",
 )
 
 
@@ -91,7 +92,14 @@ def _estimate(board: Board, device: str, pick: Callable[[Estimate], Interval | N
         found = entry.estimate(device)
         return pick(found) if found else None
 
-    return interval_measure(Column(f"{device} (est.)", group), read)
+    return interval_measure(Column(f"{device} ({_how(board, device)})", group), read)
+
+
+def _how(board: Board, device: str) -> str:
+    """Return how a device's figures were obtained, as its column says it."""
+    figures = [entry.estimate(device) for entry in board.entries]
+    hows = {one.how for one in figures if one is not None and one.latency_us is not None}
+    return "est." if hows == {"estimated"} else " and ".join(sorted(hows))
 
 
 def _measured_energy(board: Board) -> list[Measure]:

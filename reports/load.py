@@ -91,12 +91,17 @@ class Cost:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Estimated latency and energy of one inference on a device, or the `reason` for neither."""
+    """Latency and energy of one inference on a device, or the `reason` for neither.
+
+    `how` they were obtained: "estimated" or "counted"; `fits` what of flash and RAM is taken.
+    """
 
     device: str
     latency_us: Interval | None
     energy_mj: Interval | None
     reason: str | None = None
+    how: str = "estimated"
+    fits: str | None = None
 
 
 @dataclass(frozen=True)

@@ -96,6 +96,8 @@ def _mean_estimate(device: str, some: Sequence[Estimate]) -> Estimate:
         _mean_interval(some, lambda one: one.latency_us),
         _mean_interval(some, lambda one: one.energy_mj),
         reasons[0] if reasons else None,
+        how=" and ".join(dict.fromkeys(one.how for one in some)),
+        fits=next((one.fits for one in some if one.fits), None),
     )
 
 

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import click
 
-from bench.cli.console import say
-
 EPILOG = """\b
 Examples:
   bench challenge --cases 240 --waves 40 --jobs 2 -o challenge
@@ -68,7 +66,7 @@ def command(
             observer=view,
         )  # fmt: skip
     if as_json:
-        say(json.dumps(made.scores, indent=1))
+        click.echo(json.dumps(made.scores, indent=1))
     else:
-        say("\n".join(made.lines))
-        say(f"report: {made.report}", err=True)
+        click.echo("\n".join(made.lines))
+        click.echo(f"report: {made.report}", err=True)

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import say
-
 if TYPE_CHECKING:
     from bench.discrepancy import Diagnosis
 
@@ -73,7 +71,7 @@ def command(
             paths_only=paths_only, seed=seed, out=out, observer=view,
         )  # fmt: skip
     if as_json:
-        say(json.dumps(summary(found), indent=1))
+        click.echo(json.dumps(summary(found), indent=1))
     else:
         _print(found)
 
@@ -84,11 +82,11 @@ def _print(diagnosis: Diagnosis) -> None:
 
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
-            say(line.replace("**", ""))
+            click.echo(line.replace("**", ""))
     seen = diagnosis.confirmed
-    say(
+    click.echo(
         f"confirm links ({seen.links}): mean abs. range mismatch {seen.mae_before_m} -> "
         f"{seen.mae_after_m}; AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
     )
     for name, reason in diagnosis.selection.skipped.items():
-        say(f"skipped {name}: {reason}")
+        click.echo(f"skipped {name}: {reason}")

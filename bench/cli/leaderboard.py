@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.console import busy, console, say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError, unknown_name
 from bench.files import atomic_path, check_output, write_atomically
@@ -64,7 +63,7 @@ def command(
     if out is not None:
         check_output(out)
     try:
-        results = read_results(folder, estimator())
+        results = read_results(folder, estimator(folder))
         boards = make_boards(results, machine)
         _check_device(boards, plot, device)
         pictures = _draw(boards, plot, device) if plot else []
@@ -73,9 +72,9 @@ def command(
         raise BenchError(str(problem)) from problem
     written = _write(results, short, out, pictures) if out else []
     for path in (*pictures, *written):
-        say(f"wrote {path}", err=as_json or out is None)
+        click.echo(f"wrote {path}", err=as_json or out is None)
     if as_json:
-        say(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
+        click.echo(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
     elif out is None:
         _print(_document(results, short, details, pictures))
 
@@ -111,18 +110,22 @@ def _write(
 
 def _print(document: Document) -> None:
     """Print tables cut to the terminal, or Markdown where the output goes elsewhere."""
+    from rich.console import Console
+
     from reports.markdown import to_markdown
     from reports.terminal import print_document
 
-    shown = console()
-    if shown.is_terminal:
-        print_document(document, shown)
+    console = Console()
+    if console.is_terminal:
+        print_document(document, console)
     else:
-        say(to_markdown(document), nl=False)
+        click.echo(to_markdown(document), nl=False)
 
 
 def _draw(boards: Sequence[Board], plot: Path, device: str | None) -> list[Path]:
     """Write the figure as SVG and PNG; return both paths."""
+    from rich.console import Console
+
     from reports.figures import latency_against_error, save_png, save_svg
 
     if plot.suffix not in (".svg", ".png", ""):
@@ -130,7 +133,7 @@ def _draw(boards: Sequence[Board], plot: Path, device: str | None) -> list[Path]
             f"--plot {plot}: expected a name ending in .svg or .png (both are written)"
         )
     paths = [plot.with_suffix(".svg"), plot.with_suffix(".png")]
-    with busy("drawing"):
+    with Console(stderr=True).status("drawing ..."):
         figure = latency_against_error(boards, device)
         for path, save in zip(paths, (save_svg, save_png), strict=True):
             with atomic_path(path) as scratch:

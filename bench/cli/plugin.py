@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import say
-
 if TYPE_CHECKING:
     from bench.scaffold.package import Kind
 
@@ -48,16 +46,16 @@ def new(name: str, kind: Kind, parent: Path, as_json: bool) -> None:
 
     folder, files = write_package(name, kind, parent)
     if as_json:
-        say(json.dumps({"folder": str(folder), "kind": kind, "files": files}, indent=1))
+        click.echo(json.dumps({"folder": str(folder), "kind": kind, "files": files}, indent=1))
     else:
         _explain(name, kind, folder, files)
 
 
 def _explain(name: str, kind: Kind, folder: Path, files: Sequence[str]) -> None:
-    say(f"wrote {folder}:")
+    click.echo(f"wrote {folder}:")
     for path in files:
-        say(f"  {path}")
+        click.echo(f"  {path}")
     quoted = shlex.quote(str(folder))
-    say(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
+    click.echo(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
     chosen = f"--model {name}" if kind == "model" else f"--model all --data {name}"
-    say(f"then: bench run {chosen} --backend fp32")
+    click.echo(f"then: bench run {chosen} --backend fp32")

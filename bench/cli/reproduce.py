@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import console, say
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
 
@@ -31,7 +30,7 @@ def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     from bench.reproduce.catalogue import experiments
 
     for one in experiments():
-        say(f"{one.name:<22} {one.summary}")
+        click.echo(f"{one.name:<22} {one.summary}")
     context.exit()
 
 
@@ -138,13 +137,15 @@ def _tell(done: Reproduction, pages: list[Path], as_json: bool) -> None:
     if as_json:
         contents = [json.loads(path.read_text(encoding="utf-8")) for path in done.files]
         refused = [{"experiment": name, "reason": why} for name, why in done.impossible]
-        say(json.dumps({"outcomes": contents, "impossible": refused}, indent=1))
+        click.echo(json.dumps({"outcomes": contents, "impossible": refused}, indent=1))
         return
+    from rich.console import Console
+
     from reports.reproduction import outcome_page, read_outcome
     from reports.terminal import print_document
 
     for path in done.files:
-        print_document(outcome_page(read_outcome(path), pictured=False), console())
+        print_document(outcome_page(read_outcome(path), pictured=False), Console())
     for name, why in done.impossible:
-        say(f"not possible: {name}: {why}")
-    say(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")
+        click.echo(f"not possible: {name}: {why}")
+    click.echo(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")

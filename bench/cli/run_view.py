@@ -7,11 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Self
 
+import click
 from rich import box
+from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from bench.cli.console import console, say
 from bench.results import Estimate, Interval, RunRecord, TimingRecord
 from bench.runner.observer import Observer
 
@@ -23,15 +24,15 @@ class RunView(Observer):
     """Shows stages, runs done and the current fit's fraction on stderr."""
 
     def __init__(self, quiet: bool) -> None:
-        shown = console(stderr=True, quiet=quiet)
+        console = Console(stderr=True, quiet=quiet)
         self._bars = Progress(
-            TextColumn("{task.description}", markup=False),
+            TextColumn("{task.description}"),
             BarColumn(),
-            TextColumn("{task.fields[figure]}", markup=False),
+            TextColumn("{task.fields[figure]}"),
             TimeElapsedColumn(),
-            console=shown,
+            console=console,
             transient=True,
-            disable=quiet or not shown.is_terminal,
+            disable=quiet or not console.is_terminal,
         )
         self._overall: TaskID | None = None
         self._current: TaskID | None = None
@@ -59,7 +60,7 @@ class RunView(Observer):
 
     def note(self, line: str) -> None:
         """Print a line that stays."""
-        self._bars.console.print(line)
+        self._bars.console.print(line, highlight=False, markup=False)
 
     def _show_current(self, what: str, fraction: float | None) -> None:
         figure = "" if fraction is None else f"{100 * fraction:3.0f} %"
@@ -79,9 +80,8 @@ def print_json(outcome: RunSet) -> None:
         "runs": [_with_estimates(one, outcome) for one in outcome.runs],
         "timings": [json.loads(to_json(one)) for one in outcome.timings],
         "failures": [vars(one) for one in outcome.failures],
-        "curve": [asdict(one) for one in outcome.curve],
     }
-    say(json.dumps(content, indent=1))
+    click.echo(json.dumps(content, indent=1))
 
 
 def _with_estimates(run: RunRecord, outcome: RunSet) -> dict[str, Any]:
@@ -94,25 +94,25 @@ def _with_estimates(run: RunRecord, outcome: RunSet) -> dict[str, Any]:
 
 def print_summary(outcome: RunSet) -> None:
     """Print a table of runs, a table of device estimates for one run, and where files are."""
-    shown = console()
+    console = Console()
     done = [run for run in outcome.runs if run.status == "ok"]
     if done:
-        shown.print(_title(done[0]))
-        shown.print(_accuracy_table(done, outcome.timings))
+        console.print(_title(done[0]), highlight=False)
+        console.print(_accuracy_table(done, outcome.timings))
     for note in dict.fromkeys(
         f"{r.key.model} on {r.key.backend}: {r.note}" for r in done if r.note
     ):
-        shown.print(note, soft_wrap=True)
+        console.print(note, highlight=False, markup=False, soft_wrap=True)
     if len(done) == 1:
-        shown.print(_device_table(outcome.estimates(done[0])))
+        console.print(_device_table(outcome.estimates(done[0])))
     for run in (one for one in outcome.runs if one.status == "skipped"):
-        say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    say(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
+        click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
+    click.echo(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
 
 
 def _title(run: RunRecord) -> str:
     kind = "SIMULATED data" if run.simulated else "recordings"
-    lines = [f"\n{kind} {run.key.data}, split {run.key.split}"]
+    lines = [f"\n{kind} [bold]{run.key.data}[/], split {run.key.split}"]
     for name, score in (("NLoS", run.nlos), ("LoS", run.los)):
         if score is not None:
             lines.append(
@@ -185,17 +185,21 @@ def _device_table(estimates: Iterable[Estimate]) -> Table:
     table = Table(
         box=box.SIMPLE_HEAD,
         pad_edge=False,
-        title="ESTIMATED from device profiles (batch 1), never measured",
-        caption="low..high: the range of the profile's coefficients",
+        title="On devices that are not here (batch 1), none of it measured",
+        caption="counted: emulated, cycles by the core's table; estimated: from a device profile; "
+        "low..high: the range of the table or the profile",
     )
-    for title in ("device", "latency (us)", "energy (mJ)"):
-        table.add_column(title, justify="left" if title == "device" else "right")
-    for one in estimates:
+    some = list(estimates)
+    for title in ("device", "how", "latency (us)", "energy (mJ)"):
+        table.add_column(title, justify="left" if title in ("device", "how") else "right")
+    for one in some:
         table.add_row(*_device_cells(one))
+    for one in (one for one in some if one.fits):
+        table.caption = f"{table.caption}\n{one.device}: {one.fits}"
     return table
 
 
 def _device_cells(one: Estimate) -> Iterable[Any]:
     if one.latency_us is None or one.energy_mj is None:
-        return one.device, f"- ({one.reason})", "-"
-    return one.device, _interval(one.latency_us, 0), _interval(one.energy_mj, 3)
+        return one.device, one.how, f"- ({one.reason})", "-"
+    return one.device, one.how, _interval(one.latency_us, 0), _interval(one.energy_mj, 3)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
@@ -65,17 +64,17 @@ def command(
     pages = [_page(path) for path in reports]
     with Console(stderr=True).status("making the page ..."):
         try:
-            results = read_results(folder, estimator())
+            results = read_results(folder, estimator(folder))
             data = payload(results, [ranked(one, results) for one in make_boards(results, machine)])
         except ReportError as problem:
             raise BenchError(str(problem)) from problem
     if as_json:
-        say(json.dumps(data, indent=1))
+        click.echo(json.dumps(data, indent=1))
         return
     made = f"Made by bench site, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
     path = out / "index.html"
     write_atomically(path, render(data, pages, made))
-    say(f"wrote {path} ({path.stat().st_size / 1e6:.2f} MB)")
+    click.echo(f"wrote {path} ({path.stat().st_size / 1e6:.2f} MB)")
 
 
 def _page(path: Path) -> Page:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Self
 
-from rich.text import Text
+import click
+from rich.console import Console
 
-from bench.cli.console import console, say
 from bench.runner.observer import Observer
 
 
@@ -15,7 +15,7 @@ class StatusView(Observer):
     """Shows what is being done; a fraction as per cent. Notes are printed on stderr."""
 
     def __init__(self, first: str) -> None:
-        self._status = console(stderr=True).status(Text(first))
+        self._status = Console(stderr=True).status(first)
 
     def __enter__(self) -> Self:
         self._status.start()
@@ -28,12 +28,12 @@ class StatusView(Observer):
 
     def stage(self, what: str) -> None:
         """Show what begins."""
-        self._status.update(Text(what))
+        self._status.update(what)
 
     def progress(self, what: str, fraction: float) -> None:
         """Show how far it has come."""
-        self._status.update(Text(f"{what} {100 * fraction:.0f} %"))
+        self._status.update(f"{what} {100 * fraction:.0f} %")
 
     def note(self, line: str) -> None:
         """Print a line that stays."""
-        say(line, err=True)
+        click.echo(line, err=True)

@@ -1,8 +1,9 @@
 """What a device profile says: coefficients with a range, a unit, a source and how sure it is.
 
 A profile is one TOML file. Every table that holds a `value` is a coefficient; its dotted path is
-its name, so `[launch_cycles.int8]` is "launch_cycles.int8". Tables under `modes` replace
-coefficients when the device runs in that mode (another clock, another runtime).
+its name, so `[launch_cycles.int8]` is "launch_cycles.int8". A profile that names a `core` has the
+coefficients of `cores/CORE.toml` beside it as well, fitted to counts on that core. Tables under
+`modes` replace coefficients when the device runs in that mode (another clock, another runtime).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from bench.errors import BenchError, unknown_name
-from bench.files import read_text
 
 Kind = Literal["measured", "datasheet", "assumed"]
 UNITS = {
@@ -31,6 +31,8 @@ UNITS = {
     "ram_kib": "KiB",
     "code_kib": "KiB",
     "runtime_ram_kib": "KiB",
+    "flash_wait_cycles": "cycles per read of data from flash",
+    "cycle_factor": "measured cycles per counted cycle",
 }
 """Every coefficient by the first part of its name, and the unit it must be given in."""
 
@@ -56,7 +58,9 @@ class Profile:
     """A device as the model in `bench.measure.estimate` sees it.
 
     `precisions` are those it can run ("fp32", "fp16", "int8"); `integer_only` devices run no
-    other layer. `coefficients` are by dotted name; `modes` hold replacements by mode.
+    other layer. `coefficients` are by dotted name; `modes` hold replacements by mode. `core` names
+    the core that C is counted on (`bench.measure.counting`), empty where it has none; `generator`
+    whose code the estimates stand for.
     """
 
     name: str
@@ -65,6 +69,8 @@ class Profile:
     coefficients: Mapping[str, Coefficient]
     integer_only: bool = False
     modes: Mapping[str, Mapping[str, Coefficient]] = field(default_factory=dict)
+    core: str = ""
+    generator: str = ""
 
     def values(self) -> dict[str, float]:
         """Return every coefficient's value by name."""
@@ -97,14 +103,20 @@ class Profile:
 def load_profile(path: Path) -> Profile:
     """Read a profile. Raises BenchError naming the file, the entry and what was expected."""
     try:
-        content = tomllib.loads(read_text(path))
-    except (BenchError, ValueError, RecursionError) as problem:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as problem:
         raise BenchError(f"cannot read device profile {path}: {problem}") from problem
     try:
-        return _profile(content)
-    except (KeyError, TypeError, ValueError, OverflowError) as problem:
+        return _profile({**_shared(path, content), **content})
+    except (KeyError, TypeError, ValueError) as problem:
         said = f"{problem} is missing" if isinstance(problem, KeyError) else problem
         raise BenchError(f"device profile {path}: {said}") from problem
+
+
+def _shared(path: Path, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the profiles of one core share, where there is such a file beside them."""
+    shared = path.parent / "cores" / f"{content.get('core')}.toml"
+    return tomllib.loads(shared.read_text(encoding="utf-8")) if shared.is_file() else {}
 
 
 def _profile(content: dict[str, Any]) -> Profile:
@@ -114,6 +126,8 @@ def _profile(content: dict[str, Any]) -> Profile:
         title=str(content.pop("title")),
         precisions=tuple(content.pop("precisions")),
         integer_only=bool(content.pop("integer_only", False)),
+        core=str(content.pop("core", "")),
+        generator=str(content.pop("generator", "")),
         coefficients=_coefficients(content),
         modes={name: _coefficients(tables) for name, tables in modes.items()},
     )

@@ -9,17 +9,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.files import atomic_path, check_picture_name
+from bench.errors import BenchError
+from bench.files import atomic_path
 from bench.recordings.describe import KINDS, row_kinds
 from bench.recordings.picture_errors import COLOURS, SHOWN_PERCENTILES, error_panels
 from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
 from bench.recordings.window import cir_window
-from bench.text import unmarked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+SUFFIXES = (".png", ".svg", ".pdf")
 BEFORE, SHOWN_AFTER = 5, 60
 BINS = 80
 
@@ -29,7 +30,8 @@ def save_picture(recordings: Recordings, path: Path) -> None:
 
     Raises BenchError for another kind of file, and where the file cannot be written.
     """
-    check_picture_name(path)
+    if path.suffix not in SUFFIXES:
+        raise BenchError(f"{path}: expected a name that ends in {', '.join(SUFFIXES)}")
     figure = draw(recordings)
     with atomic_path(path) as scratch:
         figure.savefig(scratch, dpi=150)
@@ -56,7 +58,7 @@ def draw(recordings: Recordings) -> Figure:
         ax.set_axisbelow(True)
     for ax in axes[len(panels) :]:
         ax.set_axis_off()
-    figure.suptitle(unmarked(_title(recordings)), fontsize=12, fontweight="bold")
+    figure.suptitle(_title(recordings), fontsize=12, fontweight="bold")
     return figure
 
 

@@ -13,17 +13,17 @@ from typing import TypeVar
 
 from bench.errors import BenchError
 from bench.files import is_regular, read_json, remove_leftovers, write_atomically
-from bench.provenance import file_sha256
-from bench.results import RunKey, RunRecord, TimingRecord, from_json, to_json
+from bench.provenance import file_sha256, json_digest
+from bench.results import CountRecord, RunKey, RunRecord, TimingRecord, from_json, to_json
 
-Record = TypeVar("Record", RunRecord, TimingRecord)
+Record = TypeVar("Record", RunRecord, TimingRecord, CountRecord)
 Tell = Callable[[str], None]
-_PARTS = ("runs", "timings", "artifacts", "predictions")
+_PARTS = ("runs", "timings", "counts", "artifacts", "predictions")
 
 
 @dataclass(frozen=True)
 class ResultFolder:
-    """`runs/*.json`, `timings/*.json`, `artifacts/*.onnx`, `predictions/*.parquet` under `root`."""
+    """Under `root`: runs, timings and counts (.json), artifacts (.onnx), predictions (.parquet)."""
 
     root: Path
 
@@ -80,6 +80,24 @@ class ResultFolder:
     def write_timing(self, record: TimingRecord) -> None:
         """Write a timing under its digest."""
         write_atomically(self.root / "timings" / f"{record.digest()}.json", to_json(record))
+
+    def find_count(
+        self, artifact_sha256: str, core: str, tell: Tell = lambda _: None
+    ) -> CountRecord | None:
+        """Return the count of an artifact on a core, else None."""
+        path = self._count_path(json_digest([artifact_sha256, core]))
+        record = self._read(path, CountRecord, tell)
+        if record is None or (record.artifact_sha256, record.core) == (artifact_sha256, core):
+            return record
+        tell(f"{path}: it is the count of something else; it is made again")
+        return None
+
+    def write_count(self, record: CountRecord) -> None:
+        """Write a count under its digest."""
+        write_atomically(self._count_path(record.digest()), to_json(record))
+
+    def _count_path(self, digest: str) -> Path:
+        return self.root / "counts" / f"{digest}.json"
 
     def _faults(self, record: RunRecord, key: RunKey) -> Iterator[str]:
         """Yield what does not fit: another key, a file that is gone or not what it was."""

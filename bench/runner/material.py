@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bench.recordings.open import Table, open_recordings, read
-from bench.recordings.sources.base import Source
 from bench.recordings.splits import Split, default_split, make_split
 from bench.recordings.table import Recordings
 from bench.recordings.window import CirWindow, cir_window
@@ -36,11 +33,8 @@ class Material:
     dropped: dict[str, int]
 
 
-def load_material(data: Table, split: str | Callable[[Recordings], Split] | None) -> Material:
-    """Open a data set, cut its windows and split it by link. Raises BenchError on bad input.
-
-    `split` is a split's name, None for what suits the data, or what splits the rows left.
-    """
+def load_material(data: Table, split: str | None) -> Material:
+    """Open a data set, cut its windows and split it by link. Raises BenchError on bad input."""
     if isinstance(data, Recordings | pd.DataFrame):
         whole, source = read(data), None
         name = whole.source
@@ -49,8 +43,7 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
         name = source.full_name if source else str(data)
     window = cir_window(whole) if "cir" in whole.frame else _no_window(len(whole))
     recordings = whole.select(window.rows)
-    if not callable(split):
-        split = partial(_named_split, name=split, source=source)
+    made = make_split(recordings, split or default_split(recordings, source), source=source)
     return Material(
         name,
         recordings,
@@ -58,7 +51,7 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
-        split(recordings),
+        made,
         {**whole.dropped, **window.dropped},
     )
 
@@ -66,10 +59,6 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
 def _no_window(rows: int) -> CirWindow:
     """Return windows of no samples: every row stays, for the models that read no CIR."""
     return CirWindow(np.empty((rows, 0), np.float32), np.arange(rows), {})
-
-
-def _named_split(recordings: Recordings, name: str | None, source: Source | None) -> Split:
-    return make_split(recordings, name or default_split(recordings, source), source=source)
 
 
 def predictions_table(material: Material, positions: NDArray[np.intp]) -> pd.DataFrame:

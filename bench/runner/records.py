@@ -54,7 +54,7 @@ def finished_record(
         status="ok",
         simulated=key.simulated,
         size=Size(cost.file_bytes, cost.weight_bytes, cost.parameters, cost.macs),
-        cost=_cost(cost),
+        cost=cost_record(cost),
         precision=artifact.precision,
         integer_kernels=_coverage(artifact),
         note="; ".join(filter(None, [artifact.note, _label_note(material)])),
@@ -88,7 +88,8 @@ def _label_note(material: Material) -> str:
     return "" if "los" in material.recordings.frame else UNLABELLED
 
 
-def _cost(cost: GraphCost) -> Cost:
+def cost_record(cost: GraphCost) -> Cost:
+    """Return what a record keeps of a network's cost."""
     layers = (Layer(one.kind, one.macs, one.outputs, one.dtype) for one in cost.layers)
     return Cost(tuple(layers), cost.weight_bytes)
 

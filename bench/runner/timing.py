@@ -44,7 +44,7 @@ def time_artifacts(
     patience = Patience(wait_s() if wait else 0.0, watch.stage)
     known: list[TimingRecord] = []
     missing: list[RunRecord] = []
-    for run in _first_seeds(runs):
+    for run in first_seeds(runs):
         earlier = folder.find_timing(_untimed(run, machine), watch.note)
         known.append(earlier) if earlier and not earlier.withheld else missing.append(run)
     failures: list[Failure] = []
@@ -106,7 +106,7 @@ def opener_of(backend: str) -> str:
     return str(find("backends", backend).load().opener)
 
 
-def _first_seeds(runs: Sequence[RunRecord]) -> list[RunRecord]:
+def first_seeds(runs: Sequence[RunRecord]) -> list[RunRecord]:
     """Return the lowest seed's finished run of every model and backend."""
     first: dict[tuple[str, str], RunRecord] = {}
     for run in sorted(runs, key=lambda one: one.key.seed):

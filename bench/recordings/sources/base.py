@@ -73,7 +73,8 @@ def open_source(name: str) -> Source:
     """
     name, _, variant = name.partition(":")
     plugin = find("datasets", name)
-    source = plugin.make()
+    made = plugin.load()
+    source = made() if callable(made) else made
     if not isinstance(source, Source):
         raise BenchError(
             f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "

@@ -49,10 +49,11 @@ def _profile(folder: Path, text: str = GOOD):
     return load_profile(path)
 
 
-def test_the_papers_devices_and_three_microcontrollers_are_there() -> None:
+def test_the_papers_devices_and_eight_microcontrollers_are_there() -> None:
     assert set(BUILT_IN) == {
         *("host", "cortex-a53", "cortex-a57", "maxwell-128", "rtx-2080", "edge-tpu"),
-        *("nrf52832", "stm32u5", "stm32h7"),
+        *("nrf52832", "nrf52840", "nrf5340", "stm32l4", "stm32u5", "stm32h7"),
+        *("rp2040", "esp32-c3"),
     }
 
 

@@ -1,0 +1,136 @@
+"""What `bench count` shows: a table of parts, layers of one network, JSON, Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import click
+
+from bench.cli.console import print_json, print_table
+from bench.measure.counting.measured import Measured
+from bench.results import Interval
+from bench.runner.count_models import CountRow
+from bench.runner.counting import Counted
+
+COLUMNS = (
+    *("device", "model", "backend", "how", "cycles (M)", "latency (ms)", "energy (mJ)"),
+    *("flash (KB)", "RAM (KB)"),
+)
+NARROW = ("device", "network", "how", "cycles\n(M)", "latency\n(ms)", "energy\n(mJ)", "flash\n(KB)")
+NOTE = (
+    "counted: instructions exact in an emulator, cycles by the core's table; brackets: its low and "
+    "high ends with the part's wait states. Energy: from data sheets."
+)
+
+
+def print_rows(rows: Sequence[CountRow], board: Measured | None) -> None:
+    """Print the table, what fits, and for a single network its layers and kinds."""
+    print_table("Counted", (*NARROW, "RAM\n(KB)"), map(_narrow, _lines(rows, board)))
+    click.echo(NOTE)
+    for row in rows:
+        click.echo(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
+    counted = [row.counted for row in rows if row.counted is not None]
+    if len(counted) == 1:
+        _print_details(counted[0])
+
+
+def rows_as_json(rows: Sequence[CountRow], board: Measured | None) -> None:
+    """Print every row as one JSON list; a board's figures stand beside the count."""
+    print_json([_facts(row, board) for row in rows])
+
+
+def markdown_table(rows: Sequence[CountRow], board: Measured | None) -> str:
+    """Return the table as Markdown, rows that could not be counted with their reason."""
+    lines = [COLUMNS, ("---",) * 4 + ("---:",) * 5, *_lines(rows, board)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+
+
+def _lines(rows: Sequence[CountRow], board: Measured | None) -> Iterator[tuple[str, ...]]:
+    for row in rows:
+        names = (row.device, row.model, row.backend)
+        if row.counted is None:
+            yield (*names, f"- ({row.reason})", *("",) * 5)
+            continue
+        if board is not None:
+            yield (*names, "measured", *_board_cells(row.counted, board), "", "")
+        yield (*names, "counted", *_cells(row.counted))
+
+
+def _narrow(line: tuple[str, ...]) -> tuple[str, ...]:
+    """Return a line for 80 columns: model and backend in one, ranges under their figures."""
+    device, model, backend, *rest = line
+    return device, f"{model}\n{backend}", *(cell.replace(" [", "\n[") for cell in rest)
+
+
+def _cells(one: Counted) -> tuple[str, ...]:
+    figure, count = one.figure, one.count
+    return (
+        _span(figure.cycles, 1e-6),
+        _span(figure.latency_us, 1e-3),
+        _span(figure.energy_mj, 1.0) if figure.energy_mj else "-",
+        f"{count.flash_bytes / 1024:.1f}",
+        f"{count.ram_bytes / 1024:.1f}",
+    )
+
+
+def _board_cells(one: Counted, board: Measured) -> tuple[str, ...]:
+    """Return a board's cycles, and its latency and energy by the part's own clock and energy."""
+    share = board.mean / one.figure.cycles.value
+    energy = one.figure.energy_mj
+    return (
+        _span(board.interval(), 1e-6),
+        f"{one.figure.latency_us.value * share / 1000:.3g}",
+        f"{energy.value * share:.3g}" if energy else "-",
+    )
+
+
+def _span(figure: Interval, scale: float) -> str:
+    text = f"{figure.value * scale:.3g}"
+    if figure.low is None or figure.high is None or figure.low == figure.high:
+        return text
+    return f"{text} [{figure.low * scale:.3g}, {figure.high * scale:.3g}]"
+
+
+def _verdict(row: CountRow) -> str:
+    if row.counted is None:
+        return f"not counted: {row.reason}"
+    check = row.counted.agreement
+    equal = f"{check.equal} of {check.rows} outputs equal this machine's bit by bit"
+    off = "" if check.equal == check.rows else f", at most {check.largest_m * 1000:.2g} mm off"
+    return f"{row.counted.figure.fits}; {equal}{off}"
+
+
+def _print_details(one: Counted) -> None:
+    count = one.count
+    click.echo(
+        f"{count.instructions:,.0f} instructions a call ({count.fewest:,} to {count.most:,} over "
+        f"{count.counted_rows} rows), {count.compiler}; code {count.code_bytes} B, constants "
+        f"{count.constant_bytes} B, variables {count.static_ram_bytes} B, stack "
+        f"{count.stack_bytes} B, {count.flash_reads:,} data reads from flash"
+    )
+    shares = [f"{kind} {number:,.0f}" for kind, number in count.kinds.items()]
+    click.echo("by kind: " + ", ".join(shares))
+    layers = [
+        (one.name, one.kind, f"{one.instructions:,.0f}", f"{one.cycles.typical:,.0f}")
+        for one in count.layers
+    ]
+    print_table("By layer", ("layer", "kind", "instructions", "cycles"), layers)
+
+
+def _facts(row: CountRow, board: Measured | None) -> dict[str, Any]:
+    facts: dict[str, Any] = {
+        **{"model": row.model, "backend": row.backend, "device": row.device},
+        **{"how": "counted", "reason": row.reason, "measured_cycles": None},
+        **{"precision": row.precision, "cost": asdict(row.cost) if row.cost else None},
+    }
+    if row.counted is None:
+        return facts | {"how": None}
+    content = asdict(row.counted)
+    content["count"] |= {
+        "outputs_m": row.counted.count.outputs_m.tolist(),
+        "statuses": row.counted.count.statuses.tolist(),
+        "ram_bytes": row.counted.count.ram_bytes,
+    }
+    return facts | content | {"measured_cycles": list(board.cycles) if board else None}

@@ -1,0 +1,185 @@
+"""`bench count` as a Python call: models and backends on parts, counted row by row."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.measure.counting import find_compiler, load_core
+from bench.measure.counting.compile import Which
+from bench.measure.counting.emulate import check_tools
+from bench.measure.profile import Profile, load_profile
+from bench.plugins import Plugin, find, plugins
+from bench.results import Cost
+from bench.runner.counting import ROWS, Counted, Floats, count_artifact, recorded_rows
+from bench.runner.fits import fit_fold
+from bench.runner.inputs import missing, rows_for
+from bench.runner.material import Material, load_material
+from bench.runner.observer import Observer
+from bench.runner.plan import resolve
+from bench.runner.records import cost_record
+
+if TYPE_CHECKING:
+    from backends.base import Artifact
+    from zoo.base import MitigationModel
+
+
+@dataclass(frozen=True)
+class CountRow:
+    """One model on one backend and part: counted, or the reason why not.
+
+    `cost` is what an estimate of the same artifact is made from.
+    """
+
+    model: str
+    backend: str
+    device: str
+    counted: Counted | None
+    reason: str | None = None
+    precision: str | None = None
+    cost: Cost | None = None
+
+
+@dataclass(frozen=True)
+class TrainingInputs:
+    """The training rows [n, width] as a model takes them, and their errors [n] in metres."""
+
+    rows: Floats
+    errors_m: Floats
+
+
+@dataclass(frozen=True)
+class CountPlan:
+    """What is to be counted, resolved and checked before anything is fitted."""
+
+    models: tuple[Plugin, ...]
+    backends: tuple[Plugin, ...]
+    profiles: tuple[Profile, ...]
+    which: Which
+    rows: int
+
+
+def make_count_plan(
+    model: str, backend: str, device: str, which: Which = "auto", rows: int = ROWS
+) -> CountPlan:
+    """Resolve names and check the tools.
+
+    `device` may name profile files (.toml) beside the built-in parts; "all" takes every part that
+    has a core. Raises BenchError for unknown names, parts without a core and missing tools.
+    """
+    if rows < 1:
+        raise BenchError(f"--rows {rows}: expected a whole number of at least 1")
+    profiles = tuple(_profiles(device))
+    check_tools()
+    for core in dict.fromkeys(profile.core for profile in profiles):
+        find_compiler(load_core(core), which)
+    return CountPlan(resolve("models", model), resolve("backends", backend), profiles, which, rows)
+
+
+def count_models(
+    plan: CountPlan, data: str = "rooms", split: str | None = None, watch: Observer | None = None
+) -> Iterator[CountRow]:
+    """Fit (or take from the cache) each model on the first fold, build, count on every part.
+
+    Yields a row per model, backend and part. Raises BenchError on bad input.
+    """
+    watch = watch or Observer()
+    watch.stage("reading the recordings")
+    material = load_material(data, split)
+    for model in plan.models:
+        if reason := missing(material, model.load()):
+            yield from _all(plan, model.name, reason)
+            continue
+        tell = partial(watch.progress, f"fitting {model.name}")
+        fitted = fit_fold(model, material, 0, 0, tell)
+        for backend in plan.backends:
+            watch.stage(f"counting {model.name} on {backend.name}")
+            yield from _rows(plan, material, fitted, model.name, backend)
+
+
+def _all(plan: CountPlan, model: str, reason: str) -> Iterator[CountRow]:
+    """Yield the same reason for every backend and part."""
+    for backend in plan.backends:
+        for profile in plan.profiles:
+            yield CountRow(model, backend.name, profile.name, None, reason)
+
+
+def _rows(
+    plan: CountPlan, material: Material, fitted: MitigationModel, model: str, backend: Plugin
+) -> Iterator[CountRow]:
+    inputs, fold = rows_for(material, fitted.reads), material.split.folds[0]
+    data = TrainingInputs(inputs[fold.train], material.errors_m[fold.train])
+    test = np.concatenate([fold.test_nlos, fold.test_los])
+    with tempfile.TemporaryDirectory(prefix="uwb-count-") as folder:
+        try:
+            artifact = _build(backend, fitted, data, Path(folder) / "model.onnx")
+        except BenchError as problem:
+            for profile in plan.profiles:
+                yield CountRow(model, backend.name, profile.name, None, str(problem))
+            return
+        rows = recorded_rows(inputs, test, plan.rows)
+        for row in _counted(plan, artifact, rows):
+            yield replace(row, model=model, backend=backend.name)
+
+
+def _counted(plan: CountPlan, artifact: Artifact, rows: Floats) -> Iterator[CountRow]:
+    """Yield a row per part, its names left empty; parts with the same core are counted once."""
+    from backends.cost import graph_cost
+
+    cost = cost_record(graph_cost(artifact.path))
+    by_core: dict[str, list[Profile]] = {}
+    for profile in plan.profiles:
+        by_core.setdefault(profile.core, []).append(profile)
+    for profiles in by_core.values():
+        found: list[Counted] | list[None]
+        try:
+            found, reason = count_artifact(artifact, profiles, rows, plan.which), None
+        except BenchError as problem:
+            found, reason = [None] * len(profiles), str(problem)
+        for profile, one in zip(profiles, found, strict=True):
+            yield CountRow("", "", profile.name, one, reason, artifact.precision, cost)
+
+
+def _build(
+    backend: Plugin, fitted: MitigationModel, inputs: TrainingInputs, path: Path
+) -> Artifact:
+    """Return the artifact. Raises BenchError where the backend declines the model."""
+    from backends.base import TrainingData
+
+    adapter = backend.make()
+    if reason := adapter.supports(fitted):
+        raise BenchError(reason)
+    data = TrainingData(inputs.rows, inputs.errors_m, 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)  # exporters warn of their own internals
+        try:
+            artifact: Artifact = adapter.build(fitted, data, path)
+        except (ValueError, RuntimeError) as problem:
+            raise BenchError(str(problem).splitlines()[0]) from problem
+    return artifact
+
+
+def _profiles(names: str) -> Iterator[Profile]:
+    """Yield the parts named ("all": those with a core). Raises BenchError where one has none."""
+    if names.strip() == "all":
+        loaded = [one.load() for one in plugins("devices") if one.problem() is None]
+        yield from (one for one in loaded if isinstance(one, Profile) and one.core)
+        return
+    wanted = [name.strip() for name in names.split(",") if name.strip()]
+    if not wanted:
+        raise BenchError("--device names no part: expected a name, or several with commas")
+    for name in dict.fromkeys(wanted):
+        profile = (
+            load_profile(Path(name)) if name.endswith(".toml") else find("devices", name).load()
+        )
+        if not profile.core:
+            raise BenchError(f"device {name} has no core to count on; its figures are estimates")
+        yield profile
