@@ -14,15 +14,17 @@ from backends.c.kernels import (
     mean,
     pool,
     prelude,
+    trees,
 )
 from backends.c.kernels.layer import Context, Layer
-from backends.c.operators import Convolution, Loop, Operator, Pool, Program
+from backends.c.operators import Convolution, Loop, Operator, Pool, Program, Trees
 from backends.c.plan import Edge, Plan, plan
 from backends.c.text import block, identifiers, indented, number, table
 
 Source = Literal["fp32", "int8"]
 Requantise = Literal["float", "fixed"]
 _KINDS = {"floats": "float", "bytes": "uint8_t"}
+CIR = "cir"  # the input that is never unknown
 LIMIT = 1e9  # counts; DW1000 magnitudes end at 46 341, and no sum overflows below this
 
 
@@ -80,6 +82,8 @@ def write_layer(operator: Operator, context: Context) -> Layer:
         return convolution.write(operator, context)
     if isinstance(operator, Pool):
         return pool.write(operator, context)
+    if isinstance(operator, Trees):
+        return trees.write(operator, context)
     return integer.write(operator, context)
 
 
@@ -184,9 +188,10 @@ def _function(program: Program, position: int, layer: Layer, names: dict[int, st
 
 def _checks() -> list[str]:
     """Return the check of samples; a comparison with NaN is false."""
-    inner = block("if (!(x[i] >= -limit && x[i] <= limit))", ["return 0;"])
+    fits = "(x[i] >= -limit && x[i] <= limit) || (unknown && x[i] != x[i])"
+    inner = block(f"if (!({fits}))", ["return 0;"])
     return block(
-        "static int uwb_within(const float *x, int count, float limit)",
+        "static int uwb_within(const float *x, int count, float limit, int unknown)",
         [*block("for (int i = 0; i < count; i++)", inner), "return 1;"],
     )
 
@@ -194,14 +199,14 @@ def _checks() -> list[str]:
 def _predict(program: Program, laid: Plan, names: dict[int, str], layers: list[Layer]) -> list[str]:
     body = ["*error_m = 0.0f;"]
     for index in program.inputs:
-        size = program.buffers[index].size
-        check = f"if (!uwb_within({names[index]}, {size}, UWB_PREDICT_LIMIT))"
+        size, unknown = program.buffers[index].size, int(names[index] != CIR)
+        check = f"if (!uwb_within({names[index]}, {size}, UWB_PREDICT_LIMIT, {unknown}))"
         body += block(check, ["return 1;"])
     for position, layer in enumerate(layers):
         taken = [names[i] for i in program.inputs if i in layer.inputs]
         body.append(f"{_name(position, layer)}({', '.join(taken)});")
     body.append(f"const float result = {_result(program, laid, names)};")
-    body += block("if (!uwb_within(&result, 1, 3.40282347e+38f))", ["return 2;"])
+    body += block("if (!uwb_within(&result, 1, 3.40282347e+38f, 0))", ["return 2;"])
     return block(_signature(program, names), [*body, "*error_m = result;", "return 0;"])
 
 
@@ -223,6 +228,19 @@ def _size_name(name: str, index: int, program: Program) -> str:
     return "UWB_PREDICT_SAMPLES" if first else f"UWB_PREDICT_{name.upper()}_VALUES"
 
 
+def _row(program: Program, names: dict[int, str]) -> list[str]:
+    """Return a call with all inputs one after another."""
+    sizes = [program.buffers[index].size for index in names]
+    starts = [sum(sizes[:place]) for place in range(len(sizes))]
+    given = ", ".join(f"row + {start}" for start in starts)
+    head = "static inline int uwb_predict_row(const float *row, float *error_m)"
+    return [
+        "/* The same with all inputs one after another. */",
+        f"#define UWB_PREDICT_ROW_VALUES {sum(sizes)}",
+        *block(head, [f"return uwb_predict({given}, error_m);"]),
+    ]
+
+
 def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
     sizes = [
         f"#define {_size_name(name, i, program)} {program.buffers[i].size}"
@@ -241,9 +259,12 @@ def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
         "/* Magnitudes of the accumulator in, in counts, from five samples before the detected",
         "   first path on; the error (measured - true range) out, in metres.",
         "   Returns 0; 1 where an input is not finite or beyond +-UWB_PREDICT_LIMIT; 2 where the",
-        "   sums overflow; *error_m is 0 then. All zeros are an input like others.",
-        "   Not reentrant: all calls share the arena. */",
+        "   sums overflow; *error_m is 0 then. All zeros are an input like others. Inputs beside",
+        "   `cir`, if there are any, may hold NaN for what is not known. */",
+        "/* Not reentrant: all calls share the arena. */",
         f"{_signature(program, names)};",
+        "",
+        *_row(program, names),
         "",
         "#endif",
     ]

@@ -6,7 +6,7 @@ cropping, transposing and broadcasting cost nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -234,6 +234,24 @@ class Copy:
     kind: str = "copy"
 
 
+@dataclass(frozen=True, eq=False)
+class Trees:
+    """A sum of trees over x [1, columns]: base + the leaf that each walk from a root ends at.
+
+    A left child follows its node; `feature` holds the column, with the highest bit where NaN goes
+    left, or 0x7fff at a leaf, whose value is in `threshold`.
+    """
+
+    x: Ref
+    y: Ref
+    feature: NDArray[np.uint16]
+    threshold: NDArray[np.float32]
+    right: NDArray[np.uint16]
+    root: NDArray[np.uint16]
+    base: float
+    kind: str = "trees"
+
+
 Operator = (
     Loop
     | Convolution
@@ -246,6 +264,7 @@ Operator = (
     | IntegerMean
     | Lookup
     | Copy
+    | Trees
 )
 
 
@@ -257,7 +276,6 @@ class Program:
     buffers: tuple[Buffer, ...]
     inputs: tuple[int, ...]
     result: Ref
-    nodes: int = field(default=0)
 
 
 def size_of(shape: Shape) -> int:

@@ -21,6 +21,7 @@ from backends.c.reading import (
     load_checked,
     read,
 )
+from backends.c.trees import tree_ensemble
 from backends.c.views import contiguous_strides, covers, is_contiguous, reshaped, rows_layout
 
 
@@ -256,6 +257,7 @@ FLOAT: Mapping[str, Handler] = {
     "FusedGemm": gemm,
     "Gemm": gemm,
     "GlobalAveragePool": global_mean,
+    "IsNaN": function("is_nan", 1),
     "Greater": function("greater", 2),
     "GreaterOrEqual": function("greater_equal", 2),
     "Less": function("less", 2),
@@ -279,5 +281,6 @@ FLOAT: Mapping[str, Handler] = {
     "Sqrt": function("sqrt", 1),
     "Sub": function("subtract", 2),
     "Tanh": function("tanh", 1),
+    "TreeEnsembleRegressor": tree_ensemble,
     "Where": function("where", 3),
 }

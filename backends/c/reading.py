@@ -21,6 +21,7 @@ from backends.c.operators import (
     Program,
     Ref,
     Shape,
+    reads,
     size_of,
 )
 from backends.c.views import contiguous_strides, is_contiguous, reshaped, strides_like
@@ -153,7 +154,7 @@ Handler = Callable[[Reading, Node], Value | tuple[Value, ...]]
 
 
 def read(model: ModelProto, handlers: Mapping[str, Handler]) -> Program:
-    """Return a graph as operators on one row.
+    """Return a graph as operators on one row; its first output is the result.
 
     Raises ValueError (`UnknownOperatorError` with the operator's name) for what C cannot be written
     for, for values larger than `MOST_ELEMENTS`, and for nodes that are not in order of execution.
@@ -166,8 +167,18 @@ def read(model: ModelProto, handlers: Mapping[str, Handler]) -> Program:
     for proto in graph.node:
         _read_node(reading, Node.of(proto), handlers)
     result = _result(reading, graph)
-    operators, buffers = tuple(reading.operators), tuple(reading.buffers)
-    return Program(operators, buffers, inputs, result, len(graph.node))
+    return Program(_needed(reading, result), tuple(reading.buffers), inputs, result)
+
+
+def _needed(reading: Reading, result: Ref) -> tuple[Operator, ...]:
+    """Return the operators that the result depends on: a graph may give more than the error."""
+    wanted = {result.buffer}
+    kept: list[Operator] = []
+    for operator in reversed(reading.operators):
+        if operator.y.buffer in wanted:
+            kept.append(operator)
+            wanted |= {ref.buffer for ref in reads(operator)}
+    return tuple(reversed(kept))
 
 
 def check(model: ModelProto) -> None:
@@ -189,8 +200,6 @@ def _check_graph(model: ModelProto) -> None:
         raise ValueError(f"{len(graph.node)} nodes, at most {MOST_NODES} are taken")
     if model.functions or graph.sparse_initializer:
         raise ValueError("functions and sparse constants are not taken")
-    if len(graph.output) != 1:
-        raise ValueError(f"{len(graph.output)} outputs, expected one: the error in metres")
 
 
 def _read_constants(reading: Reading, graph: GraphProto) -> None:

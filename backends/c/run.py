@@ -21,7 +21,7 @@ int uwb_predict_rows(const float *rows, int count, float *errors_m)
 {
     int refused = 0;
     for (int i = 0; i < count; i++) {
-        refused |= uwb_predict(rows + i * UWB_PREDICT_SAMPLES, errors_m + i);
+        refused |= uwb_predict_row(rows + i * UWB_PREDICT_ROW_VALUES, errors_m + i);
     }
     return refused;
 }
@@ -43,19 +43,29 @@ def open_integer(path: Path, threads: int = 1) -> Runner:
 def load(source: CSource, flags: Sequence[str] = (*FLAGS, NATIVE)) -> Runner:
     """Compile C and return it as a function: CIRs float32 [n, width] -> errors float32 [n].
 
-    The function raises ValueError for CIRs of another width or type, or that are not finite.
+    The function raises ValueError for rows of another width or type, or that are not finite.
     Raises CompilerError, a ValueError, where there is no compiler or it refuses.
     """
     with tempfile.TemporaryDirectory(prefix="uwb-bench-") as folder:
         library = compile_shared({**source.files, "rows.c": _ROWS}, Path(folder), flags)
         rows = ctypes.CDLL(str(library)).uwb_predict_rows  # stays mapped once it is loaded
     rows.argtypes = (ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
-    return _runner(rows, samples(source))
+    return _runner(rows, row_width(source))
+
+
+def row_width(source: CSource) -> int:
+    """Return how many values generated C takes in all."""
+    return _size(source, "UWB_PREDICT_ROW_VALUES")
 
 
 def samples(source: CSource) -> int:
-    """Return how many samples generated C takes."""
-    [line] = [x for x in source.files["uwb_predict.h"].splitlines() if "PREDICT_SAMPLES " in x]
+    """Return how many values the first input of generated C has: the samples of the CIR."""
+    return _size(source, "UWB_PREDICT_SAMPLES")
+
+
+def _size(source: CSource, name: str) -> int:
+    lines = source.files["uwb_predict.h"].splitlines()
+    [line] = [line for line in lines if line.startswith(f"#define {name} ")]
     return int(line.split()[-1])
 
 
@@ -65,13 +75,13 @@ def _runner(rows: ctypes._NamedFuncPointer, width: int) -> Runner:
     def predict(cirs: Floats) -> Floats:
         if cirs.dtype != float32 or cirs.ndim != 2 or cirs.shape[1] != width:
             raise ValueError(
-                f"expected CIRs float32 [n, {width}], got {cirs.dtype} {list(cirs.shape)}"
+                f"expected rows float32 [n, {width}], got {cirs.dtype} {list(cirs.shape)}"
             )
         if not cirs.flags.c_contiguous:
             cirs = np.ascontiguousarray(cirs)
         errors = np.empty(len(cirs), float32)
         if rows(cirs.ctypes.data, len(cirs), errors.ctypes.data):
-            raise ValueError("a CIR is not finite, or out of the range of C")
+            raise ValueError("a row is not finite, or out of the range of C")
         return errors
 
     return predict

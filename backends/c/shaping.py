@@ -47,9 +47,8 @@ def cast(reading: Reading, node: Node) -> Value:
 
 def shape_of(reading: Reading, node: Node) -> Value:
     """Shape: known, as there is one row."""
-    if node.get("start", 0) or "end" in node.attributes:
-        raise UnknownOperatorError("Shape", "of a part")
-    return np.array(reading.shape(node.inputs[0]), np.int64)
+    shape = reading.shape(node.inputs[0])
+    return np.array(shape[node.get("start", 0) : node.get("end", None)], np.int64)
 
 
 def reshape(reading: Reading, node: Node) -> Value:

@@ -17,6 +17,7 @@ from bench.provenance import file_sha256
 from bench.results import RunRecord, from_json
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
+from bench.runner.inputs import rows_for
 from bench.runner.keys import run_key
 from bench.runner.material import Material, load_material
 
@@ -26,7 +27,7 @@ MOST_ROWS = 4096  # held-out rows that agreement is checked on
 
 @dataclass(frozen=True)
 class Chosen:
-    """An artifact, where it came from, and held-out CIRs [n, width] to check it on."""
+    """An artifact, where it came from, and held-out rows [n, width] to check it on."""
 
     artifact: Artifact
     model: str
@@ -89,14 +90,16 @@ def from_fit(
         raise BenchError(f"{backend} does not take {model}: {reason}")
     tell(f"building {backend}")
     train = material.split.folds[0].train
-    rows = TrainingData(material.cirs[train], material.errors_m[train], 0)
+    X = rows_for(material, fitted.reads)
+    rows = TrainingData(X[train], material.errors_m[train], 0)
     return _chosen(made.build(fitted, rows, scratch / "model.onnx"), model, backend, material)
 
 
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
     fold = material.split.folds[0]
     rows = np.sort(np.concatenate([fold.test_nlos, fold.test_los]))
+    X = rows_for(material, find("models", model).load().reads)
     spread = np.linspace(0, len(rows) - 1, min(len(rows), MOST_ROWS)).astype(int)
     simulated = bool(material.recordings.simulated)
-    cirs = np.ascontiguousarray(material.cirs[rows[spread]])
+    cirs = np.ascontiguousarray(X[rows[spread]])
     return Chosen(artifact, model, backend, material.name, simulated, cirs)

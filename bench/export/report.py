@@ -65,7 +65,10 @@ def _agreement(figures: Figures) -> list[str]:
     if found is None:
         return [f"| agreement with ONNX Runtime | {NOT_CHECKED} | – |"]
     how = f"measured on {found.rows} held-out rows, this machine"
-    lines = [f"| largest difference from ONNX Runtime | {found.largest_m * 1e3:.2g} mm | {how} |"]
+    lines = [
+        f"| difference from ONNX Runtime, 99 % of rows | {found.usual_m * 1e3:.2g} mm | {how} |",
+        f"| the largest | {found.largest_m * 1e3:.2g} mm | {how} |",
+    ]
     if figures.integer:
         lines.append(f"| rows equal to it bit by bit | {100 * found.equal:.2f} % | {how} |")
     return lines

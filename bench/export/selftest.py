@@ -71,7 +71,7 @@ def _main() -> list[str]:
             [
                 "float error_m = 0.0f;",
                 "const unsigned long before = CYCLES();",
-                "const int refused = uwb_predict(rows + i * UWB_PREDICT_SAMPLES, &error_m);",
+                "const int refused = uwb_predict_row(rows + i * UWB_PREDICT_ROW_VALUES, &error_m);",
                 "const unsigned long cycles = (CYCLES() - before) & 0xfffffffful;",
                 "const long got_um = (long)(error_m * 1e6f);",
                 "const long want_um = (long)(expected_m[i] * 1e6f);",

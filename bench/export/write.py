@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from backends.c.emit import CSource, Requantise
 
 Format = Literal["c", "onnx"]
-LIMITS_M = {"fp32": 1e-5, "fp16": 1e-5, "int8": 5e-3}
+LIMITS_M = {"fp32": 1e-5, "fp16": 1e-5, "int8": 2e-3}
 _WIDTHS = {"float": 4, "int32_t": 4, "int8_t": 1, "uint8_t": 1}
 
 

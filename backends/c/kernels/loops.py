@@ -90,6 +90,7 @@ def _special(name: str, v: list[str]) -> str:
         "reciprocal": lambda: f"1.0f / {v[0]}",
         "negate": lambda: f"-{v[0]}",
         "abs": lambda: f"{v[0]} < 0.0f ? -{v[0]} : {v[0]}",
+        "is_nan": lambda: f"{v[0]} != {v[0]} ? 1.0f : 0.0f",
         "relu": lambda: f"{v[0]} > 0.0f ? {v[0]} : 0.0f",
         "max": lambda: f"{v[0]} > {v[1]} ? {v[0]} : {v[1]}",
         "min": lambda: f"{v[0]} < {v[1]} ? {v[0]} : {v[1]}",

@@ -92,7 +92,7 @@ def _exp() -> list[str]:
     return block(
         "static inline float uwb_exp(float x)",
         [
-            "x = x < -87.0f ? -87.0f : (x > 88.0f ? 88.0f : x);",
+            "x = x > -87.0f ? (x < 88.0f ? x : 88.0f) : -87.0f;",
             "const float n = (x * 1.44269504f + 12582912.0f) - 12582912.0f;",
             "const float r = (x - n * 0.693359375f) - n * -2.12194440e-4f;",
             "float p = 1.98756915e-4f;",
@@ -108,7 +108,10 @@ def _exp() -> list[str]:
 
 
 def _log() -> list[str]:
-    """Return ln x of a positive number, by Cephes' polynomial (S. Moshier, public domain)."""
+    """Return ln x by Cephes' polynomial (S. Moshier, public domain).
+
+    NaN stays NaN; zero and what is below the normal numbers give the logarithm of the smallest.
+    """
     coefficients = (
         *("7.0376836292e-2f", "-1.1514610310e-1f", "1.1676998740e-1f", "-1.2420140846e-1f"),
         *("1.4249322787e-1f", "-1.6668057665e-1f", "2.0000714765e-1f", "-2.4999993993e-1f"),
@@ -117,6 +120,7 @@ def _log() -> list[str]:
     return block(
         "static inline float uwb_log(float x)",
         [
+            *block("if (!(x >= 1.17549435e-38f))", ["return x != x ? x : -87.3365448f;"]),
             "const uint32_t n = uwb_bits(x);",
             "int32_t e = (int32_t)(n >> 23) - 126;",
             "float m = uwb_float((n & 0x007fffffu) | 0x3f000000u);",

@@ -93,7 +93,7 @@ def test_odd_inputs_give_what_is_promised(model, backend, built, tmp_path: Path)
 def test_the_runner_refuses_other_rows(built) -> None:
     run = load(generate(built("remnet", "fp32").path, "fp32"))
     for rows in (np.ones((2, 156), np.float32), np.ones((2, 157)), np.ones(157, np.float32)):
-        with pytest.raises(ValueError, match=r"expected CIRs float32 \[n, 157\]"):
+        with pytest.raises(ValueError, match=r"expected rows float32 \[n, 157\]"):
             run(rows)
     assert run(np.ones((0, 157), np.float32)).shape == (0,)
     wide = np.ones((3, 314), np.float32)[:, ::2]

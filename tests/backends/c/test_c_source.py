@@ -161,3 +161,68 @@ def test_without_a_compiler_the_remedy_is_named(monkeypatch, tmp_path: Path) -> 
     assert "apt install gcc" in str(CFp32Backend().supports(NoMitigation()))
     with pytest.raises(CompilerError, match="native"):
         compile_shared({"a.c": ""}, tmp_path)
+
+
+@needs_compiler
+def test_trees_go_where_the_runtimes_go_unknown_values_too(tmp_path: Path) -> None:
+    from backends.ort import open_plain
+
+    tree = helper.make_node(
+        "TreeEnsembleRegressor",
+        ["range"],
+        ["z"],
+        domain="ai.onnx.ml",
+        nodes_treeids=[0, 0, 0, 1, 1, 1, 1, 1],
+        nodes_nodeids=[0, 1, 2, 0, 1, 2, 3, 4],
+        nodes_featureids=[0, 0, 0, 1, 0, 2, 0, 0],
+        nodes_values=[0.5, 0.0, 0.0, -0.25, 0.0, 0.125, 0.0, 0.0],
+        nodes_modes=[
+            "BRANCH_LEQ",
+            "LEAF",
+            "LEAF",
+            "BRANCH_LEQ",
+            "LEAF",
+            "BRANCH_LEQ",
+            *["LEAF"] * 2,
+        ],
+        nodes_truenodeids=[1, 0, 0, 2, 0, 3, 0, 0],
+        nodes_falsenodeids=[2, 0, 0, 1, 0, 4, 0, 0],
+        nodes_missing_value_tracks_true=[1, 0, 0, 0, 0, 1, 0, 0],
+        target_treeids=[0, 0, 1, 1, 1],
+        target_nodeids=[1, 2, 1, 3, 4],
+        target_ids=[0] * 5,
+        target_weights=[1.0, 2.0, 4.0, 8.0, 16.0],
+        base_values=[0.5],
+        n_targets=1,
+    )
+    squeeze = helper.make_node("Squeeze", ["z", "axes"], ["y"])
+    model = model_of([tree, squeeze], [("range", 3)], [("axes", np.array([1], np.int64))])
+    model.opset_import.append(helper.make_opsetid("ai.onnx.ml", 3))
+    path = saved(model, tmp_path)
+    values = np.array([-0.25, 0.125, 0.5, 0.6, np.nan], np.float32)
+    rows = np.stack(np.meshgrid(values, values, values), -1).reshape(-1, 3)
+    found, expected = load(generate(path, "fp32"))(rows), open_plain(path)(rows).reshape(-1)
+    assert len(np.unique(expected)) == 6
+    assert np.array_equal(found, expected)
+
+
+@needs_compiler
+def test_inputs_beside_the_cir_may_be_unknown_and_the_cir_may_not(tmp_path: Path) -> None:
+    nodes = [
+        helper.make_node("ReduceSum", ["cir", "axes"], ["a"], keepdims=0),
+        helper.make_node("Squeeze", ["range", "axes"], ["b"]),
+        helper.make_node("IsNaN", ["b"], ["c"]),
+        helper.make_node("Where", ["c", "zero", "b"], ["d"]),
+        helper.make_node("Add", ["a", "d"], ["y"]),
+        helper.make_node("Relu", ["b"], ["unused"]),
+    ]
+    tensors = [("axes", np.array([1], np.int64)), ("zero", np.array(0, np.float32))]
+    model = model_of(nodes, [("cir", 2), ("range", 1)], tensors)
+    model.graph.output.append(model.graph.output[0])
+    model.graph.output[1].name = "unused"
+    run = load(generate(saved(model, tmp_path), "fp32"))
+    rows = np.array([[1, 2, 3], [1, 2, np.nan]], np.float32)
+    assert run(rows).tolist() == [6.0, 3.0]
+    for bad in ([np.nan, 2, 3], [1, 2, np.inf]):
+        with pytest.raises(ValueError, match="not finite"):
+            run(np.array([bad], np.float32))
