@@ -80,13 +80,18 @@ def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
     from bench.discrepancy.report.document import describe
 
+    click.echo(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
             click.echo(line.replace("**", ""))
     seen = diagnosis.confirmed
+    if diagnosis.uncovered:
+        click.echo(f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart")
     click.echo(
-        f"confirm links ({seen.links}): mean abs. range mismatch {seen.mae_before_m} -> "
-        f"{seen.mae_after_m}; AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
+        f"confirm links ({seen.links}): |recorded - simulated| mean {seen.mae_before_m} -> "
+        f"{seen.mae_after_m}, median {seen.median_before_m} -> {seen.median_after_m}, "
+        f"90th percentile {seen.high_before_m} -> {seen.high_after_m}; "
+        f"AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
     )
     for name, reason in diagnosis.selection.skipped.items():
         click.echo(f"skipped {name}: {reason}")

@@ -15,7 +15,8 @@ class StatusView(Observer):
     """Shows what is being done; a fraction as per cent. Notes are printed on stderr."""
 
     def __init__(self, first: str) -> None:
-        self._status = Console(stderr=True).status(first)
+        self._console = Console(stderr=True)
+        self._status = self._console.status(first)
 
     def __enter__(self) -> Self:
         self._status.start()
@@ -27,8 +28,10 @@ class StatusView(Observer):
         self._status.stop()
 
     def stage(self, what: str) -> None:
-        """Show what begins."""
+        """Show what begins; a line of its own where nobody watches, as in a log."""
         self._status.update(what)
+        if not self._console.is_terminal:
+            click.echo(what, err=True)
 
     def progress(self, what: str, fraction: float) -> None:
         """Show how far it has come."""

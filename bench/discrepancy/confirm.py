@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.discrepancy.compare.calibration import rank_distance, separability
-from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap, cluster_quantile
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.settings import CONFIRM_FIRST, CONFIRM_MEMBERS
+from bench.discrepancy.data.observables import RANGE, Floats
+from bench.discrepancy.select.verdict import Unknown, Verdict
+from bench.discrepancy.settings import CONFIRM_FIRST, CONFIRM_MEMBERS, HIGH_QUANTILE
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Confirmed:
     mean| in metres; `auc_before`, `auc_after`: how well a classifier tells recorded from simulated
     rows (0.5 = not at all); `ranks_before`, `ranks_after`: deviation of ensemble ranks from
     uniform (Kolmogorov distance, 0 = calibrated). `before` and `after` are the ensembles.
+    `median_...`, `high_...`: median and 90th percentile of the same as `mae_...`; `nearer_m`: how
+    much smaller it is after, row by row (positive is better).
     """
 
     links: int
@@ -37,6 +40,17 @@ class Confirmed:
     before: Ensemble
     after: Ensemble
     view: View
+    median_before_m: Estimate
+    median_after_m: Estimate
+    high_before_m: Estimate
+    high_after_m: Estimate
+    nearer_m: Estimate
+
+    @property
+    def serves(self) -> bool:
+        """Whether the score is better beyond doubt, and the typical range error no worse."""
+        worse = self.nearer_m.high < 0 or self.mae_after_m.value > self.mae_before_m.value
+        return self.gain.above_zero and not worse
 
 
 def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Confirmed:
@@ -45,6 +59,12 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
     after = before
     if added:
         after = comparison.ensemble(held, added, CONFIRM_MEMBERS, CONFIRM_FIRST)
+    left, right = _misses(before), _misses(after)
+    figures = {}
+    for word, misses in (("before", left), ("after", right)):
+        for name, share in (("median", 0.5), ("high", HIGH_QUANTILE)):
+            found = cluster_quantile(misses, held.links, share, seed, "m")
+            figures[f"{name}_{word}_m"] = found
     return Confirmed(
         links=len(np.unique(held.links)),
         rows=len(held.rows),
@@ -58,6 +78,8 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
         before=before,
         after=after,
         view=held,
+        nearer_m=cluster_bootstrap(left - right, held.links, seed, "m"),
+        **figures,
     )
 
 
@@ -71,9 +93,31 @@ def improves(comparison: Comparison, held: View, added: Added, richer: Added, se
     return gain_interval(left, right, seed).above_zero
 
 
+def _misses(ensemble: Ensemble) -> Floats:
+    """Return |recorded range error - ensemble mean| in metres [n], NaN without ranges."""
+    if RANGE not in ensemble.names:
+        return np.full(len(ensemble.links), np.nan)
+    return np.abs(ensemble.residual_of(RANGE))
+
+
 def _mae(ensemble: Ensemble, seed: int) -> Estimate:
     """Return the mean |recorded range error - ensemble mean| in metres."""
-    if RANGE not in ensemble.names:
-        return Estimate(np.nan, np.nan, np.nan, "m")
-    left = np.abs(ensemble.residual_of(RANGE))
-    return cluster_bootstrap(left, ensemble.links, seed, "m")
+    return cluster_bootstrap(_misses(ensemble), ensemble.links, seed, "m")
+
+
+def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed) -> str:
+    """Return one line: what was found, and whether it serves on the sealed links."""
+    names = [" or ".join(v.names) for v in verdicts if v.names]
+    unknown = any(isinstance(v, Unknown) for v in verdicts)
+    if not names and not unknown:
+        return "Nothing found that the simulator leaves out."
+    said = "Left out: " + ", ".join(names) if names else "Something is there, without a name"
+    said += " - and something without a name" if names and unknown else ""
+    if not added:
+        return f"{said}. Nothing was added to the simulator."
+    before, after = seen.mae_before_m.value, seen.mae_after_m.value
+    change = f"mean |recorded - simulated| {before:.3g} -> {after:.3g} m on sealed links"
+    if seen.serves:
+        return f"{said}. The new simulator fits better: {change}."
+    why = "its score is not better beyond doubt" if not seen.gain.above_zero else "ranges are worse"
+    return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."

@@ -11,15 +11,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, View, view, without
-from bench.discrepancy.confirm import Confirmed, confirm, improves
+from bench.discrepancy.confirm import Confirmed, confirm, headline, improves
 from bench.discrepancy.data.checks import check_recorded
-from bench.discrepancy.data.columns import has_waveforms, hidden
+from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_motion
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
@@ -44,9 +45,12 @@ from bench.discrepancy.select.stepwise import (
 )
 from bench.discrepancy.select.verdict import Unknown
 from bench.discrepancy.settings import MARGIN_NATS, MOST_ROUNDS
-from bench.physics.effect import Effect
+from bench.physics.base import Base
+from bench.physics.effect import Effect, describe
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
+
+SETTINGS = ("channel", "prf_mhz", "tx_power_dbm")
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,8 @@ class Diagnosis:
     """A finished diagnosis; `simulator` has the effects added, None where a table was compared.
 
     `mix` maps covariates to what differs in their mix (see `TableComparison.mix`); `uncovered` is
-    the share of the recorded rows that have no simulated counterpart and took no part.
+    the share of the recorded rows that have no simulated counterpart and took no part; `base` has
+    the radio settings that were taken from the recordings.
     """
 
     source: str
@@ -84,6 +89,17 @@ class Diagnosis:
     mix: dict[str, tuple[float, float]] = field(default_factory=dict)
     options: Options = field(default_factory=Options)
     uncovered: float = 0.0
+    base: Base = field(default_factory=Base)
+
+    @property
+    def recommended(self) -> bool:
+        """Whether what was added serves on the sealed links (see `Confirmed.serves`)."""
+        return bool(self.added) and self.confirmed.serves
+
+    @property
+    def headline(self) -> str:
+        """One line to begin with: what was found, and whether the sealed links bear it out."""
+        return headline(self.selection.verdicts, bool(self.added), self.confirmed)
 
 
 def diagnose(
@@ -101,8 +117,9 @@ def diagnose(
     """
     check_recorded(recorded)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
-    shown = replace(recorded, frame=hidden(recorded.frame, asked.hide))
-    comparison = compared_with(simulated, window_of(shown.frame), asked.seed)
+    shown = replace(recorded, frame=with_motion(hidden(recorded.frame, asked.hide)))
+    base = base_of(shown.frame, simulated)
+    comparison = compared_with(simulated, window_of(shown.frame), asked.seed, base)
     inside = covered(comparison, shown)
     rows = _WorkingRows.of(shown.select(inside), asked)
     every, skipped = library()
@@ -120,7 +137,7 @@ def diagnose(
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name
     lost = 1 - float(inside.mean())
     return Diagnosis(
-        recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost
+        recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base
     )
 
 
@@ -160,11 +177,27 @@ class _WorkingRows:
         return self.view(self.split.confirm.open(), self.asked.confirm_rows)
 
 
-def compared_with(simulated: Simulator | Recordings, window: Window, seed: int) -> Comparison:
+def compared_with(
+    simulated: Simulator | Recordings, window: Window, seed: int, base: Base
+) -> Comparison:
     """Return the counterpart of the recorded rows: a simulator run again, or a table's rows."""
     if isinstance(simulated, Recordings):
-        return TableComparison(simulated.frame, window, seed)
-    return Resimulation(simulated, window)
+        return TableComparison(simulated.frame, window, seed, base)
+    return Resimulation(replace(simulated, base=base), window)
+
+
+def base_of(recorded: pd.DataFrame, simulated: Simulator | Recordings) -> Base:
+    """Return the base with the radio settings that the recordings name, where they name one.
+
+    A base of another channel alone is decibels of difference that are no physics left out.
+    """
+    base = Base() if isinstance(simulated, Recordings) else simulated.base
+    known = {name: numeric(recorded, name) for name in SETTINGS}
+    only = {n: np.unique(v[np.isfinite(v)]) for n, v in known.items()}
+    given = {name: value[0] for name, value in only.items() if len(value) == 1}
+    whole = {p.name for p in describe(Base) if p.whole}
+    settings = {n: int(v) if n in whole else float(v) for n, v in given.items()}
+    return replace(base, **settings)  # type: ignore[arg-type]
 
 
 def covered(comparison: Comparison, recorded: Recordings) -> NDArray[np.bool_]:

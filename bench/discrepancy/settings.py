@@ -32,6 +32,10 @@ NOISE_BEFORE_NS: Final = -3.5  # earlier samples hold noise alone: the pulse is 
 MOST_CATEGORIES: Final = 24  # of one column; more is an identifier, not a covariate [cost]
 RAREST_CATEGORY: Final = 0.02  # share of the rows below which a category is not searched [blind]
 
+MOVING_SHARE: Final = 0.2  # of the rows, whose speed must be known [convention]
+SLOWEST_M_PER_S: Final = 0.02  # where hardly a row is faster, nothing moves [convention]
+FASTEST_M_PER_S: Final = 60.0  # faster than any vehicle on the ground [derived]
+
 # --- Split by link (data/split) ------------------------------------------------------------------
 FEWEST_LINKS: Final = 4  # one to confirm on, and more than one to resample [derived]
 SHARED_BELOW: Final = 8  # links: fewer are searched and fitted in stretches of rows [convention]
@@ -64,6 +68,9 @@ AUC_LEAVES: Final = 8  # of the trees that tell recorded from simulated rows [co
 AUC_TREES: Final = 40
 AUC_FOLDS: Final = 4
 
+QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
+HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
+
 # --- Another simulator's table (compare/table, compare/matching) ---------------------------------
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
@@ -88,6 +95,10 @@ CONFIRM_MEMBERS: Final = 16
 OFFSET_FIRST: Final = 7000  # offsets of links
 OFFSET_MEMBERS: Final = 12
 UNLIMITED_MEMBERS: Final = 1 << 16  # a simulator gives as many as are asked for
+
+RARE_P: Final = 0.001  # family-wise, of single links beyond all scatter [convention]
+RARE_BEYOND: Final = 1.5  # times the widest simulated link, that such a link must be off [blind]
+RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [derived]
 
 # --- Where they differ (locate) ------------------------------------------------------------------
 FAMILY_WISE: Final = 0.05  # error of the whole search [convention]
@@ -178,6 +189,7 @@ KNOT_ROWS: Final = 10  # within a knot's reach, below which a level is not deter
 FLAT_CURVATURE: Final = 1e-4  # of the largest: the score hardly changes that way [convention]
 LEAST_CURVATURE: Final = 1e-12  # keeps what is flat everywhere finite [derived]
 FLAT_LOADING: Final = 0.05  # share in flat directions: a parameter is not determined [convention]
+UNDETERMINED: Final = 0.9  # of the bounds: a wider interval says nothing [convention]
 STEP_OF_WAY: Final = 0.1  # finite differences: of the way from null [derived]
 STEP_OF_BOUNDS: Final = (0.002, 0.25)  # and at least, at most, of the bounds
 STEP_DB: Final = 1.0  # of a level
@@ -243,6 +255,8 @@ LEAST_SCATTER_M: Final = 1e-4  # of links, a tenth of a millimetre: rounding [de
 
 # --- Pictures ---------------------------------------------------------------------------------
 FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies most [convention]
+
+FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
 
 # --- Memory (changes nothing but time) -----------------------------------------------------------
 KEPT_REPLICATES: Final = 24  # detected replicates that are remembered

@@ -8,7 +8,7 @@ Effects act on the table's rows: on range and receive level, and on the CIR wher
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,6 +62,7 @@ class TableComparison:
     frame: pd.DataFrame
     window: Window
     seed: int = 0
+    base: Base = field(default_factory=Base)
 
     @cached_property
     def links(self) -> NDArray[np.intp]:
@@ -135,7 +136,7 @@ class TableComparison:
             return change
         see = self.stages.observables
         without = self._bare(view, replicate)
-        within = see(Simulator(Base(), added, self.seed), view.scene, replicate, False)
+        within = see(Simulator(self.base, added, self.seed), view.scene, replicate, False)
         for name in CHANGED:
             if name in seen.names and name in within.names and name in without.names:
                 change[:, seen.names.index(name)] = within.column(name) - without.column(name)
@@ -143,7 +144,7 @@ class TableComparison:
 
     def _bare(self, view: View, replicate: int) -> Observables:
         """Return what the bare base gives for the rows in one replicate; remembered."""
-        bare = Simulator(Base(), (), self.seed)
+        bare = Simulator(self.base, (), self.seed)
         return self._bares.get(
             (view.number, replicate),
             lambda: self.stages.observables(bare, view.scene, replicate, False),

@@ -6,6 +6,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.settings import FASTEST_M_PER_S, HIGH_QUANTILE, MOVING_SHARE, SLOWEST_M_PER_S
+from bench.recordings.motion import SPEED, radial_speed_m_per_s
+
 Floats = NDArray[np.float64]
 
 
@@ -29,3 +32,22 @@ def known_columns(frame: pd.DataFrame) -> set[str]:
 def has_waveforms(frame: pd.DataFrame) -> bool:
     """Return whether a table has CIRs with the position of their first path."""
     return {"cir", "first_path_index"} <= known_columns(frame)
+
+
+def with_motion(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the table with the radial speed of its rows, NaN everywhere where none can be had.
+
+    From positions in time within each link: rows of two links of one pair of devices are no
+    movement. Speeds that no vehicle has are times that do not belong together.
+    """
+    if SPEED in frame or not {"time_s", "true_range_m", "link"} <= set(frame.columns):
+        return frame
+    place = frame["link"].astype(str)
+    if "environment" in frame:
+        place = place + "|" + frame["environment"].astype(str)
+    speed = radial_speed_m_per_s(frame.assign(environment=place))
+    known = np.abs(speed[np.isfinite(speed)])
+    moves = len(known) > MOVING_SHARE * len(speed)
+    typical = float(np.quantile(known, HIGH_QUANTILE)) if moves else 0.0
+    plausible = SLOWEST_M_PER_S < typical < FASTEST_M_PER_S
+    return frame.assign(**{SPEED: speed if plausible else np.nan})

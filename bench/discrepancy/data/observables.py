@@ -99,6 +99,11 @@ def collect(scalars: dict[str, Floats], shape: dict[str, Floats] | None = None) 
     return Observables(tuple(found), tuple(units[name] for name in found), values)
 
 
+def unit_of(name: str) -> str:
+    """Return the unit of an observable by its name."""
+    return SCALARS.get(name) or FEATURES.get(name, "dB")
+
+
 def error_m(frame: pd.DataFrame) -> Floats:
     """Return measured - true range [n] in metres, NaN where it is not known."""
     if "error_m" in frame:

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+PURE = ("1", "ratio")  # numbers without a unit
+
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """A fitted parameter with its 90 % interval, and whether it stopped at a physical bound."""
+    """A fitted parameter with its 90 % interval, and whether it stopped at a physical bound.
+
+    Not `determined`: the recordings leave it anywhere within its bounds.
+    """
 
     name: str
     value: float
@@ -15,7 +20,11 @@ class ParameterEstimate:
     high: float
     unit: str
     at_bound: bool = False
+    determined: bool = True
 
     def __str__(self) -> str:
+        if not self.determined:
+            return f"{self.name}: not determined by these recordings"
         edge = " (at its physical bound)" if self.at_bound else ""
-        return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}] {self.unit}{edge}"
+        unit = "" if self.unit in PURE else f" {self.unit}"
+        return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}{edge}"

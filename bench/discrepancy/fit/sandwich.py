@@ -29,6 +29,7 @@ from bench.discrepancy.settings import (
     STEP_DB,
     STEP_OF_BOUNDS,
     STEP_OF_WAY,
+    UNDETERMINED,
 )
 from bench.physics.effect import Effect, Parameter
 
@@ -84,7 +85,8 @@ def _estimate(item: Parameter, value: float, half: float) -> ParameterEstimate:
     bound = bound and value != item.null
     half = half if np.isfinite(half) else item.high - item.low
     low, high = max(value - half, item.low), min(value + half, item.high)
-    return ParameterEstimate(item.name, value, low, high, item.unit, bool(bound))
+    known = high - low < UNDETERMINED * (item.high - item.low)
+    return ParameterEstimate(item.name, value, low, high, item.unit, bool(bound), bool(known))
 
 
 def _standard_errors(per_link: PerLink, values: Floats, steps: Floats) -> Floats:

@@ -13,17 +13,23 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
-from bench.discrepancy.locate.hypotheses import Cell, Links, link_sums
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.settings import (
     FAMILY_WISE,
+    LEAST_SCATTER_M,
     MOST_CLUSTERS,
     MOST_FINDINGS,
     PERMUTATIONS,
     PERMUTED_AT_ONCE,
+    RARE_BEYOND,
+    RARE_FEWEST,
+    RARE_P,
     SPREAD_TOLD,
 )
 
@@ -101,10 +107,17 @@ def locate(
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
     best = [i for i in np.argsort(-told) if p[i] <= alpha][:top]
     found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
+    rare = None if found else rare_links(ensemble, seed)
+    found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
     small = _detectable(ensemble, threshold)
     return Located(
-        tuple(found), float(p.min()), float(np.abs(z).max()), threshold, len(cells), small
+        tuple(found),
+        min(float(p.min()), rare.p if rare else 1.0),
+        float(np.abs(z).max()),
+        threshold,
+        len(cells),
+        small,
     )
 
 
@@ -175,14 +188,63 @@ def _effect_rows(ensemble: Ensemble, which: int, cell: Cell, weight: Floats) -> 
 
 
 def _detectable(ensemble: Ensemble, threshold: float) -> dict[str, float]:
-    """Return threshold x standard error over links of the mean of all rows, per observable."""
+    """Return the shift of all rows whose statistic is expected at the threshold, per observable.
+
+    With s^2 the variance of a link's sum between versions, n its rows and m simulated versions,
+    z = shift x sum(n) x sqrt(m / (m + 1)) / sqrt(sum(s^2) + shift^2 sum(n^2) / (m + 1)): the shift
+    itself widens what permutations give. Infinite where no shift reaches the threshold.
+    """
     out = {}
-    for which, name in enumerate(ensemble.names):
-        members = ensemble.simulated[..., which]
-        known = np.isfinite(members).all(axis=0)
+    for name in ensemble.names:
+        versions = ensemble.versions_of(name)
+        known = np.isfinite(versions).all(axis=0)
         if known.any():
-            code = np.unique(ensemble.links[known], return_inverse=True)[1]
-            centred = members[:, known] - members[:, known].mean(axis=0)
-            sums = np.stack([np.bincount(code, row) for row in centred])
-            out[name] = float(threshold * np.sqrt((sums**2).mean(axis=0).sum()) / known.sum())
+            out[name] = _smallest_shift(versions[:, known], ensemble.links[known], threshold)
     return out
+
+
+def _smallest_shift(versions: Floats, links: Links, threshold: float) -> float:
+    """Return the smallest shift of values [1 + m, n] that is seen, about every second time."""
+    code = np.unique(links, return_inverse=True)[1]
+    rows = np.bincount(code).astype(np.float64)
+    sums = np.stack([np.bincount(code, row) for row in versions])
+    m = len(versions) - 1
+    if m > 1:
+        spread = sums[1:].var(axis=0, ddof=1).sum()
+    else:  # one simulated version: what the two differ by, their mean difference taken out
+        mean = (versions[0] - versions[1]).mean()
+        spread = ((sums[0] - sums[1] - mean * rows) ** 2).sum() / 2
+    room = rows.sum() ** 2 * m / (m + 1) - threshold**2 * (rows**2).sum() / (m + 1)
+    return float(threshold * np.sqrt(spread / room)) if room > 0 else float("inf")
+
+
+def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
+    """Return a finding where single links are off by more than any scatter of links explains.
+
+    A few struck links among many hardly move a mean, and with few simulated versions permutations
+    cannot tell them. Scatter is borrowed across links: offsets of all simulated links beside the
+    others' mean. A recorded link must be beyond the widest of them, and beyond a normal quantile.
+    """
+    if RANGE not in ensemble.names or len(ensemble.simulated) < RARE_FEWEST:
+        return None
+    versions = ensemble.versions_of(RANGE)
+    code = np.unique(ensemble.links, return_inverse=True)[1]
+    m = len(versions) - 1
+    offset = _link_offsets(versions[0] - versions[1:].mean(axis=0), code)
+    others = (versions[1:].sum(axis=0) - versions[1:]) / (m - 1)
+    narrower = np.sqrt((1 + 1 / m) / (1 + 1 / (m - 1)))
+    own = np.stack([_link_offsets(row, code) for row in versions[1:] - others]) * narrower
+    scatter = float(np.sqrt(np.nanmean(own**2)))
+    most = float(np.nanmax(np.abs(offset), initial=0.0))
+    p = float(min(1.0, 2 * norm.sf(most / max(scatter, LEAST_SCATTER_M)) * len(offset)))
+    if p > RARE_P or most < RARE_BEYOND * float(np.nanmax(np.abs(own), initial=0.0)):
+        return None
+    cell = Cell(RANGE, "link", Place())
+    return _finding(ensemble, Covariates({}, {}), cell, most / scatter, RARE_P, seed)
+
+
+def _link_offsets(values: Floats, code: Links) -> Floats:
+    """Return the median of values [n] over the rows of each link [L]."""
+    order = np.argsort(code, kind="stable")
+    parts = np.split(values[order], np.flatnonzero(np.diff(code[order])) + 1)
+    return np.array([np.nanmedian(part) if np.isfinite(part).any() else np.nan for part in parts])

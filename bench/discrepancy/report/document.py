@@ -6,10 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.data.observables import unit_of
+from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.select.verdict import (
     Ambiguous,
+    Control,
     LeftOut,
     NoMismatch,
     Unknown,
@@ -17,6 +19,7 @@ from bench.discrepancy.select.verdict import (
     as_dict,
 )
 from bench.files import write_atomically
+from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
 
 
@@ -40,6 +43,10 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "recorded": diagnosis.source,
         "simulated": diagnosis.simulated,
+        "headline": diagnosis.headline,
+        "recommended": diagnosis.recommended,
+        "base": {name: getattr(diagnosis.base, name) for name in SETTINGS},
+        "rows_without_counterpart": diagnosis.uncovered,
         "seed": diagnosis.options.seed,
         "hidden": list(diagnosis.options.hide),
         "verdicts": [as_dict(verdict) for verdict in diagnosis.selection.verdicts],
@@ -51,6 +58,10 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
             "gain_nats": vars(seen.gain),
             "range_mae_before_m": vars(seen.mae_before_m),
             "range_mae_after_m": vars(seen.mae_after_m),
+            "range_median_before_m": vars(seen.median_before_m),
+            "range_median_after_m": vars(seen.median_after_m),
+            "range_p90_before_m": vars(seen.high_before_m),
+            "range_p90_after_m": vars(seen.high_after_m),
             "auc_before": seen.auc_before,
             "auc_after": seen.auc_after,
             "rank_distance_before": seen.ranks_before,
@@ -63,6 +74,7 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
 def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     """Return the report as Markdown."""
     lines = [f"# Diagnosis: {diagnosis.simulated} against {diagnosis.source}", ""]
+    lines += [f"**{diagnosis.headline}**", "", _base_line(diagnosis), ""]
     lines += ["## What was found", ""]
     for verdict in diagnosis.selection.verdicts:
         lines += [*describe(verdict), ""]
@@ -73,10 +85,20 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     return "\n".join(lines + _method_lines(diagnosis)) + "\n"
 
 
+def _base_line(diagnosis: Diagnosis) -> str:
+    """Return the radio settings that levels were computed with."""
+    base = diagnosis.base
+    return (
+        f"Levels are those of channel {base.channel}, {base.prf_mhz} MHz pulse repetition and "
+        f"{base.tx_power_dbm:g} dBm radiated (from the recordings where they have the columns "
+        "channel, prf_mhz and tx_power_dbm, else the simulator's)."
+    )
+
+
 def describe(verdict: Verdict) -> list[str]:
     """Return one verdict in words and figures."""
     if isinstance(verdict, NoMismatch):
-        seen = [f"{name} {size:.3g}" for name, size in verdict.detectable.items()]
+        seen = [f"{name} {size:.3g} {unit_of(name)}" for name, size in verdict.detectable.items()]
         return [f"**{verdict}.**", "Smallest shift of all rows that would show: " + ", ".join(seen)]
     if isinstance(verdict, Unknown):
         found = [f"- {finding}" for finding in verdict.findings[:5]]
@@ -102,11 +124,18 @@ def _option_lines(option: LeftOut) -> list[str]:
         out += [f"  - {_short(vars(effect))}"]
     out += [f"  - {option.judged}: {option.gain}"]
     if option.control.passed is not None:
-        word = "passed" if option.control.passed else "FAILED"
-        out += [
-            f"  - negative control ({option.control.words}): {word}, left {option.control.left}"
-        ]
+        out += [f"  - negative control ({option.control.words}): {_control(option.control)}"]
     return out
+
+
+def _control(control: Control) -> str:
+    """Return what is left where an effect must vanish, in words that the interval bears out."""
+    left = control.left
+    if not control.passed:
+        return f"FAILED, left {left}"
+    if left is not None and (left.low > 0 or left.high < 0):
+        return f"little is left there beside what is elsewhere, but not nothing: {left}"
+    return f"passed, left {left}"
 
 
 def _short(values: dict[str, Any]) -> str:
@@ -132,6 +161,8 @@ def _confirm_lines(diagnosis: Diagnosis) -> list[str]:
         "| --- | --- | --- |",
         f"| mean abs. (recorded - simulated) range error | {seen.mae_before_m} "
         f"| {seen.mae_after_m} |",
+        f"| its median | {seen.median_before_m} | {seen.median_after_m} |",
+        f"| its 90th percentile | {seen.high_before_m} | {seen.high_after_m} |",
         f"| recorded told from simulated, AUC (0.5 = cannot) | {seen.auc_before:.3f} "
         f"| {seen.auc_after:.3f} |",
         f"| ensemble ranks, distance from uniform | {seen.ranks_before:.3f} "
@@ -147,6 +178,12 @@ def _mix_lines(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.mix:
         return []
     out = ["## The mix of covariates (not physics)", ""]
+    if diagnosis.uncovered:
+        out += [
+            f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart: they "
+            "took no part, and nothing is said about them.",
+            "",
+        ]
     for name, (shift, p) in diagnosis.mix.items():
         out += [f"- {name}: recorded - simulated = {shift:+.2f} standard deviations, p = {p:.3g}"]
     return [*out, ""]
@@ -162,10 +199,18 @@ def _search_lines(diagnosis: Diagnosis) -> list[str]:
         if turn.explanation:
             for one in turn.explanation.contenders:
                 out += [f"- tried {one.name}: gain {one.gain}"]
-        out += [f"- **added: {turn.added.name}**" if turn.added else "- nothing added", ""]
+        out += [f"- {_what_was_added(diagnosis, turn.added)}", ""]
     for name, reason in diagnosis.selection.skipped.items():
         out += [f"Skipped {name}: {reason}", ""]
     return out
+
+
+def _what_was_added(diagnosis: Diagnosis, effect: Effect | None) -> str:
+    """Return what a round added, and whether that stayed."""
+    if effect is None:
+        return "nothing added"
+    stayed = any(known.physics == effect.physics for known in diagnosis.added)
+    return f"**added: {effect.name}**" if stayed else f"added: {effect.name}, removed again later"
 
 
 def _method_lines(diagnosis: Diagnosis) -> list[str]:

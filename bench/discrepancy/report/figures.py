@@ -12,7 +12,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.method import Diagnosis
-from bench.discrepancy.settings import FIGURE_BINS
+from bench.discrepancy.settings import FIGURE_BINS, FIGURE_CENTRE, LEAST_SCATTER_M
 from bench.files import atomic_path
 
 if TYPE_CHECKING:
@@ -83,9 +83,24 @@ def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
         axes.plot(value, _residual(ensemble), ".", ms=3, alpha=0.4, color=colour, label=label)
     axes.axhline(0, color=RECORDED, lw=0.8)
+    _cut_outliers(axes, [_residual(seen.before), _residual(seen.after)])
     axes.set_xlabel(column)
     axes.set_ylabel(f"recorded - simulated {_first(seen.before)}")
     axes.legend()
+
+
+def _cut_outliers(axes: Axes, values: list[Floats]) -> None:
+    """Show the central 98 % and say how many points lie beyond."""
+    every = np.concatenate([one[np.isfinite(one)] for one in values])
+    if not len(every):
+        return
+    low, high = np.quantile(every, FIGURE_CENTRE)
+    room = 0.3 * max(high - low, LEAST_SCATTER_M)
+    low, high = low - room, high + room
+    beyond = int(((every < low) | (every > high)).sum())
+    axes.set_ylim(low, high)
+    if beyond:
+        axes.text(0.99, 0.01, f"{beyond} points beyond", ha="right", transform=axes.transAxes)
 
 
 def responsible(diagnosis: Diagnosis) -> str:
@@ -143,8 +158,8 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     edges = np.array([[g.value - g.low, g.high - g.value] for g in gains]).reshape(-1, 2).T
     axes.barh(places, values, color=AFTER, alpha=0.4, xerr=np.abs(edges) if steps else None)
     for place, (_, *others) in enumerate(steps):
-        for other in others[:3]:
-            _mark(axes, max(other.gain.value, 0.0), place, other.name)
+        for number, other in enumerate(others[:3]):
+            _mark(axes, max(other.gain.value, 0.0), place + 0.18 * number, other.name)
     by_link = ["\n(likelihood)" if turn.strike else "" for turn in turns]
     axes.set_yticks(places, [f"{s[0].name}{w}" for s, w in zip(steps, by_link, strict=True)])
     axes.invert_yaxis()
@@ -153,10 +168,10 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
 
 
-def _mark(axes: Axes, value: float, place: int, name: str) -> None:
+def _mark(axes: Axes, value: float, place: float, name: str) -> None:
     """Mark what another effect would have gained at a step of the ladder."""
     axes.plot(value, place + 0.3, "v", ms=4, color=BEFORE)
-    axes.text(value, place + 0.25, f"  {name}", fontsize=6, rotation=20, color=BEFORE)
+    axes.text(value, place + 0.25, f"  {name}", fontsize=6, color=BEFORE)
 
 
 def ranks_figure(axes: Axes, diagnosis: Diagnosis) -> None:

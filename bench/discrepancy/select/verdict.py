@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
@@ -90,7 +91,11 @@ class NoMismatch:
 
     def __str__(self) -> str:
         seen = self.detectable.get("error_m")
-        least = "" if seen is None else f"; a range shift of {seen:.2g} m would have been seen"
+        if seen is None:
+            return f"no mismatch found (p = {self.p:.2g})"
+        least = f"; a range shift of {seen:.2g} m would have been seen every second time"
+        if not isfinite(seen):
+            least = "; no shift of all ranges would have been seen: too few links or simulated rows"
         return f"no mismatch found (p = {self.p:.2g}){least}"
 
 

@@ -6,18 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy_tables as made
+import pandas as pd
 import pytest
 
 from bench.discrepancy import NoMismatch, Options, Unknown, diagnose
 from bench.discrepancy.data.columns import known_columns
+from bench.discrepancy.method import base_of
 from bench.discrepancy.select.candidates import library, offered
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.temperature import TemperatureDrift
+from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
+from bench.recordings.table import Recordings
 
 SOME = {"antenna-delay": AntennaDelay, "temperature-drift": TemperatureDrift}
 
@@ -116,3 +120,54 @@ def test_tables_that_share_nothing_are_refused():
     far = simulated.frame.assign(true_range_m=200.0)
     with pytest.raises(BenchError, match="no overlap"):
         diagnose(recorded, replace(simulated, frame=far))
+
+
+def _drive(lag_s: float) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return recorded and simulated rows of a robot that drives to and fro along each link."""
+    rng = np.random.default_rng(11)
+    frames = []
+    for _ in range(2):
+        time = np.tile(np.arange(30) * 0.2, 24)
+        link = np.repeat(np.arange(24), 30)
+        phase = rng.uniform(0, 6, 24)[link]
+        distance = 8 + 3 * np.sin(0.9 * time + phase)
+        speed = 3 * 0.9 * np.cos(0.9 * time + phase)
+        error = rng.normal(0, 0.03, len(link)) + (0 if frames else lag_s) * speed
+        frames.append(
+            pd.DataFrame(
+                {"link": [f"l{i}" for i in link], "time_s": time, "true_range_m": distance,
+                 "error_m": error, "range_m": distance + error}
+            )
+        )  # fmt: skip
+    return frames[0], frames[1]
+
+
+def test_a_time_lag_on_a_drive_is_found_from_positions_and_times():
+    recorded, simulated = (Recordings(f, "drive") for f in _drive(0.06))
+    simulated = replace(simulated, simulator="numpy")
+    kinds = {"time-lag": TimeLag, **SOME}
+    found = diagnose(recorded, simulated, kinds=kinds)
+    assert "time-lag" in {name for names in found.selection.names for name in names}
+    lag = next(effect for effect in found.added if isinstance(effect, TimeLag))
+    assert lag.lag_s == pytest.approx(0.06, abs=0.01)
+    assert found.recommended
+    assert "fits better" in found.headline
+
+
+def test_what_makes_ranges_worse_is_not_recommended():
+    recorded, simulated = made.tables(2, made.warmth, replicas=3, links=40)
+    found = diagnose(recorded, simulated, kinds=SOME)
+    worse = replace(found.confirmed, mae_after_m=found.confirmed.mae_before_m,
+                    mae_before_m=found.confirmed.mae_after_m)  # fmt: skip
+    told = replace(found, confirmed=worse)
+    assert found.recommended
+    assert not told.recommended
+    assert told.headline.startswith("NOT RECOMMENDED")
+
+
+def test_the_radio_settings_of_the_table_are_the_bases():
+    recorded, _ = made.tables(2, None)
+    frame = recorded.frame.assign(channel=5, prf_mhz=16)
+    base = base_of(frame, Simulator(Base()))
+    assert (base.channel, base.prf_mhz, base.tx_power_dbm) == (5, 16, Base().tx_power_dbm)
+    assert base_of(frame.assign(channel=[5, 2] * (len(frame) // 2)), Simulator(Base())).channel == 2
