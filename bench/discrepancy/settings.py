@@ -98,6 +98,7 @@ UNLIMITED_MEMBERS: Final = 1 << 16  # a simulator gives as many as are asked for
 
 RARE_P: Final = 0.001  # family-wise, of single links beyond all scatter [convention]
 RARE_BEYOND: Final = 1.5  # times the widest simulated link, that such a link must be off [blind]
+FEW_VERSIONS: Final = 3  # simulated rows per recorded row: with fewer, scatter is borrowed
 RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [derived]
 
 # --- Where they differ (locate) ------------------------------------------------------------------

@@ -102,6 +102,16 @@ class Ensemble:
         """Return the ensemble of at most `members` simulated versions."""
         return Ensemble(self.names, self.units, self.versions[: 1 + members], self.links)
 
+    def beside(self, own: int) -> Ensemble:
+        """Return the recorded and the other versions beside the mean of the first `own` simulated.
+
+        Where a row has hardly a simulated row of its own, scatter is borrowed from rows of similar
+        links. Those differ from it at least as much as the recorded row should.
+        """
+        mean = self.versions[1 : 1 + own].mean(axis=0)
+        kept = np.concatenate([self.versions[:1], self.versions[1 + own :]]) - mean
+        return Ensemble(self.names, self.units, kept, self.links)
+
     def rows(self, keep: NDArray[np.intp] | NDArray[np.bool_]) -> Ensemble:
         """Return the ensemble of some rows."""
         return Ensemble(self.names, self.units, self.versions[:, keep], self.links[keep])

@@ -93,10 +93,12 @@ def locate(
     alpha: float = FAMILY_WISE,
     permutations: int = PERMUTATIONS,
     top: int = MOST_FINDINGS,
+    wider_only: bool = False,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
-    Deterministic from `seed`. Returns at most `top` findings with family-wise p <= `alpha`.
+    Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
+    `Ensemble.beside`). Returns at most `top` findings with family-wise p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
@@ -105,7 +107,8 @@ def locate(
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
-    best = [i for i in np.argsort(-told) if p[i] <= alpha][:top]
+    narrow = [wider_only and c.moment in ("spread", "link") for c in cells] & (z < 0)
+    best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
     found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
     rare = None if found else rare_links(ensemble, seed)
     found = [rare] if rare else found

@@ -28,6 +28,7 @@ from bench.discrepancy.settings import (
     BEHIND_M,
     BEND_M,
     CALM_EXTRA_M,
+    FEW_VERSIONS,
     LEAD_NATS,
     LEAST_SCATTER_M,
     OFFSET_FIRST,
@@ -215,9 +216,12 @@ def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect]
 
     Without a `kind` all links count as spared.
     """
-    made = comparison.ensemble(view, added, OFFSET_MEMBERS, OFFSET_FIRST).first(
-        comparison.distinct(view)
+    whole, own = (
+        comparison.ensemble(view, added, OFFSET_MEMBERS, OFFSET_FIRST),
+        comparison.distinct(view),
     )
+    borrows = own < FEW_VERSIONS and len(whole.simulated) >= own + FEW_VERSIONS
+    made = whole.beside(own) if borrows else whole.first(own)
     members = len(made.simulated)
     links, code = np.unique(made.links, return_inverse=True)
     which = made.names.index("error_m")

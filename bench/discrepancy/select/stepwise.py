@@ -14,6 +14,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.settings import (
+    FEW_VERSIONS,
     MARGIN_NATS,
     REMOVED_SHARE,
     SCATTER_MARGIN_NATS,
@@ -34,8 +35,12 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
     first = SEARCH_FIRST + turn * SEARCH_MEMBERS
     seen = search.searched
     ensemble = search.comparison.ensemble(seen, added, SEARCH_MEMBERS, first)
-    ensemble = ensemble.first(search.comparison.distinct(seen))
-    return locate(ensemble, seen.covariates, search.seed + turn)
+    own = search.comparison.distinct(seen)
+    located = locate(ensemble.first(own), seen.covariates, search.seed + turn)
+    if located.significant or own >= FEW_VERSIONS or len(ensemble.simulated) < own + FEW_VERSIONS:
+        return located
+    wider = locate(ensemble.beside(own), seen.covariates, search.seed + turn, wider_only=True)
+    return wider if wider.significant else located
 
 
 def contradicted(added: Added, located: Located) -> Effect | None:

@@ -171,3 +171,13 @@ def test_the_radio_settings_of_the_table_are_the_bases():
     base = base_of(frame, Simulator(Base()))
     assert (base.channel, base.prf_mhz, base.tx_power_dbm) == (5, 16, Base().tx_power_dbm)
     assert base_of(frame.assign(channel=[5, 2] * (len(frame) // 2)), Simulator(Base())).channel == 2
+
+
+def test_with_one_simulated_row_for_each_recorded_one_scatter_is_borrowed():
+    recorded, simulated = made.tables(121, made.crystals, replicas=1)
+    found = diagnose(recorded, simulated, kinds=SOME)
+    assert found.selection.rounds[0].located.significant
+    assert found.selection.names == (("clock-offset",),)
+    assert found.confirmed.mae_after_m.value < 0.2 * found.confirmed.mae_before_m.value
+    clean = diagnose(*made.tables(122, None, replicas=1), kinds=SOME)
+    assert isinstance(clean.selection.verdicts[0], NoMismatch)
