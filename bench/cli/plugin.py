@@ -14,6 +14,22 @@ if TYPE_CHECKING:
     from bench.scaffold.package import Kind
 
 
+EPILOG = """\b
+Examples:
+  bench plugin new ridge-cir -o ~/plug-ins
+  bench plugin new humidity --kind effect
+  bench plugin new my-board --kind device
+"""
+THEN = {
+    "model": "bench run --model {name} --backend fp32",
+    "backend": "bench run --model remnet --backend {name}",
+    "dataset": "bench run --model all --data {name} --backend fp32",
+    "effect": "bench diagnose --recorded mine.parquet",
+    "simulator": "bench simulate {name} --geometry {name} -o simulated.parquet",
+    "device": "bench run --model remnet --backend int8 --device {name}",
+}
+
+
 @click.group(epilog="Example: bench plugin new ridge-cir")
 def command() -> None:
     """Start a plug-in package of your own.
@@ -22,11 +38,11 @@ def command() -> None:
     """
 
 
-@command.command(epilog="Example: bench plugin new ridge-cir -o ~/plug-ins")
+@command.command(epilog=EPILOG)
 @click.argument("name")
 @click.option(
     "--kind",
-    type=click.Choice(["model", "dataset"]),
+    type=click.Choice(["model", "backend", "dataset", "effect", "simulator", "device"]),
     default="model",
     show_default=True,
     help="What it adds.",
@@ -57,5 +73,4 @@ def _explain(name: str, kind: Kind, folder: Path, files: Sequence[str]) -> None:
         click.echo(f"  {path}")
     quoted = shlex.quote(str(folder))
     click.echo(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
-    chosen = f"--model {name}" if kind == "model" else f"--model all --data {name}"
-    click.echo(f"then: bench run {chosen} --backend fp32")
+    click.echo(f"then: {THEN[kind].format(name=name)}")

@@ -1,6 +1,6 @@
 """Starts plug-in packages from templates: names checked, all files written or none."""
 
 from bench.scaffold.names import PluginName
-from bench.scaffold.package import write_package
+from bench.scaffold.package import LAYOUTS, Kind, write_package
 
-__all__ = ["PluginName", "write_package"]
+__all__ = ["LAYOUTS", "Kind", "PluginName", "write_package"]

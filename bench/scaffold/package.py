@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -15,27 +16,57 @@ from bench.errors import BenchError, WriteError
 from bench.plugins import Group
 from bench.scaffold.names import PluginName
 
-Kind = Literal["model", "dataset"]
-_GROUPS: Mapping[Kind, Group] = {"model": "models", "dataset": "datasets"}
-_CLASS_ENDINGS: Mapping[Kind, str] = {"model": "Regressor", "dataset": "Recorded"}
+Kind = Literal["model", "backend", "dataset", "effect", "simulator", "device"]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a package of one kind has of its own.
+
+    `file` is the module of the plug-in, `ending` of its class's name, `more` further templates and
+    where they go.
+    """
+
+    group: Group
+    what: str
+    file: str
+    ending: str
+    dependencies: tuple[str, ...]
+    more: Mapping[str, str] = field(default_factory=dict)
+
+
+LAYOUTS: Mapping[Kind, Layout] = {
+    "model": Layout(
+        "models",
+        "A range-error mitigation model",
+        "model",
+        "Regressor",
+        ("numpy", "scikit-learn", "torch", "uwb-bench"),
+        {"network.py.tmpl": "src/$module/network.py"},
+    ),
+    "backend": Layout(
+        "backends", "A backend", "backend", "Runtime", ("numpy", "onnx", "uwb-bench")
+    ),
+    "dataset": Layout(
+        "datasets", "A data set", "source", "Recorded", ("numpy", "pandas", "uwb-bench")
+    ),
+    "effect": Layout("effects", "A physical effect", "effect", "Physics", ("numpy", "uwb-bench")),
+    "simulator": Layout(
+        "simulators", "A simulator", "simulator", "Simulated", ("numpy", "pandas", "uwb-bench")
+    ),
+    "device": Layout(
+        "devices",
+        "A device profile",
+        "device",
+        "Profile",
+        ("uwb-bench",),
+        {"profile.toml.tmpl": "src/$module/profile.toml"},
+    ),
+}
 _COMMON = {
     "pyproject.toml.tmpl": "pyproject.toml",
-    "README.md.tmpl": "README.md",
     "init.py.tmpl": "src/$module/__init__.py",
     "typed.tmpl": "src/$module/py.typed",
-}
-_LAYOUT: Mapping[Kind, Mapping[str, str]] = {
-    "model": {
-        **_COMMON,
-        "model.py.tmpl": "src/$module/model.py",
-        "network.py.tmpl": "src/$module/network.py",
-        "test_model.py.tmpl": "tests/test_$module.py",
-    },
-    "dataset": {
-        **_COMMON,
-        "source.py.tmpl": "src/$module/source.py",
-        "test_source.py.tmpl": "tests/test_$module.py",
-    },
 }
 
 
@@ -46,7 +77,7 @@ def write_package(name: str, kind: Kind, parent: Path) -> tuple[Path, list[str]]
     written; then nothing is left behind.
     """
     names = PluginName(name)
-    names.check(_GROUPS[kind])
+    names.check(LAYOUTS[kind].group)
     target = parent / name
     _check_free(target)
     content = _render(names, kind)
@@ -60,15 +91,35 @@ def write_package(name: str, kind: Kind, parent: Path) -> tuple[Path, list[str]]
 
 def _render(names: PluginName, kind: Kind) -> dict[str, str]:
     """Return the text of every file by its path in the package."""
-    class_name = names.words + _CLASS_ENDINGS[kind]
-    values = {"name": names.text, "module": names.module, "class_name": class_name}
-    folder = files(f"bench.scaffold.{kind}")
-    return {
-        Template(path).substitute(values): Template(
-            (folder / template).read_text(encoding="utf-8")
-        ).substitute(values)
-        for template, path in _LAYOUT[kind].items()
+    layout = LAYOUTS[kind]
+    values = {
+        "name": names.text,
+        "module": names.module,
+        "class_name": names.words + layout.ending,
+        "kind": kind,
+        "group": layout.group,
+        "what": layout.what,
+        "file": layout.file,
+        "dependencies": ", ".join(f'"{one}"' for one in layout.dependencies),
     }
+    return {
+        Template(path).substitute(values): Template(text).substitute(values)
+        for path, text in _templates(kind, layout)
+    }
+
+
+def _templates(kind: Kind, layout: Layout) -> Iterator[tuple[str, str]]:
+    """Yield the path in the package and the text of every template of a kind."""
+    own = {
+        "README.md.tmpl": "README.md",
+        f"{layout.file}.py.tmpl": f"src/$module/{layout.file}.py",
+        f"test_{layout.file}.py.tmpl": "tests/test_$module.py",
+        **layout.more,
+    }
+    for folder, paths in (("common", _COMMON), (kind, own)):
+        for template, path in paths.items():
+            found = files(f"bench.scaffold.{folder}") / template
+            yield path, found.read_text(encoding="utf-8")
 
 
 def _check_free(target: Path) -> None:

@@ -21,6 +21,14 @@ from bench.recordings import Recordings, write_recordings
 
 NAME = "ridge-cir"
 LOGS = "office-logs"
+KINDS = {
+    NAME: "model",
+    LOGS: "dataset",
+    "narrow-weights": "backend",
+    "humid-air": "effect",
+    "long-corridor": "simulator",
+    "my-board": "device",
+}
 
 
 def call(*arguments: str) -> Result:
@@ -59,6 +67,10 @@ def test_a_data_set_package_says_how_to_use_it(tmp_path: Path) -> None:
     [
         ("model", "model.py", "class MyOwn2Regressor(MitigationModel):"),
         ("dataset", "source.py", "class MyOwn2Recorded(Source):"),
+        ("backend", "backend.py", "class MyOwn2Runtime(Backend):"),
+        ("effect", "effect.py", "class MyOwn2Physics(Effect):"),
+        ("simulator", "simulator.py", "class MyOwn2Simulated(SimulatorPlugin):"),
+        ("device", "device.py", "MyOwn2Profile: Profile = load_profile("),
     ],
 )
 def test_no_placeholder_is_left_and_every_module_compiles(
@@ -196,19 +208,19 @@ class Site:
 def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
     """Install the example packages as a user would, without a network and outside our tree."""
     root = tmp_path_factory.mktemp("plugin")
-    call("new", NAME, "-o", str(root))
-    call("new", LOGS, "--kind", "dataset", "-o", str(root))
+    for name, kind in KINDS.items():
+        call("new", name, "--kind", kind, "-o", str(root))
     made = Site(root / "site", root)
     offline = ("--no-deps", "--no-index", "--no-build-isolation", "--quiet")
     install = [sys.executable, "-m", "pip", "install", *offline, "--target", str(made.folder)]
-    subprocess.run([*install, str(root / NAME), str(root / LOGS)], check=True)
+    subprocess.run([*install, *(str(root / name) for name in KINDS)], check=True)
     return made
 
 
 BROKEN = {
     "absent": ("import a_library_nobody_has", "ModuleNotFoundError: No module named"),
     "raises": ("1 / 0", "ZeroDivisionError: division by zero"),
-    "exits": ("raise SystemExit('stop')", "SystemExit: stop"),
+    "exits": ("raise SystemExit('stop')", "it tried to end the program"),
     "garbled": ("def (", "SyntaxError: invalid syntax"),
     "empty": ("", "AttributeError: module 'bad_empty' has no attribute 'Bad'"),
 }
@@ -231,7 +243,10 @@ def broken(site: Site) -> Iterator[None]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "least"), [(NAME, 50), (LOGS, 6)])
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [(NAME, 50), (LOGS, 6), *((name, 3) for name in KINDS if name not in (NAME, LOGS))],
+)
 def test_a_package_passes_its_own_tests(site: Site, name: str, least: int) -> None:
     package = site.packages / name
     run = site.python("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=package)

@@ -1,0 +1,1 @@
+"""Templates that packages of every kind share."""
