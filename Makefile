@@ -16,7 +16,7 @@ TORCH_ANSWERS = $(BIN)/python -c "import sys, urllib.request as u; sys.platform 
 $(VENV)/installed: pyproject.toml constraints.txt
 	@echo "Installing into $(VENV) (a few minutes the first time) ..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@if $(TORCH_ANSWERS); then $(PIP) --index-url $(TORCH_INDEX) torch==2.13.0 2>/dev/null || true; fi
+	@if $(TORCH_ANSWERS); then $(PIP) --no-deps --index-url $(TORCH_INDEX) torch==2.13.0 2>/dev/null || true; fi
 	@$(PIP) -e .
 	@touch $@
 
