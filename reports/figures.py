@@ -164,6 +164,8 @@ def _arms(value: float, low: float, high: float) -> list[list[float]]:
 def _draw_front(axes: Axes, some: Sequence[Point]) -> None:
     stable = [(point.latency_us, point.mae_m) for point in some if not point.unstable]
     front = [stable[i] for i in pareto_front(stable)]
+    if len(stable) < 2:
+        return  # one point beats nobody: no front
     latency_us, mae_m = [x for x, _ in front], [y for _, y in front]
     axes.step(latency_us, mae_m, where="post", color="black", lw=1, label="Pareto front")
 

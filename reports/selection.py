@@ -38,15 +38,16 @@ def newest_code(runs: Sequence[Run]) -> tuple[list[Run], int]:
     Seeds from different code are never averaged; the newest run of a seed counts. Ordered by
     seed.
     """
-    current = _made_by(_newest(runs))
+    current = made_by(_newest(runs))
     seeds: dict[int, Run] = {}
     for run in sorted(runs, key=_age):
-        if _made_by(run) == current:
+        if made_by(run) == current:
             seeds[run.key.seed] = run
     return [seeds[seed] for seed in sorted(seeds)], len(runs) - len(seeds)
 
 
-def _made_by(run: Run) -> tuple[str, str]:
+def made_by(run: Run) -> tuple[str, str]:
+    """Return the code and the package versions that made a run."""
     return run.key.code_hash, json.dumps(run.key.versions, sort_keys=True)
 
 

@@ -17,6 +17,8 @@ from bench.errors import BenchError, unknown_name
 from bench.files import atomic_path, check_output, write_atomically
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from reports import Board, Results
     from reports.document import Document
     from reports.overview import Ranked
@@ -37,6 +39,11 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="Draw latency against NLoS MAE: writes FILE.svg and FILE.png.",
 )
+@click.option(
+    "--ranks",
+    type=click.Path(path_type=Path),
+    help="Draw which models cannot be told apart: writes FILE.svg and FILE.png.",
+)
 @click.option("--device", help="With --plot: this device's estimated latency, not the measured.")
 @click.option("--machine", help="Show timings of this machine (part of its name).")
 @click.option("--details", is_flag=True, help="Print every column, not the short table.")
@@ -45,6 +52,7 @@ def command(
     folder: Path,
     out: Path | None,
     plot: Path | None,
+    ranks: Path | None,
     device: str | None,
     machine: str | None,
     details: bool,
@@ -59,6 +67,7 @@ def command(
     """
     from reports import ReportError, make_boards, read_results
     from reports.overview import ranked
+    from reports.ranking.picture import tie_groups
 
     if out is not None:
         check_output(out)
@@ -68,6 +77,7 @@ def command(
         _check_device(boards, plot, device)
         pictures = _draw(boards, plot, device) if plot else []
         short = [ranked(board, results) for board in boards]
+        pictures += _drawn(tie_groups(short), _pair("--ranks", ranks)) if ranks else []
     except ReportError as problem:
         raise BenchError(str(problem)) from problem
     written = _write(results, short, out, pictures) if out else []
@@ -123,18 +133,29 @@ def _print(document: Document) -> None:
 
 
 def _draw(boards: Sequence[Board], plot: Path, device: str | None) -> list[Path]:
-    """Write the figure as SVG and PNG; return both paths."""
+    """Write latency against error as SVG and PNG; return both paths."""
+    from reports.figures import latency_against_error
+
+    paths = _pair("--plot", plot)
+    return _drawn(latency_against_error(boards, device), paths)
+
+
+def _pair(option: str, path: Path) -> list[Path]:
+    """Return the SVG and the PNG that a picture's name stands for."""
+    if path.suffix not in (".svg", ".png", ""):
+        raise BenchError(
+            f"{option} {path}: expected a name ending in .svg or .png (both are written)"
+        )
+    return [path.with_suffix(".svg"), path.with_suffix(".png")]
+
+
+def _drawn(figure: Figure, paths: list[Path]) -> list[Path]:
+    """Write a figure as SVG and PNG; return both paths."""
     from rich.console import Console
 
-    from reports.figures import latency_against_error, save_png, save_svg
+    from reports.figures import save_png, save_svg
 
-    if plot.suffix not in (".svg", ".png", ""):
-        raise BenchError(
-            f"--plot {plot}: expected a name ending in .svg or .png (both are written)"
-        )
-    paths = [plot.with_suffix(".svg"), plot.with_suffix(".png")]
     with Console(stderr=True).status("drawing ..."):
-        figure = latency_against_error(boards, device)
         for path, save in zip(paths, (save_svg, save_png), strict=True):
             with atomic_path(path) as scratch:
                 save(figure, scratch)

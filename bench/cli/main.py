@@ -17,6 +17,7 @@ COMMANDS = {
     "count": "Count what a network takes on a microcontroller, in an emulator.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",
     "compare": "Compare two result folders or two runs on the same rows.",
+    "history": "Say what changed between versions of code and packages.",
     "site": "Write one self-contained page of all results.",
     "models": "List the mitigation models.",
     "backends": "List the backends a model can run on.",

@@ -80,7 +80,7 @@ def compare(first: Path, second: Path, seed: int = 0) -> Comparison:
     found, refused = list[Difference](), list[str]()
     for left, right in pairs:
         for rows in ("NLoS", "LoS"):
-            made = _compared(left, right, rows, seed)
+            made = compared_sides(left, right, rows, seed)
             if isinstance(made, str):
                 refused.append(f"{left.name}: {made}")
             elif made is not None:
@@ -89,7 +89,7 @@ def compare(first: Path, second: Path, seed: int = 0) -> Comparison:
     if not found:
         why = f": {refused[0]}" if refused else ""
         raise ReportError(f"nothing in {first} and {second} can be compared{why}")
-    return Comparison(tuple(_holm(found)), tuple(refused))
+    return Comparison(tuple(adjusted(found)), tuple(refused))
 
 
 def sides(source: Path) -> list[Side]:
@@ -129,7 +129,7 @@ def _matched(
     return pairs, [text for text in alone if text.rpartition(": ")[0] not in both]
 
 
-def _compared(one: Side, other: Side, rows: str, seed: int) -> Difference | str | None:
+def compared_sides(one: Side, other: Side, rows: str, seed: int) -> Difference | str | None:
     """Return the difference on NLoS or LoS rows, why it is refused, or None without such rows."""
     los = rows == "LoS"
     scored = [side.entry.los if los else side.entry.nlos for side in (one, other)]
@@ -199,12 +199,12 @@ def _ratio(first: Latency, second: Latency) -> Interval:
     return Interval(ratio, ratio * math.exp(-below), ratio * math.exp(above))
 
 
-def _holm(found: Sequence[Difference]) -> Iterator[Difference]:
+def adjusted(found: Sequence[Difference]) -> Iterator[Difference]:
     """Yield the differences with p adjusted for their number (Holm, Scand. J. Stat. 6, 1979)."""
     order = sorted(range(len(found)), key=lambda at: found[at].p)
-    adjusted, worst = {}, 0.0
+    fair, worst = {}, 0.0
     for rank, at in enumerate(order):
         worst = max(worst, min(1.0, (len(found) - rank) * found[at].p))
-        adjusted[at] = worst
+        fair[at] = worst
     for at, one in enumerate(found):
-        yield replace(one, p=adjusted[at])
+        yield replace(one, p=fair[at])

@@ -85,13 +85,21 @@ def test_the_front_drawn_is_the_front(tmp_path: Path) -> None:
 
 def test_an_unstable_point_is_hollow_and_not_on_the_front(tmp_path: Path) -> None:
     good, shaky = files.run("good"), files.run("shaky", nlos=files.score(0.01))
+    slow = files.run("slow", nlos=files.score(0.05))
     records = [files.timing(good, 50), files.timing(shaky, latency=[files.latency(1, 5, True)])]
-    (axes,) = latency_against_error(boards(tmp_path, good, shaky, *records)).axes
+    records.append(files.timing(slow, 80))
+    (axes,) = latency_against_error(boards(tmp_path, good, shaky, slow, *records)).axes
     (front,) = [line for line in axes.lines if line.get_label() == "Pareto front"]
-    assert list(front.get_xdata()) == [50]
+    assert list(front.get_xdata()) == [50, 80]
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     assert [list(line.get_xdata()) for line in hollow] == [[5]]
     assert axes.get_legend().get_texts()[-1].get_text() == "unstable"
+
+
+def test_one_point_is_no_front(tmp_path: Path) -> None:
+    alone = files.run("alone")
+    (axes,) = latency_against_error(boards(tmp_path, alone, files.timing(alone, 50))).axes
+    assert "Pareto front" not in [line.get_label() for line in axes.lines]
 
 
 def test_estimated_latency_is_labelled_an_estimate(tmp_path: Path) -> None:

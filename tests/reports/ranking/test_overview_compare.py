@@ -19,6 +19,7 @@ from reports import ReportError, make_boards, read_results
 from reports.markdown import to_markdown
 from reports.overview import overview, ranked
 from reports.ranking.compare import compare
+from reports.ranking.picture import tie_groups
 from reports.ranking.predictions import compared
 
 LINKS, ROWS = 30, 10
@@ -133,3 +134,15 @@ def test_the_command_prints_json_and_one_line_on_bad_input(tmp_path: Path) -> No
     (tmp_path / "x.json").write_text("{}")
     with pytest.raises(BenchError, match="no results"):
         call(command, [str(tmp_path / "x.json"), str(after)], catch_exceptions=False)
+
+
+def test_the_picture_shows_every_model_once_and_a_bar_per_group(tmp_path: Path) -> None:
+    results = read_results(folder_of(tmp_path, {"good": 0.02, "same": 0.0201, "bad": 0.2}))
+    figure = tie_groups([ranked(board, results) for board in make_boards(results)])
+    axes = figure.axes[0]
+    names = [label.get_text().split()[0] for label in axes.get_yticklabels()]
+    assert names == ["good/fp32", "same/fp32", "bad/fp32"]
+    assert len(axes.lines) == 1 + 2  # the errors, and the groups {good, same} and {bad}
+    assert "SIMULATED" in axes.get_title()
+    with pytest.raises(ReportError, match="nothing to draw"):
+        tie_groups([])
