@@ -20,6 +20,13 @@ Runner = Callable[[Floats], Floats]
 """Rows [n, width] -> errors [n] in metres; what latency is measured on."""
 
 
+class CannotTakeError(ValueError):
+    """Raised by `build` where only building shows that a backend does not take a model.
+
+    The pair is then skipped with this reason, as if `supports` had given it.
+    """
+
+
 @dataclass(frozen=True)
 class TrainingData:
     """The training split, for calibrating ranges and for quantisation-aware training.

@@ -19,6 +19,11 @@ _HOMES = {
     "Constant": "zoo.constant",
     "ConstantByLevel": "zoo.constant_by_level",
     "GradientBoosting": "zoo.gbm",
+    "REMnetLevels": "zoo.remnet_levels",
+    "GaussianProcess": "zoo.gp",
+    "NPN": "zoo.npn",
+    "Bregar2023": "zoo.bregar2023",
+    "ECANet": "zoo.ecanet",
 }
 __all__ = sorted(_HOMES)
 

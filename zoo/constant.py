@@ -27,7 +27,8 @@ class ConstantModule(BlockModule):
 
     def compute(self, blocks: dict[str, Tensor]) -> Tensor:
         """Return the constant [n]."""
-        return self.value.expand(next(iter(blocks.values())).shape[0])
+        rows = next(iter(blocks.values()))
+        return torch.zeros_like(rows[:, 0]) + self.value
 
 
 class Constant(BlockModel):

@@ -110,7 +110,7 @@ class NeuralModel(ModuleModel):
         """Return loss, learning rate, batch size and epochs."""
 
     @abstractmethod
-    def _preparation(self, width: int) -> Preparation:
+    def _preparation(self, width: int) -> Any:
         """Return the preparation of rows of `width`; ValueError if they are too narrow."""
 
     @abstractmethod

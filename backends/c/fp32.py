@@ -22,11 +22,11 @@ class CFp32Backend(Backend):
     bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
 
     def supports(self, model: MitigationModel) -> str | None:
-        """Return what to install where there is no C compiler, or None."""
+        """Return what to install where there is no C compiler, or why there is no C for it."""
         from backends.c.compile import missing_compiler
+        from backends.c.refusal import why_no_c
 
-        del model
-        return missing_compiler()
+        return missing_compiler() or why_no_c(model)
 
     def build(
         self,

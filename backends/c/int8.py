@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
-from backends.base import Artifact, Backend, Precision, TrainingData
+from backends.base import Artifact, Backend, CannotTakeError, Precision, TrainingData
 from backends.int8 import Int8Backend
 from backends.qat import QatBackend
 from zoo.base import MitigationModel, Progress
@@ -38,13 +38,19 @@ class CInt8Backend(Backend):
         path: Path,
         progress: Progress | None = None,
     ) -> Artifact:
-        """Write the quantised graph to `path`; ValueError where C cannot be written for it."""
+        """Write the quantised graph to `path`; CannotTakeError where C cannot be written for it."""
         from backends.c.emit import generate
         from backends.c.fp32 import c_note
 
         built = self.source().build(model, data, path, progress)
-        note = f"{built.note}; {c_note(generate(path, 'int8').arena_bytes)}"
-        return replace(built, opener=self.opener, note=note)
+        try:
+            source = generate(path, "int8")
+        except ValueError as problem:
+            said = str(problem).replace(f"{path}: ", "")
+            raise CannotTakeError(f"{type(model).__name__}: {said}") from None
+        return replace(
+            built, opener=self.opener, note=f"{built.note}; {c_note(source.arena_bytes)}"
+        )
 
 
 class CQatBackend(CInt8Backend):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.measure.metrics import score
 from bench.results import Score
+from bench.runner.failure import DeclinedError
 from bench.runner.inputs import rows_for
 from bench.runner.material import Material
 
@@ -69,7 +70,14 @@ def _build(
     path: Path,
     progress: Progress | None,
 ) -> Artifact:
-    made = backend.build(model, data, path, progress)
+    from backends.base import CannotTakeError
+
+    try:
+        made = backend.build(model, data, path, progress)
+    except CannotTakeError as problem:
+        raise DeclinedError(str(problem)) from problem
+    except ValueError as problem:  # what the backend cannot do is no failure to write
+        raise BenchError(str(problem)) from problem
     declares = getattr(backend, "opener", None)
     if made.opener != declares:
         raise BenchError(

@@ -17,7 +17,7 @@ from bench.plugins import Plugin
 from bench.provenance import file_sha256
 from bench.results import RunKey, RunRecord
 from bench.runner.evaluate import evaluate
-from bench.runner.failure import Failure, said
+from bench.runner.failure import DeclinedError, Failure, said
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
 from bench.runner.inputs import missing
@@ -160,7 +160,10 @@ def _record(
     reason = backend.supports(fitted.models[0])
     if reason is not None:
         return _skipped(job, str(reason), folder, watch)
-    record = _evaluate(job, backend, fitted, material, folder, watch)
+    try:
+        record = _evaluate(job, backend, fitted, material, folder, watch)
+    except DeclinedError as problem:
+        return _skipped(job, str(problem), folder, watch)
     folder.write_run(record)
     return record
 

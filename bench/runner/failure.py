@@ -24,3 +24,7 @@ class Failure:
 def said(problem: BaseException) -> str:
     """Return what a failure says in one line; our own errors without their type."""
     return one_line(str(problem)) if isinstance(problem, BenchError) else reason(problem)
+
+
+class DeclinedError(BenchError):
+    """A backend found, while building, that it does not take the model: the pair is skipped."""

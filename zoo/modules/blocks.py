@@ -10,7 +10,8 @@ from torch import Tensor, nn
 from zoo.base import Floats
 from zoo.inputs import LEVELS, Input
 from zoo.modules.features import FEATURES, NOISE_SAMPLES, MaranoFeatures
-from zoo.modules.preparation import apply_in_blocks
+from zoo.modules.preparation import Crop, apply_in_blocks
+from zoo.modules.scaling import GlobalScale
 
 LEVEL_FIGURES = (
     "rx_power_dbm",
@@ -166,3 +167,31 @@ class BlockError(BlockModule):
         if not self.spread:
             return result
         return result[:, 0], torch.exp(result[:, 1])
+
+
+class Side(BlockModule):
+    """CIR bins scaled by one number, and beside them standardised level figures and range.
+
+    [n, bins + side]. Raises ValueError where the CIR has fewer than `cir_samples` bins.
+    """
+
+    def __init__(self, inputs: Sequence[Input], cir_samples: int) -> None:
+        super().__init__(inputs)
+        widths = {one.name: one.width for one in inputs}
+        self.crop = Crop(widths.get("cir", 0), 0, cir_samples)
+        self.scale = GlobalScale()
+        self.columns = Columns([one for one in inputs if one.name != "cir"], features=False)
+        self.scaling = StandardiseKnown(self.columns.width)
+        self.bins, self.side = cir_samples, self.columns.width
+
+    def compute(self, blocks: dict[str, Tensor]) -> Tensor:
+        """Return bins and side figures [n, bins + side]."""
+        side = self.scaling(self.columns.compute(blocks))
+        return torch.cat([self.scale(self.crop(blocks["cir"])), side], 1)
+
+    def fit(self, rows: Floats) -> Floats:
+        """Fit both scalings on rows [n, width] and return the prepared rows."""
+        cir = next(one.width for one in self.inputs if one.name == "cir")
+        self.scale.fit(apply_in_blocks(self.crop, rows[:, :cir]))
+        self.scaling.fit(apply_in_blocks(self.columns, rows[:, cir:]))
+        return apply_in_blocks(self, rows).numpy()

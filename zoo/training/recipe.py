@@ -55,6 +55,7 @@ class TrainingLog:
     `epoch_losses`: mean loss of each epoch over its rows, dropout active (metres for "mae"); with
     `Stopping`, that between two looks. `rows`: rows per epoch. `seconds`: wall time.
     `held_out_losses`: the loss at each look, none where nothing was held out. `steps`: batches.
+    `rows_seen`: rows trained on in all, where training went by steps.
     """
 
     epoch_losses: tuple[float, ...]
@@ -63,16 +64,20 @@ class TrainingLog:
     engine: Engine
     steps: int
     held_out_losses: tuple[float, ...] = ()
+    rows_seen: int | None = None
 
     @property
     def epochs(self) -> int:
-        """How many passes, or looks with `Stopping`, there were."""
-        return len(self.epoch_losses)
+        """How many passes over the rows there were, rounded where training went by steps."""
+        if self.rows_seen is None:
+            return len(self.epoch_losses)
+        return round(self.rows_seen / self.rows)
 
     @property
     def rows_per_second(self) -> float:
-        """Rows trained on per second, all epochs together (not with `Stopping`)."""
-        return self.rows * self.epochs / self.seconds
+        """Rows trained on per second, all epochs together."""
+        seen = self.rows * len(self.epoch_losses) if self.rows_seen is None else self.rows_seen
+        return seen / self.seconds
 
 
 def check_recipe(recipe: TrainingRecipe, rows: int) -> None:

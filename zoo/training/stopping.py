@@ -54,7 +54,8 @@ def train_until(
     judge.restore()
     seconds = time.perf_counter() - started
     looks = tuple(judge.losses)
-    return TrainingLog(tuple(losses), len(learn), seconds, "eager", loop.steps, looks)
+    seen = min(loop.steps * recipe.batch_size, loop.steps * len(learn))
+    return TrainingLog(tuple(losses), len(learn), seconds, "eager", loop.steps, looks, seen)
 
 
 def held_out(links: NDArray[np.int64], share: float, seed: int) -> NDArray[np.bool_]:

@@ -1,0 +1,168 @@
+"""Networks and kernels that came later: sizes, layers written out again, distributions."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+import torch
+from blocks import CIR, made_up_blocks
+from scipy.stats import norm
+from sklearn.base import clone
+from torch import nn
+
+from zoo import NPN, Bregar2023, ECANet, GaussianProcess, REMnetLevels
+from zoo.bregar2023 import Bregar2023Network
+from zoo.gp import GaussianProcessNetwork
+from zoo.modules.blocks import Columns, Table
+from zoo.modules.folding import fold
+from zoo.npn import natural_relu, normal_loss
+
+X, Y, LINKS = made_up_blocks(400, seed=1)
+CIR_ONLY = slice(0, CIR)
+MODELS = {
+    "remnet-levels": (REMnetLevels(most_steps=100), slice(None)),
+    "npn": (NPN(most_steps=200), slice(None)),
+    "gp": (GaussianProcess(points=60), slice(None)),
+    "bregar2023": (Bregar2023(most_steps=300, batch_size=32), CIR_ONLY),
+    "ecanet": (ECANet(most_steps=60), CIR_ONLY),
+}
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def fitted(request: pytest.FixtureRequest):
+    model, columns = MODELS[request.param]
+    return clone(model).fit(X[:, columns], Y, groups=LINKS), columns
+
+
+@pytest.mark.parametrize(
+    ("model", "width", "parameters"),
+    [
+        (Bregar2023(), 157, 13_927),
+        (ECANet(), 157, 7_383),
+        (REMnetLevels(), 166, 4_004),
+        (NPN(), 166, 3_266),
+    ],
+)
+def test_trainable_parameters(model, width: int, parameters: int) -> None:
+    module = model.untrained(width)
+    assert sum(p.numel() for p in module.parameters() if p.requires_grad) == parameters
+
+
+def test_remnet_levels_is_no_larger_than_remnet() -> None:
+    module = REMnetLevels().untrained(166)
+    assert sum(p.numel() for p in module.parameters()) <= 6151
+
+
+def test_bregar2023_has_the_published_layers() -> None:
+    network, shapes = Bregar2023Network(0.5).eval(), []
+    for layer in network.modules():
+        if isinstance(layer, nn.Conv1d | nn.Linear):
+            layer.register_forward_hook(lambda _, __, out: shapes.append(tuple(out.shape[1:])))
+    network(torch.zeros(1, 152))
+    assert shapes == [(10, 151), (10, 76), (10, 38), (20, 16), (20, 8), (128,), (1,)]
+
+
+def test_folding_leaves_no_normalisation_and_the_same_sums() -> None:
+    for name in ("bregar2023", "ecanet"):
+        model, columns = MODELS[name]
+        done = clone(model).fit(X[:, columns], Y, groups=LINKS)
+        module = done.to_module()
+        kinds = {type(layer) for layer in module.modules()}
+        assert nn.BatchNorm1d not in kinds
+        with torch.no_grad():
+            folded = module(torch.from_numpy(X[:50, columns])).numpy()
+        np.testing.assert_allclose(folded, done.predict(X[:50, columns]), atol=2e-5)
+
+
+def test_folding_takes_only_what_follows_a_convolution() -> None:
+    layers = nn.Sequential(nn.BatchNorm1d(1), nn.Conv1d(1, 2, 1), nn.ReLU(), nn.BatchNorm1d(2))
+    fold(layers.eval())
+    assert [type(layer) for layer in layers] == [
+        *(nn.BatchNorm1d, nn.Conv1d, nn.ReLU),
+        nn.BatchNorm1d,
+    ]
+
+
+def test_natural_relu_has_the_moments_of_a_cut_normal() -> None:
+    draws = np.random.default_rng(0).normal(size=200_000)
+    for mean, std in ((0.5, 1.0), (-1.0, 0.5), (2.0, 0.3)):
+        cut = np.maximum(mean + std * draws, 0)
+        got = natural_relu(torch.tensor([mean]), torch.tensor([std**2]))
+        assert float(got[0]) == pytest.approx(cut.mean(), abs=0.02)  # a logistic for the integral
+        assert float(got[1]) == pytest.approx(cut.var(), abs=0.05)
+
+
+def test_normal_loss_is_the_likelihood_up_to_a_constant() -> None:
+    mean, std = torch.tensor([0.1, 0.3]), torch.tensor([0.2, 0.05])
+    errors = torch.tensor([0.2, 0.25])
+    expected = -norm.logpdf(errors, mean, std).mean() - 0.5 * np.log(2 * np.pi)
+    pair = torch.stack([mean, torch.log(std)], 1)
+    assert float(normal_loss(pair, errors)) == pytest.approx(expected, rel=1e-5)
+    assert float(normal_loss((mean, std), errors)) == pytest.approx(expected, rel=1e-5)
+
+
+def test_the_process_on_its_own_points_is_the_textbooks() -> None:
+    """With every row a point, the sparse process is the full one."""
+    model = GaussianProcess(points=40)
+    rows, errors = X[:30], Y[:30]
+    done = clone(model).fit(rows, errors)
+    table = Table(Columns(model._layout(166)))
+    x = table.fit(rows).astype(float) / model.length
+    tested = X[30:45]
+    with torch.no_grad():
+        z = table(torch.from_numpy(tested)).numpy().astype(float) / model.length
+
+    def kernel(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        distance = ((a[:, None] - b[None]) ** 2).sum(2)
+        return model.signal_m**2 * np.exp(-distance / 2)
+
+    inner = kernel(x, x) + model.noise_m**2 * np.eye(30)
+    offset = np.median(errors)
+    mean = offset + kernel(z, x) @ np.linalg.solve(inner, errors - offset)
+    explained = (kernel(z, x) * np.linalg.solve(inner, kernel(x, z)).T).sum(1)
+    std = np.sqrt(model.signal_m**2 - explained + model.noise_m**2)
+    found = done.predict(tested, return_std=True)
+    np.testing.assert_allclose(found[0], mean, atol=2e-3)
+    np.testing.assert_allclose(found[1], std, rtol=2e-2)
+    assert isinstance(done.module_.network, GaussianProcessNetwork)
+
+
+def test_it_learns_and_its_fit_travels(fitted) -> None:
+    model, columns = fitted
+    rows, errors, _ = made_up_blocks(300, seed=2)
+    predicted = model.predict(rows[:, columns])
+    assert predicted.dtype == np.float32
+    assert np.isfinite(predicted).all()
+    floor = np.abs(errors - np.median(Y)).mean()
+    assert np.abs(errors - predicted).mean() < 0.9 * floor
+    stored = io.BytesIO()
+    np.savez(stored, **model.fitted_state())
+    stored.seek(0)
+    copy = clone(model)
+    with np.load(stored, allow_pickle=False) as state:
+        assert copy.restore_state(dict(state))
+    np.testing.assert_array_equal(copy.predict(rows[:, columns]), predicted)
+    assert not clone(model).restore_state({})
+
+
+def test_deviations_are_positive_and_of_the_errors_size() -> None:
+    for name in ("npn", "gp"):
+        model, _ = MODELS[name]
+        done = clone(model).fit(X, Y, groups=LINKS)
+        errors, std = done.predict(X, return_std=True)
+        assert (std > 0).all()
+        inside = np.abs(Y - errors) < 2 * std
+        assert inside.mean() > 0.8
+
+
+def test_without_levels_or_cir_what_is_left_is_used() -> None:
+    for columns in (slice(CIR, None), CIR_ONLY):
+        rows = np.full_like(X, np.nan)
+        rows[:, columns] = X[:, columns]
+        kept = rows if columns == CIR_ONLY else rows[:, CIR:]
+        done = clone(MODELS["gp"][0]).fit(kept, Y)
+        assert np.abs(done.predict(kept) - Y).mean() < 0.7 * np.abs(Y - np.median(Y)).mean()
+    with pytest.raises(ValueError, match="at least 64 samples, got 0"):
+        REMnetLevels().fit(X[:, CIR:], Y)
