@@ -32,7 +32,7 @@ def main() -> int:
             found = list(_one_target(target, asked.samples, asked.seed))
             rows += found
             print(_line(target["module"], found), flush=True)
-    _explain(rows)
+            _explain(found)
     if asked.out:
         asked.out.write_text(json.dumps({"seed": asked.seed, "mutants": rows}, indent=1) + "\n")
     return _conclude(rows)
@@ -96,7 +96,8 @@ def _explain(rows: list[Row]) -> None:
     for row in rows:
         if row["state"] == "survived":
             where = f"{row['module']}:{row['line']}"
-            print(f"survived: {where}: `{row['before']}` -> `{row['after']}`: {row['reason']}")
+            what = f"`{row['before']}` -> `{row['after']}`"
+            print(f"survived: {where}: {what}: {row['reason']}", flush=True)
 
 
 def _conclude(rows: list[Row]) -> int:
