@@ -197,7 +197,8 @@ def _said(case: Case, ended: Ended) -> Iterator[str]:
         if found := WARNING.search(words):
             yield f"warning on {name}: {words[found.start() :].splitlines()[0][:80]}"
     lines = [line for line in ended.err.splitlines() if line.startswith(("bench: ", "Error: "))]
-    if ended.code == 2 and len(lines) != 1 and case.stdout == "file":
+    asked_nothing = ended.err.startswith("Usage: ") and not lines
+    if ended.code == 2 and len(lines) != 1 and case.stdout == "file" and not asked_nothing:
         yield f"{len(lines)} lines of error with exit code 2"
     if ended.code == 0 and "--json" in case.words and case.stdout == "file":
         try:
