@@ -32,7 +32,8 @@ def main() -> int:
         kinds[f"{_command(case)} -> {ended.code}"] += 1
         slowest = max(slowest, (ended.seconds, number))
         for fault in wrong:
-            print(f"case {number}: {fault}", file=sys.stderr, flush=True)
+            print(f"case {number}: {fault}: {case.words}"[:300], file=sys.stderr)
+            print(f"   {ended.err[-700:]!r}", file=sys.stderr, flush=True)
             found[fault].append(number)
     _tell(found, kinds, asked, time.monotonic() - start, slowest)
     return 1 if found else 0

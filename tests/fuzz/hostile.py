@@ -70,8 +70,9 @@ def odd_file(rng: random.Random, path: Path) -> str:
     kind = rng.choice(
         ("absent", "empty", "folder", "fifo", "loop", "dangling", "endless", "noise", "socket")
     )
-    if path.exists() or path.is_symlink():
-        path.unlink()
+    if path.is_dir() and not path.is_symlink():
+        path.rmdir()
+    path.unlink(missing_ok=True)
     match kind:
         case "empty":
             path.touch()

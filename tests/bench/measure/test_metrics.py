@@ -114,6 +114,26 @@ def test_one_link_has_no_interval() -> None:
     assert (found.mae_m.low, found.mae_m.high, found.links) == (None, None, 1)
 
 
+def test_two_links_have_an_interval_and_2000_resamples_are_drawn() -> None:
+    sample = ([0.1, 0.2, 0.4, 0.3], [0.1, 0.1, 0.1, 0.1], ["a", "a", "b", "b"])
+    found = score(*sample)
+    assert found.mae_m.low < found.mae_m.value < found.mae_m.high
+    assert found == score(*sample, resamples=2000)
+    assert score(*_clustered(9, 3, 1)) != score(*_clustered(9, 3, 1), resamples=2001)
+
+
+def test_rows_without_a_link_are_a_link_of_their_own() -> None:
+    found = score([0.1, 0.2, 0.3], [0.0, 0.0, 0.0], np.array(["a", None, None], object))
+    assert (found.links, found.rows) == (2, 3)
+
+
+def test_constant_errors_that_rounding_scatters_are_constant() -> None:
+    wide = next(np.full(n, v) for n in range(3, 60) for v in (1000.1, 0.1, 33.3)
+                if np.full(n, v).mean() != v)  # fmt: skip
+    found = score(wide, np.zeros(len(wide)), np.arange(len(wide)))
+    assert found.r2.value == 0.0
+
+
 @pytest.mark.parametrize(("predicted", "r2"), [([0.25, 0.25, 0.25], 1.0), ([0.1, 0.25, 0.25], 0.0)])
 def test_r2_of_constant_errors_follows_scikit_learn(predicted, r2) -> None:
     found = score([0.25, 0.25, 0.25], predicted, ["a", "b", "c"])

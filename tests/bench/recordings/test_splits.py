@@ -155,3 +155,26 @@ def test_one_link_name_in_two_rooms_is_refused() -> None:
     recordings.frame["link"] = np.where(recordings.frame["los"], "a", "b")
     with pytest.raises(BenchError, match=r"link 'b' has rows both in 'medium' and outside it"):
         make_split(recordings, "leave-environment-out:medium")
+
+
+def test_as_many_folds_as_links_and_two_folds_are_allowed() -> None:
+    recordings = make_recordings(rows=30, links=3)
+    assert len(make_split(recordings, "link-kfold:3").folds) == 3
+    assert len(make_split(recordings, "link-kfold:2").folds) == 2
+    with pytest.raises(BenchError, match="3 link\\(s\\) cannot be dealt into 4 folds"):
+        make_split(recordings, "link-kfold:4")
+
+
+@pytest.mark.parametrize("los", [True, False])
+def test_links_of_one_kind_are_dealt_without_regard_to_kind(los: bool) -> None:
+    from sklearn.model_selection import GroupKFold
+
+    recordings = make_recordings(rows=60, links=12)
+    recordings.frame["los"] = los
+    codes = np.unique(recordings.frame["link"], return_inverse=True)[1]
+    codes = np.array([list(dict.fromkeys(codes)).index(code) for code in codes])
+    plain = GroupKFold(3, shuffle=True, random_state=4).split(codes, groups=codes)
+    for fold, (train, _) in zip(
+        make_split(recordings, "link-kfold:3", 4).folds, plain, strict=True
+    ):
+        np.testing.assert_array_equal(fold.train, train)
