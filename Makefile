@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test lint unit benchmark leaderboard clean help
+.PHONY: demo test lint unit benchmark mutants fuzz leaderboard clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -40,6 +40,12 @@ unit: $(VENV)/installed-dev  ## the test suite with coverage
 
 benchmark: $(VENV)/installed-dev  ## speed, as ratios within one run
 	$(BIN)/python -m pytest -p no:xdist -q -s tests/benchmarks --override-ini addopts="--strict-markers"
+
+mutants: $(VENV)/installed-dev  ## plant faults one by one; at least 90 % must fail a test
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutation --out build/mutants.json
+
+fuzz: $(VENV)/installed-dev  ## hostile input for every command, 600 cases
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.fuzz --out build/fuzz.json
 
 leaderboard: $(VENV)/installed  ## the full default run behind LEADERBOARD.md
 	$(BIN)/bench run --model all --backend all

@@ -122,6 +122,7 @@ def _tell(
     print("no faults" if not found else f"{len(found)} kinds of fault")
     if asked.out:
         facts = {"seed": asked.seed, "cases": total, "faults": found, "ends": kinds}
+        asked.out.parent.mkdir(parents=True, exist_ok=True)
         asked.out.write_text(json.dumps(facts, indent=1) + "\n")
 
 

@@ -34,6 +34,7 @@ def main() -> int:
             print(_line(target["module"], found), flush=True)
             _explain(found)
     if asked.out:
+        asked.out.parent.mkdir(parents=True, exist_ok=True)
         asked.out.write_text(json.dumps({"seed": asked.seed, "mutants": rows}, indent=1) + "\n")
     return _conclude(rows)
 
