@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -177,6 +178,23 @@ def test_a_damaged_or_edited_fit_is_made_again(material: Material, spoil: str) -
     assert not is_kept(path, key)
     assert fit_fold(plugin(), material, 0, 0).mean_m != 9.0
     assert fits() == 2
+
+
+class Trap:
+    """Makes a folder where it is unpickled."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def test_no_pickle_in_a_fit_is_ever_run(material: Material, tmp_path: Path) -> None:
+    path, key = _kept(material)
+    np.savez(path, mean_m=np.array([Trap(tmp_path / "sprung")], object), allow_pickle=True)
+    assert not is_kept(path, key)
+    assert not (tmp_path / "sprung").exists()
 
 
 @pytest.mark.parametrize(
