@@ -1,4 +1,4 @@
-"""The one quantising call on a network small enough to be checked by hand: no torch, no training."""
+"""The one quantising call on a network that can be checked by hand: no torch, no training."""
 
 from __future__ import annotations
 
