@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import random
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from bench.provenance import SEAL, json_digest, sealed
 from tests import result_files
 from tests.fuzz.hostile import damaged, odd_file, text
 
@@ -31,13 +33,8 @@ def result_folder(rng: random.Random, folder: Path) -> tuple[Path, str]:
 
 def _write(out: Path, records: list[Any]) -> None:
     for record in records:
-        part = out / f"{record.kind}s"
-        part.mkdir(parents=True, exist_ok=True)
-        try:
-            content = result_files.to_json(record)
-        except ValueError:  # a lone surrogate
-            continue
-        (part / f"{len(list(part.iterdir())):020x}.json").write_text(content)
+        with suppress(ValueError):  # a lone surrogate in a reason
+            result_files.write(out, record)
 
 
 def _edit(rng: random.Random, path: Path) -> str:
@@ -52,9 +49,22 @@ def _edit(rng: random.Random, path: Path) -> str:
         keys = edit_leaf(rng, content)
     except (ValueError, RecursionError):
         return "damaged already"
+    if rng.random() < 0.7:
+        path = _sealed_again(path, content)
     written = json.dumps(content).replace(json.dumps(MARK), rng.choice(RAW))
     path.write_text(written)
     return keys
+
+
+def _sealed_again(path: Path, content: Any) -> Path:
+    """Give an edited record the hash and the name it should have, as a cunning editor would."""
+    content.pop(SEAL, None)
+    content[SEAL] = sealed(content)[SEAL]
+    with suppress(KeyError, TypeError, AttributeError):
+        if content["kind"] == "run":
+            path.unlink()
+            path = path.with_name(f"{json_digest(content['key'])}.json")
+    return path
 
 
 def edit_leaf(rng: random.Random, content: Any) -> str:
