@@ -43,6 +43,7 @@ class Thing:
     width_m: tuple[float, float]
 
 
+LICENCE = "Apache-2.0 (simulated by uwb-bench)"
 ROW_TOTAL = 55_000
 ROWS_PER_LINK = (20, 40)
 

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from bench.physics.room_plan import ROW_TOTAL
-from bench.physics.rooms_data import LICENCE
+from bench.physics.room_plan import LICENCE, ROW_TOTAL
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import SimulatorPlugin
 from bench.physics.stream import rooms as room_rows

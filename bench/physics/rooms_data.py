@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 
 from bench.errors import BenchError
 from bench.files import cache_dir
+from bench.physics.room_plan import LICENCE
 from bench.recordings.sources.base import Source
 
 if TYPE_CHECKING:
     from bench.recordings.table import Recordings
-
-LICENCE = "Apache-2.0 (simulated by uwb-bench)"
 
 
 class RoomsSource(Source):
