@@ -45,7 +45,14 @@ def command(as_json: bool) -> None:
 
     Exit code 1 where something needed is missing, else 0.
     """
-    findings = [*_python(), *_machine(), *_places(), *_data_sets(), *_broken_plugins()]
+    findings = [
+        *_python(),
+        *_machine(),
+        *_counting(),
+        *_places(),
+        *_data_sets(),
+        *_broken_plugins(),
+    ]
     if as_json:
         click.echo(json.dumps([asdict(one) for one in findings], indent=1))
     else:
@@ -84,6 +91,23 @@ def _machine() -> Iterator[Finding]:
     meter = host_meter()
     advice = "energy stays an estimate from device profiles" if isinstance(meter, NoMeter) else ""
     yield Finding("energy counters (RAPL)", "info", meter.how, advice)
+
+
+def _counting() -> Iterator[Finding]:
+    """Yield what `bench count` needs: an emulator, and a cross compiler."""
+    from bench.measure.counting import find_compiler, load_core
+    from bench.measure.counting.emulate import check_tools
+
+    try:
+        check_tools()
+        yield Finding("emulator of microcontrollers", "ok", "unicorn")
+    except BenchError as problem:
+        yield Finding("emulator of microcontrollers", "info", "not here", str(problem))
+    try:
+        compiler = find_compiler(load_core("cortex-m4f"))
+        yield Finding("cross compiler", "ok", f"{compiler.kind} {compiler.version}")
+    except BenchError as problem:
+        yield Finding("cross compiler", "info", "not here", str(problem))
 
 
 def _integer_advice(sets: list[str]) -> str:

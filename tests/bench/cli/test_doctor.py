@@ -29,6 +29,7 @@ def test_a_healthy_machine_is_exit_0_and_everything_is_named() -> None:
     for what in ("Python", "torch", "onnxruntime", "processor", "memory", "instruction sets"):
         assert found[what]["found"]
     assert found["cache folder"]["verdict"] == "ok"
+    assert {"emulator of microcontrollers", "cross compiler"} <= set(found)
     assert {"data set rooms", "data set apartment", "core pinning"} <= set(found)
     assert "RAPL" in found["energy counters (RAPL)"]["found"]
 
