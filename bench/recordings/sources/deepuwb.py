@@ -21,6 +21,7 @@ class DeepUwbSource(Source):
     licence = "not stated here, see 10.5281/zenodo.4290069"
     test_environment: ClassVar[str | None] = "medium"
     publisher = Publisher("https://doi.org/10.5281/zenodo.4290069", doi="10.5281/zenodo.4290069")
+    untested = "written by its published description, never tried on a real file"
 
     def available(self) -> str | None:
         """Return None where the pickle is here, else how to get it."""
