@@ -197,3 +197,12 @@ def cache_dir() -> Path:
         return Path(named)
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(base) / "uwb-bench"
+
+
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def check_picture_name(path: Path) -> None:
+    """Raise BenchError where a picture's name ends in none of the kinds that are drawn."""
+    if path.suffix not in PICTURES:
+        raise BenchError(f"{path}: expected a name that ends in {', '.join(PICTURES)}")

@@ -25,7 +25,8 @@ SEAL = "content_sha256"
 _PATIENCE_S = 10
 _SCORING = (
     *("bench/measure/metrics.py", "bench/recordings/window.py", "bench/recordings/splits.py"),
-    *("bench/runner/evaluate.py", "bench/runner/material.py"),
+    *("bench/runner/evaluate.py", "bench/runner/material.py", "bench/runner/further.py"),
+    *("bench/recordings/combine.py", "bench/recordings/draws.py"),
 )
 
 

@@ -13,6 +13,7 @@ from bench.errors import BenchError, unknown_name
 
 COMMANDS = {
     "run": "Benchmark models on backends: error, latency, size, energy.",
+    "transfer": "Train on each data set, test on each other: what carries over.",
     "export": "Write a fitted model as C for a microcontroller, or as ONNX.",
     "count": "Count what a network takes on a microcontroller, in an emulator.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",

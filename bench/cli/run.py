@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +18,9 @@ Examples:
   bench run --model all --backend all --seeds 5 --out results
   bench run --model remnet,mlp --backend fp32 --data mine.parquet --split link-kfold:5
   bench run --model all --backend all --seeds 5 --jobs 4
+  bench run --model remnet --backend fp32 --train apartment,rooms --test miluv
+  bench run --model remnet --backend fp32 --data apartment --links 2,4,8 --plot curve.png
+  bench run --model remnet --backend fp32 --pretrain rooms --finetune apartment:2,4,8
 """
 
 
@@ -35,6 +38,27 @@ Examples:
     "--split",
     metavar="SPLIT",
     help="leave-environment-out[:ENV] or link-kfold[:K]; default: what suits the data.",
+)
+@click.option(
+    "--train", metavar="NAME|PATH[,..]", help="Train on these (data sets, files, SIM.toml) ..."
+)
+@click.option("--test", metavar="NAME|PATH", help="... and test on this one.")
+@click.option(
+    "--links",
+    metavar="K[,..]",
+    help="Learning curve: train on K links of what is tested, test on others of its links.",
+)
+@click.option("--pretrain", metavar="NAME|PATH[,..]", help="Fit on these first ...")
+@click.option(
+    "--finetune", metavar="DATA:K[,..]", help="... then train further on K links of DATA."
+)
+@click.option(
+    "--draws", default=5, show_default=True, metavar="N", help="How often the K links are drawn."
+)
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    help="With --links or --finetune: draw the learning curve (.png, .svg, .pdf).",
 )
 @click.option(
     "--device",
@@ -59,18 +83,16 @@ Examples:
     help="Do not wait (up to two minutes) for a quiet machine to time on.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the records as JSON and nothing else.")
+@click.pass_context
 def command(
+    context: click.Context,
+    /,
     model: str,
     backend: str,
-    data: str,
-    split: str | None,
-    device: str,
-    seeds: int,
-    out: Path,
-    jobs: int,
-    scheduler: str | None,
+    plot: Path | None,
     no_wait: bool,
     as_json: bool,
+    **rest: Any,
 ) -> None:
     """Benchmark models on backends and write the records.
 
@@ -78,17 +100,41 @@ def command(
     this host, file and weight bytes, and latency (us) and energy (mJ) estimated per device.
     Interrupted? The same command finishes the rest.
     """
+    from bench.cli.curve_view import print_curve
     from bench.cli.run_view import RunView, print_json, print_summary
     from bench.runner import run
 
+    _check(context, plot)
     with RunView(quiet=as_json) as view:
-        outcome: RunSet = run(
-            model, backend, data, split=split, device=device, seeds=seeds, out=out, jobs=jobs,
-            scheduler=scheduler, observer=view, wait=not no_wait,
-        )  # fmt: skip
-    (print_json if as_json else print_summary)(outcome)
+        outcome: RunSet = run(model, backend, **rest, observer=view, wait=not no_wait)
+    if outcome.curve and not as_json:
+        print_curve(outcome)
+    else:
+        (print_json if as_json else print_summary)(outcome)
+    if plot is not None and outcome.curve:
+        from bench.runner.curve_picture import save_curve
+
+        save_curve(outcome.curve, plot)
     if outcome.failures:
         raise _failed(outcome)
+
+
+def _check(context: click.Context, plot: Path | None) -> None:
+    """Raise BenchError for options that do not go together."""
+    from bench.files import check_picture_name
+
+    said = {name for name in context.params if _was_said(context, name)}
+    for named in {"test", "finetune"} & said:
+        if "data" in said:
+            raise BenchError(f"--data and --{named} both say what is tested; expected one of them")
+    if plot is not None and not {"links", "finetune"} & said:
+        raise BenchError("--plot draws a learning curve; expected --links or --finetune with it")
+    if plot is not None:
+        check_picture_name(plot)
+
+
+def _was_said(context: click.Context, name: str) -> bool:
+    return context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
 
 
 def _failed(outcome: RunSet) -> BenchError:

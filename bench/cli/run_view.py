@@ -80,6 +80,7 @@ def print_json(outcome: RunSet) -> None:
         "runs": [_with_estimates(one, outcome) for one in outcome.runs],
         "timings": [json.loads(to_json(one)) for one in outcome.timings],
         "failures": [vars(one) for one in outcome.failures],
+        "curve": [asdict(one) for one in outcome.curve],
     }
     click.echo(json.dumps(content, indent=1))
 

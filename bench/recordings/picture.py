@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.files import atomic_path
+from bench.files import atomic_path, check_picture_name
 from bench.recordings.describe import KINDS, row_kinds
 from bench.recordings.picture_errors import COLOURS, SHOWN_PERCENTILES, error_panels
 from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SUFFIXES = (".png", ".svg", ".pdf")
 BEFORE, SHOWN_AFTER = 5, 60
 BINS = 80
 
@@ -30,8 +28,7 @@ def save_picture(recordings: Recordings, path: Path) -> None:
 
     Raises BenchError for another kind of file, and where the file cannot be written.
     """
-    if path.suffix not in SUFFIXES:
-        raise BenchError(f"{path}: expected a name that ends in {', '.join(SUFFIXES)}")
+    check_picture_name(path)
     figure = draw(recordings)
     with atomic_path(path) as scratch:
         figure.savefig(scratch, dpi=150)

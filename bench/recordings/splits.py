@@ -16,7 +16,7 @@ Rows without a LoS label count as NLoS.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -34,12 +34,17 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Fold:
-    """Row positions, ascending: to train on, and to test on without and with line of sight."""
+    """Row positions, ascending: to train on, and to test on without and with line of sight.
+
+    Where there are rows to `pretrain` on, a model is fitted on these and trained further on
+    `train`.
+    """
 
     name: str
     train: Rows
     test_nlos: Rows
     test_los: Rows
+    pretrain: Rows = field(default_factory=lambda: np.empty(0, np.intp))
 
 
 @dataclass(frozen=True)

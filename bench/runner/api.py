@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,9 @@ from bench.parallel import Spread
 from bench.plugins import Plugin
 from bench.recordings.open import Table
 from bench.results import Estimate, RunRecord, TimingRecord
+from bench.runner.across import DEFAULT_DRAWS, asked, ready
 from bench.runner.count_runs import count_runs, devices_of
+from bench.runner.curve import CurvePoint, curve_points
 from bench.runner.execute import execute
 from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
@@ -26,13 +29,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunSet:
-    """What `bench.run` returns: a record per run, a timing per artifact, and what failed."""
+    """What `bench.run` returns: a record per run, a timing per artifact, and what failed.
+
+    `curve` has a point per model, backend and number of links, where links were asked for.
+    """
 
     runs: list[RunRecord]
     timings: list[TimingRecord]
     failures: list[Failure]
     folder: Path
     devices: tuple[Plugin, ...] = ()
+    curve: list[CurvePoint] = field(default_factory=list)
 
     def estimates(self, run: RunRecord) -> list[Estimate]:
         """Return one run's figures on the devices asked for, from their profiles as of now.
@@ -54,6 +61,12 @@ def run(
     data: Table = "rooms",
     *,
     split: str | None = None,
+    train: Table | Sequence[Table] | None = None,
+    test: Table | None = None,
+    pretrain: Table | Sequence[Table] | None = None,
+    finetune: str | None = None,
+    links: int | str | Sequence[int] | None = None,
+    draws: int = DEFAULT_DRAWS,
     device: str = "all",
     seeds: int = 1,
     out: str | Path = "results",
@@ -70,8 +83,16 @@ def run(
     while nothing that determines them has changed. On devices that are named (not "all") and have
     a core, what a call takes is counted in an emulator where that is installed. `jobs` processes
     or a Dask `scheduler` share the fits, never the timings. `wait` waits up to two minutes for a
-    quiet machine before timing; what a busy one disturbed is not reported either way. Raises
-    BenchError on bad input, before anything is written.
+    quiet machine before timing; what a busy one disturbed is not reported either way.
+
+    Across data: `train` (names with commas, or several) and `test` train on some and test on
+    another; each is a data set, a recordings file or a simulator's TOML. `links`, a number or
+    several, trains on so many links of the tested data (of `data`, where nothing else is named)
+    and tests on others, in `draws` draws: `curve` has the learning curve. `pretrain` with
+    `finetune="DATA:LINKS"` fits on the one and trains further on links of the other. What takes
+    several draws is not timed.
+
+    Raises BenchError on bad input, before anything is written.
 
     >>> run(model="remnett")
     Traceback (most recent call last):
@@ -82,9 +103,17 @@ def run(
     folder = ResultFolder(Path(out))
     folder.check_writable()
     watch.stage("reading the recordings")
-    material = load_material(data, split)
-    runs, failures = execute(plan, material, folder, watch, spread)
-    timings, late = time_artifacts(runs, folder, widths(plan.models, material), watch, wait)
+    across = asked(data, train, test, pretrain, finetune, links, draws)
+    if across is None:
+        materials = [load_material(data, split)]
+    else:
+        plan, materials = ready(across, split, plan, watch)
+    done = [execute(plan, material, folder, watch, spread) for material in materials]
+    runs, failures = ([one for part in parts for one in part] for parts in zip(*done, strict=True))
+    if across and across.links:
+        curve = curve_points(runs, materials, across.links, folder)
+        return RunSet(runs, [], failures, folder.root, plan.devices, curve)
+    timings, late = time_artifacts(runs, folder, widths(plan.models, materials[0]), watch, wait)
     if device.strip() != "all":
-        count_runs(runs, plan.devices, material, folder, watch)
+        count_runs(runs, plan.devices, materials[0], folder, watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)

@@ -20,6 +20,7 @@ from bench.plugins import Plugin
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold
 from bench.results import Training
+from bench.runner.further import PACE, PASSES, train_further
 from bench.runner.inputs import rows_for
 from bench.runner.material import Material
 from bench.runner.training import told, training_of
@@ -59,11 +60,14 @@ def fit_fold(
 def fit_on(
     model: MitigationModel, material: Material, fold: int, progress: Progress | None = None
 ) -> None:
-    """Fit a model on one fold's training rows."""
-    train = material.split.folds[fold].train
-    links = {"groups": material.links[train]} if _takes_groups(model) else {}
-    X = rows_for(material, model.reads)[train]
-    model.fit(X, material.errors_m[train], progress=progress, **links)
+    """Fit a model on one fold's training rows, or on those before them and further on these."""
+    rows, errors_m = rows_for(material, model.reads), material.errors_m
+    own = material.split.folds[fold]
+    first = own.pretrain if len(own.pretrain) else own.train
+    links = {"groups": material.links[first]} if _takes_groups(model) else {}
+    model.fit(rows[first], errors_m[first], progress=progress, **links)
+    if len(own.pretrain):
+        train_further(model, rows[own.train], errors_m[own.train])
 
 
 def _takes_groups(model: MitigationModel) -> bool:
@@ -118,7 +122,10 @@ def _key(
 
 
 def _rows_hash(fold: Fold) -> str:
-    return hashlib.sha256(np.ascontiguousarray(fold.train, np.int64).tobytes()).hexdigest()[:16]
+    rows = [np.ascontiguousarray(part, np.int64).tobytes() for part in (fold.train, fold.pretrain)]
+    return hashlib.sha256(
+        f"{PASSES} {PACE}".encode().join(rows) if rows[1] else rows[0]
+    ).hexdigest()[:16]
 
 
 def write_state(path: Path, key: Mapping[str, Any], state: State) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bench.recordings.open import Table, open_recordings, read
+from bench.recordings.sources.base import Source
 from bench.recordings.splits import Split, default_split, make_split
 from bench.recordings.table import Recordings
 from bench.recordings.window import CirWindow, cir_window
@@ -33,8 +36,13 @@ class Material:
     dropped: dict[str, int]
 
 
-def load_material(data: Table, split: str | None) -> Material:
-    """Open a data set, cut its windows and split it by link. Raises BenchError on bad input."""
+def load_material(
+    data: Table, split: str | Callable[[Recordings], Split] | None
+) -> Material:
+    """Open a data set, cut its windows and split it by link. Raises BenchError on bad input.
+
+    `split` is a split's name, None for what suits the data, or what splits the rows left.
+    """
     if isinstance(data, Recordings | pd.DataFrame):
         whole, source = read(data), None
         name = whole.source
@@ -43,7 +51,8 @@ def load_material(data: Table, split: str | None) -> Material:
         name = source.full_name if source else str(data)
     window = cir_window(whole) if "cir" in whole.frame else _no_window(len(whole))
     recordings = whole.select(window.rows)
-    made = make_split(recordings, split or default_split(recordings, source), source=source)
+    if not callable(split):
+        split = partial(_named_split, name=split, source=source)
     return Material(
         name,
         recordings,
@@ -51,7 +60,7 @@ def load_material(data: Table, split: str | None) -> Material:
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
-        made,
+        split(recordings),
         {**whole.dropped, **window.dropped},
     )
 
@@ -59,6 +68,10 @@ def load_material(data: Table, split: str | None) -> Material:
 def _no_window(rows: int) -> CirWindow:
     """Return windows of no samples: every row stays, for the models that read no CIR."""
     return CirWindow(np.empty((rows, 0), np.float32), np.arange(rows), {})
+
+
+def _named_split(recordings: Recordings, name: str | None, source: Source | None) -> Split:
+    return make_split(recordings, name or default_split(recordings, source), source=source)
 
 
 def predictions_table(material: Material, positions: NDArray[np.intp]) -> pd.DataFrame:
