@@ -54,7 +54,7 @@ class Roles:
         if self.links:
             trained.append(f"{self.links} link{'s' if self.links > 1 else ''} of {self.test}")
         before = f" after {', '.join(self.pretrain)}" if self.pretrain else ""
-        drawn = f", {self.draws} draws" if self.links is not None else ""
+        drawn = "" if self.links is None else f", {self.draws} draw{'s' * (self.draws > 1)}"
         return f"trained-on:{' + '.join(trained) or 'nothing'}{before}{drawn}"
 
     def _fold(self, recordings: Recordings, draw: int) -> Fold:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from bench.errors import BenchError
 from bench.recordings.combine import combine, shared_rows
 from bench.recordings.draws import Roles
+from bench.recordings.open import Table
 from bench.recordings.splits import Split
 from bench.recordings.table import Recordings
 from bench.runner.fits import new_model
@@ -44,9 +47,9 @@ class Across:
 
 def asked(
     data: Table,
-    train: str | Sequence[Table] | None,
+    train: Table | Sequence[Table] | None,
     test: Table | None,
-    pretrain: str | Sequence[Table] | None,
+    pretrain: Table | Sequence[Table] | None,
     finetune: str | None,
     links: int | str | Sequence[int] | None,
     draws: int,
@@ -75,8 +78,10 @@ def asked(
     return Across(data if test is None else test, _specs(train), (), _counts(links), draws)
 
 
-def _specs(text: str | Sequence[Table] | None) -> tuple[Table, ...]:
-    """Return the data sets of a text with commas."""
+def _specs(text: Table | Sequence[Table] | None) -> tuple[Table, ...]:
+    """Return the data sets of a text with commas, or of a sequence."""
+    if isinstance(text, Recordings | Path | pd.DataFrame):
+        return (text,)
     if not isinstance(text, str):
         return tuple(text or ())
     return tuple(name.strip() for name in text.split(",") if name.strip())

@@ -20,7 +20,7 @@ from bench.plugins import Plugin
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold
 from bench.results import Training
-from bench.runner.further import PACE, PASSES, train_further
+from bench.runner.further import PACE, PASSES, STEPS, train_further
 from bench.runner.inputs import rows_for
 from bench.runner.material import Material
 from bench.runner.training import told, training_of
@@ -124,7 +124,7 @@ def _key(
 def _rows_hash(fold: Fold) -> str:
     rows = [np.ascontiguousarray(part, np.int64).tobytes() for part in (fold.train, fold.pretrain)]
     return hashlib.sha256(
-        f"{PASSES} {PACE}".encode().join(rows) if rows[1] else rows[0]
+        f"{STEPS} {PASSES} {PACE}".encode().join(rows) if rows[1] else rows[0]
     ).hexdigest()[:16]
 
 

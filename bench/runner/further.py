@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from bench.errors import BenchError
 if TYPE_CHECKING:
     from zoo.base import MitigationModel
 
-PASSES = 30
+STEPS = 600  # at least; few links make few batches, and a shift of a metre takes hundreds
+PASSES = 10  # at least, over the rows
 PACE = 0.3  # of the recipe's learning rate
 Progress = Callable[[float], None]
 
@@ -46,8 +48,9 @@ def train_further(
     if recipe is None or state is None:
         raise BenchError(not_further(model) or f"{type(model).__name__} keeps no fit to go on from")
     module, seed = model.to_module(), int(model.get_params().get("random_state") or 0)
+    passes = max(PASSES, ceil(STEPS * recipe.batch_size / max(len(rows), recipe.batch_size)))
     pace = PACE * recipe.learning_rate
-    shorter = replace(recipe, learning_rate=pace, epochs=PASSES, stopping=None, seed=seed)
+    shorter = replace(recipe, learning_rate=pace, epochs=passes, stopping=None, seed=seed)
     train(module, rows, errors_m, shorter, progress=progress)
     learnt = {name: value.detach().numpy() for name, value in module.state_dict().items()}
     if not set(learnt) <= set(state) or not model.restore_state({**state, **learnt}):

@@ -36,9 +36,7 @@ class Material:
     dropped: dict[str, int]
 
 
-def load_material(
-    data: Table, split: str | Callable[[Recordings], Split] | None
-) -> Material:
+def load_material(data: Table, split: str | Callable[[Recordings], Split] | None) -> Material:
     """Open a data set, cut its windows and split it by link. Raises BenchError on bad input.
 
     `split` is a split's name, None for what suits the data, or what splits the rows left.

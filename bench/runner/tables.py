@@ -5,26 +5,29 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+import pandas as pd
+
 from bench.errors import BenchError
 from bench.files import cache_dir
 from bench.provenance import packages_code_hash
 from bench.recordings.io import read_recordings
-from bench.recordings.open import open_recordings
+from bench.recordings.open import Table, open_recordings, read
 from bench.recordings.table import Recordings
 
 
-def open_any(spec: str | Recordings) -> tuple[str, Recordings]:
-    """Return the name and rows of a data set, a recordings file or a simulator (`SIM.toml`).
+def open_any(spec: Table) -> tuple[str, Recordings]:
+    """Return the name and rows of a data set, a file, a table or a simulator (`SIM.toml`).
 
     A simulator is run in the rooms of the default data. Raises BenchError where there is nothing
     of that name, or the file is not what it should be.
     """
-    if isinstance(spec, Recordings):
-        return spec.source, spec
-    if spec.endswith(".toml"):
-        return spec, _simulated(Path(spec))
+    if isinstance(spec, Recordings | pd.DataFrame):
+        table = read(spec)
+        return table.source, table
+    if str(spec).endswith(".toml"):
+        return str(spec), _simulated(Path(spec))
     recordings, source = open_recordings(spec)
-    return source.full_name if source else spec, recordings
+    return source.full_name if source else str(spec), recordings
 
 
 def _simulated(path: Path) -> Recordings:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from bench.errors import BenchError
 from bench.plugins import plugins
+from bench.recordings.open import Table
 from bench.recordings.sources.base import open_source
 from bench.recordings.table import Recordings
 from bench.results import RunRecord, Score
@@ -76,7 +77,7 @@ def here() -> list[str]:
 def transfer(
     model: str = "gbm",
     backend: str = "fp32",
-    data: Sequence[str | Recordings] | None = None,
+    data: Sequence[Table] | None = None,
     *,
     seed: int = 0,
     out: str | Path = "results",
@@ -99,11 +100,11 @@ def transfer(
     return TransferMatrix(plan.models[0].name, plan.backends[0].name, tuple(tables), cells)
 
 
-def _opened(data: Sequence[str | Recordings], watch: Observer) -> dict[str, Recordings]:
+def _opened(data: Sequence[Table], watch: Observer) -> dict[str, Recordings]:
     """Return every table under its name. Raises BenchError for fewer than two."""
     tables: dict[str, Recordings] = {}
     for spec in data:
-        watch.stage(f"reading {spec if isinstance(spec, str) else spec.source}")
+        watch.stage(f"reading {getattr(spec, 'source', spec)}")
         name, recordings = open_any(spec)
         tables[name] = replace(recordings, source=name)
     if len(tables) < 2:
