@@ -155,12 +155,17 @@ def inputs(case: Case, folder: Path) -> dict[str, str]:
     """Return what every path of a case is before it runs, but for what it may write."""
     found = {}
     for path in sorted(folder.rglob("*")):
-        if not any(path == out or out in path.parents for out in case.outputs):
+        if not any(path in (out, _led_to(out)) or out in path.parents for out in case.outputs):
             found[str(path)] = _what(path)
     for out in case.outputs:  # a link or FIFO stays one
         if out.is_symlink() or (out.exists() and not out.is_file() and not out.is_dir()):
             found[str(out)] = _what(out)
     return found
+
+
+def _led_to(out: Path) -> Path | None:
+    """Return the file that a link leads to: it is written through."""
+    return out.parent / out.readlink() if out.is_symlink() else None
 
 
 def _what(path: Path) -> str:
