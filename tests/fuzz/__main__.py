@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections import Counter, defaultdict
+from contextlib import suppress
 from pathlib import Path
 
 from tests.fuzz.commands import Case, make_case
@@ -69,7 +70,8 @@ def _preload() -> None:
     for package in (bench, reports):
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             if not module.name.endswith(("__main__", ".tests")) and ".scaffold." not in module.name:
-                importlib.import_module(module.name)
+                with suppress(ImportError):  # what an extra brings is not everywhere
+                    importlib.import_module(module.name)
 
 
 def one_case(seed: int, number: int, own: float, show: bool) -> tuple[Case, Ended, list[str]]:

@@ -88,3 +88,22 @@ def test_idle_power_is_taken_off(monkeypatch) -> None:
     monkeypatch.setattr(energy.time, "sleep", rest)
     found = energy_per_call(meter, burst)
     assert (found.value, found.low, found.high) == pytest.approx((2.0, 2.0, 2.0))
+
+
+def test_six_bursts_give_their_median_and_their_extremes(monkeypatch) -> None:
+    meter, costs_mj, lasted = _Simulated(), iter([3.0, 1.0, 9.0, 2.0, 4.0, 2.5]), []
+    monkeypatch.setattr(time, "perf_counter", lambda: meter.now)
+
+    def rest(seconds: float) -> None:
+        meter.now += seconds
+
+    def burst(seconds: float) -> int:
+        lasted.append(seconds)
+        meter.now += seconds
+        meter.calls += next(costs_mj) * 10 / 2.0  # each of ten calls takes that much
+        return 10
+
+    monkeypatch.setattr(energy.time, "sleep", rest)
+    found = energy_per_call(meter, burst)
+    assert (found.value, found.low, found.high) == pytest.approx((2.75, 1.0, 9.0))
+    assert lasted == [0.2] * 6

@@ -120,9 +120,13 @@ def test_the_interval_of_a_large_gain_is_that_of_resampled_links() -> None:
     assert found.unit == "nats"
 
 
+@pytest.mark.parametrize("gaps", [False, True])
 @pytest.mark.parametrize("turned", [False, True])
-def test_the_interval_of_a_small_gain_is_that_of_differences(turned: bool) -> None:
-    far, near = tally(ensemble(7, shift=0.12)), tally(ensemble(7))
+def test_the_interval_of_a_small_gain_is_that_of_differences(turned: bool, gaps: bool) -> None:
+    worlds = ensemble(7, shift=0.12), ensemble(7)
+    for world in worlds if gaps else ():
+        world.versions[0, ::2, 1] = np.nan
+    far, near = map(tally, worlds)
     left, right = (near, far) if turned else (far, near)
     found = gain_interval(left, right, seed=1)
     assert 0 < abs(found.value) < 1
@@ -146,6 +150,18 @@ def test_named_observables_alone_are_in_the_interval() -> None:
     found = gain_interval(far, near, 0, names=("error_m", "absent"))
     assert found.value == pytest.approx(gains(far, near)["error_m"])
     assert gain_interval(far, near, 0).value == pytest.approx(gain(far, near))
+
+
+def test_an_unknown_unit_has_no_resolution() -> None:
+    one = ensemble(10)
+    other = tally(Ensemble(NAMES, ("m", "furlong", "1"), one.versions, one.links))
+    assert (tally(one).sums - other.sums)[:, 1] == pytest.approx(0.1 * ROWS)
+
+
+def test_two_links_have_an_interval() -> None:
+    one = Tally(("error_m",), np.array([[2.0], [3.0]]), np.array([[4.0], [4.0]]))
+    two = Tally(("error_m",), np.array([[1.0], [2.5]]), np.array([[4.0], [4.0]]))
+    assert np.isfinite(gain_interval(one, two, 0).low)
 
 
 def test_one_link_has_an_infinite_interval() -> None:
