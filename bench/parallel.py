@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from threading import Lock, Thread
 from typing import Any, TypeVar
@@ -40,6 +41,28 @@ def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
         return [work(item) for item in items]
     with ThreadPoolExecutor(count) as pool:
         return list(pool.map(work, items))
+
+
+def each(work: Work, shared: Any, items: Sequence[Any], far: bool = True) -> list[Any]:
+    """Return work(shared, item) of every item in order: in threads, or as `spreading` says.
+
+    Not `far`: in threads in any case, for work that is done sooner than it is sent.
+    """
+    spread = _SPREAD.get()
+    if not (far and spread.spreads and len(items) > 1):
+        return in_threads(lambda item: work(shared, item), items)
+    made = dict(spread.map(work, shared, items))
+    return [made[at] for at in range(len(items))]
+
+
+@contextmanager
+def spreading(spread: Spread) -> Iterator[None]:
+    """Have `each` spread its work over processes or a cluster."""
+    before = _SPREAD.set(spread)
+    try:
+        yield
+    finally:
+        _SPREAD.reset(before)
 
 
 Work = Callable[[Any, Any], Any]
@@ -77,6 +100,9 @@ class Spread:
         if self.jobs > 1 and len(tasks) > 1:
             return _in_processes(min(self.jobs, len(tasks)), work, shared, tasks)
         return ((number, work(shared, task)) for number, task in enumerate(tasks))
+
+
+_SPREAD: ContextVar[Spread] = ContextVar("spread", default=Spread())  # noqa: B039 - frozen
 
 
 def _in_processes(

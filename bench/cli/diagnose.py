@@ -16,7 +16,7 @@ Examples:
   bench diagnose --recorded mine.parquet --simulated my_simulator.toml -o diagnosis
   bench diagnose --recorded mine.parquet --simulated other_simulator.parquet
   bench diagnose --recorded ghent --hide clock_offset_ppm --json
-  bench diagnose --recorded mine.parquet --simulated rooms
+  bench diagnose --recorded mine.parquet --simulated rooms --jobs 4
 """
 
 
@@ -42,6 +42,8 @@ Examples:
     type=click.Path(path_type=Path),
     help="Folder for report, TOML and figures. A diagnosis that was stopped resumes from it.",
 )
+@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
+@click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for the fits instead.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON, nothing else.")
 def command(
     recorded: str,
@@ -52,6 +54,8 @@ def command(
     environment: str | None,
     seed: int,
     out: Path | None,
+    jobs: int,
+    scheduler: str | None,
     as_json: bool,
 ) -> None:
     """Find, name, model and remove what a simulator leaves out.
@@ -68,7 +72,8 @@ def command(
     with StatusView("diagnosing ...") as view:
         found = diagnose(
             recorded, simulated, hide=hide, observe=observe, environment=environment,
-            paths_only=paths_only, seed=seed, out=out, observer=view,
+            paths_only=paths_only, seed=seed, out=out, jobs=jobs,
+            scheduler=scheduler, observer=view,
         )  # fmt: skip
     if as_json:
         click.echo(json.dumps(summary(found), indent=1))

@@ -11,6 +11,7 @@ import pandas as pd
 from bench.checkpoint.journal import Kept
 from bench.discrepancy import Diagnosis, Options, method, write_report
 from bench.errors import BenchError
+from bench.parallel import Spread, spreading
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import read_simulator
@@ -40,6 +41,8 @@ def diagnose(
     paths_only: bool = False,
     seed: int = 0,
     out: str | Path | None = None,
+    jobs: int = 1,
+    scheduler: str | None = None,
     observer: Observer | None = None,
 ) -> Diagnosis:
     """Find, name, model and remove what a simulator leaves out of recordings.
@@ -47,10 +50,11 @@ def diagnose(
     `recorded`: a data set's name, a file, a frame or `Recordings`. `simulated`: a simulator (TOML
     file, plug-in name, `Simulator`), which is run again at every recorded row, or a table of
     another simulator's rows; None is the base simulator alone. `hide`: columns it must not see;
-    `observe`: compare only these observables; `paths_only`: no waveforms even where
-    both sides have them, range and level alone.
-    With `out` the report, the new simulator and figures go to that folder, and a diagnosis that
-    was stopped goes on from it. Raises BenchError on bad input, before anything is written.
+    `observe`: compare only these observables; `paths_only`: no waveforms even where both sides
+    have them, range and level alone. With `out` the report, the new simulator and figures go to
+    that folder, and a diagnosis that was stopped goes on from it. `jobs` processes or a Dask
+    `scheduler` share the fits to waveforms; what is found does not depend on it. Raises BenchError
+    on bad input, before anything is written.
 
     >>> diagnose("apartmant", simulated="rooms")
     Traceback (most recent call last):
@@ -61,15 +65,17 @@ def diagnose(
     """
     if seed < 0:
         raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
-    watch, chosen = observer or Observer(), _names(observe) or None
+    watch, chosen, spread = observer or Observer(), _names(observe) or None, Spread(jobs, scheduler)
     waves = False if paths_only else None
     options = Options(seed, hide=_names(hide), observables=chosen, waveform=waves)
     table, against = read(recorded, environment), counterpart(simulated)
     table.require(*options.hide)
     if out is None:
-        return method.diagnose(table, against, options, watch.stage)
+        with spreading(spread):
+            return method.diagnose(table, against, options, watch.stage)
     kept = _kept(Path(out), fingerprint(table, against, options), watch)
-    found = method.diagnose(table, against, options, watch.stage, journal=kept)
+    with spreading(spread):
+        found = method.diagnose(table, against, options, watch.stage, journal=kept)
     watch.note(f"report: {write_report(found, Path(out))}")
     kept.clear()
     return found

@@ -25,6 +25,13 @@ class Memory(Generic[T]):
         self._kept: OrderedDict[Hashable, T] = OrderedDict()
         self._lock = Lock()
 
+    def __getstate__(self) -> int:
+        """Return what another process needs: it remembers nothing yet."""
+        return self.most
+
+    def __setstate__(self, most: int) -> None:
+        self.__init__(most)  # type: ignore[misc]
+
     def find(self, key: Hashable) -> T | None:
         """Return what is remembered, None where nothing is."""
         with self._lock:

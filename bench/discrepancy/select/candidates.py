@@ -23,6 +23,7 @@ from bench.discrepancy.fit.search import (
     refine,
     screen,
 )
+from bench.discrepancy.select.side_by_side import by_name, searched
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     EQUIVALENT_SHARE,
@@ -35,7 +36,6 @@ from bench.discrepancy.settings import (
     WORTH_PURSUING,
 )
 from bench.errors import BenchError
-from bench.parallel import in_threads
 from bench.physics.effect import Effect
 from bench.plugins import plugins
 
@@ -171,29 +171,25 @@ def _one_way(
     reference = tally(before)
     have = {effect.physics for effect in added}
     own = latent_effects(comparison, fit, added)
-    own_fits, failed = _each(
-        lambda name: with_values(comparison, fit, added, kinds[name]),
+    own_fits, failed = by_name(
+        lambda _, name: with_values(comparison, fit, added, kinds[name]),
+        None,
         [name for name, kind in kinds.items() if fits_itself(kind)],
+        far=False,
     )
     skipped |= failed
     found = [e for e in (*own, *own_fits.values()) if e is not None and e.physics not in have]
     terms = [Fitted(effect, 0.0, 0) for effect in found]
     contenders = [contender(comparison, held, added, one, reference, seed) for one in terms]
 
-    def refined(name: str) -> Fitted:
-        return refine(*screened[name])
-
-    fits, failed = _each(refined, _promising(screened, contenders))
+    fits, failed = searched(refine, {n: screened[n] for n in _promising(screened, contenders)})
     skipped |= failed
     if fit.waveform:
-        near = _near(fits)
-        more, failed = _each(lambda name: pursue(screened[name][0], fits[name]), near)
+        near = {name: (screened[name][0], fits[name]) for name in _near(fits)}
+        more, failed = searched(pursue, near)
         fits, skipped = fits | more, skipped | failed
-
-    def scored(name: str) -> Contender:
-        return contender(comparison, held, added, fits[name], reference, seed)
-
-    made, failed = _each(scored, list(fits))
+    judged = _Judged(comparison, held, added, fits, reference, seed)
+    made, failed = by_name(_scored, judged, list(fits), fit.waveform)
     skipped |= failed
     contenders = _best_of_each([*contenders, *made.values()])
     contenders.sort(key=lambda one: -one.gain.value)
@@ -247,31 +243,33 @@ def _screened(
     searched_for = {name: kind for name, kind in kinds.items() if kind.fitted}
     able = [name for name, kind in searched_for.items() if fit.waveform or kind.without_cir]
 
-    def searched(name: str) -> tuple[Objective, Fitted]:
-        progress(f"trying {name}")
-        objective = Objective(kinds[name], comparison, fit, added, base)
-        return objective, screen(objective)
-
-    return _each(searched, able)
+    progress(f"trying {len(able)} effects")
+    objectives = {name: Objective(kinds[name], comparison, fit, added, base) for name in able}
+    found, failed = searched(_screen, {name: (one, None) for name, one in objectives.items()})
+    return {name: (objectives[name], one) for name, one in found.items()}, failed
 
 
-def _each(work: Callable[[str], T], names: list[str]) -> tuple[dict[str, T], dict[str, str]]:
-    """Return `work` of every effect by name, and why it failed for others (BenchError only)."""
+def _screen(objective: Objective, _: Fitted | None) -> Fitted:
+    return screen(objective)
 
-    def tried(name: str) -> T | BenchError:
-        try:
-            return work(name)
-        except BenchError as problem:
-            return problem
 
-    done: dict[str, T] = {}
-    failed: dict[str, str] = {}
-    for name, one in zip(names, in_threads(tried, names), strict=True):
-        if isinstance(one, BenchError):
-            failed[name] = str(one)
-        else:
-            done[name] = one
-    return done, failed
+@dataclass(frozen=True)
+class _Judged:
+    """What scoring a fit needs beside its name."""
+
+    comparison: Comparison
+    held: View
+    added: Added
+    fits: Mapping[str, Fitted]
+    reference: Tally
+    seed: int
+
+
+def _scored(judged: _Judged, name: str) -> Contender:
+    """Return a fit with its score on held-out rows."""
+    one = judged
+    fitted = one.fits[name]
+    return contender(one.comparison, one.held, one.added, fitted, one.reference, one.seed)
 
 
 def contender(
