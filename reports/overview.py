@@ -6,12 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from reports.boards import Board, Entry
-from reports.document import Bullets, Cell, Column, Document, Heading, Image, Link, Paragraph
+from reports.document import Bullets, Cell, Column, Document, Heading, Image, Link, Paragraph, Table
 from reports.leaderboard import title
 from reports.load import Results, Unreadable
 from reports.measures import KEYS, Figure, Measure, accuracy_measures, cost_measures, table
 from reports.numbers import UNKNOWN, metres
 from reports.pareto import pareto_front
+from reports.ranking.across import across
+from reports.ranking.paired import Paired
 from reports.ranking.predictions import compared
 from reports.ranking.ranks import Ranking, rank
 
@@ -65,6 +67,7 @@ def overview(
         document.append(Image(picture, "Latency against MAE, with the Pareto front"))
     for one in boards:
         document += _section(one)
+    document += _over_all(boards)
     if unreadable:
         document.append(
             Paragraph(f"Files left out as unreadable: {len(unreadable)} (see details).")
@@ -82,6 +85,40 @@ def _section(one: Ranked) -> Document:
         Heading(title(board), 2),
         table(board.entries, _columns(one)),
         Paragraph(" ".join(_facts(one))),
+    ]
+
+
+def _over_all(boards: Sequence[Ranked]) -> Document:
+    """Return the models over all data sets, where several data sets have the same models."""
+    sets: dict[str, Paired] = {}
+    for one in boards:
+        if one.ranking is not None:
+            sets.setdefault(one.board.data, one.ranking.family.paired)
+    found = across(sets)
+    if not found:
+        return []
+    columns = [Column("Model", number=False), Column("MAE ratio"), Column("Ranks")]
+    columns.append(Column("P(best)"))
+    rows = [
+        (
+            Cell(one.name),
+            Cell(f"{one.ratio:.3f}", (f"[{one.low:.3f}, {one.high:.3f}]",)),
+            Cell(f"{one.ranks[0]}-{one.ranks[1]}"),
+            Cell(f"{one.best:.2f}"),
+        )
+        for one in found
+    ]
+    simulated = {one.board.data for one in boards if one.board.simulated}
+    named = ", ".join(f"{name} (SIMULATED)" if name in simulated else name for name in sets)
+    words = (
+        f"Bayesian bootstrap over {len(sets)} data sets ({named}) and their links, 95 % credible "
+        "intervals. Ratio: MAE over the geometric mean of these models. So few data sets say "
+        "little of others."
+    )
+    return [
+        Heading("Over all data sets", 2),
+        Table(tuple(columns), tuple(rows)),
+        Paragraph(words),
     ]
 
 

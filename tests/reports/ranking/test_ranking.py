@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reports.ranking import Paired, rank, separate
+from reports.ranking.across import across
 from reports.ranking.paired import by_link, difference_m
 
 
@@ -116,3 +117,23 @@ def test_equal_models_have_no_interval() -> None:
 def test_one_model_is_no_comparison() -> None:
     with pytest.raises(ValueError, match="at least two"):
         separate(Paired(("a",), np.ones((1, 3)), np.ones(3)))
+
+
+def test_over_data_sets_a_model_that_is_best_everywhere_is_best_and_one_set_says_nothing() -> None:
+    rng = np.random.default_rng(2)
+    gaps = np.array([0.0, 0.3, 0.6])[:, None]
+    sets = {name: board(rng, 3, 40, gaps) for name in ("a", "b", "c")}
+    found = across(sets)
+    assert [one.name for one in found] == ["m0", "m1", "m2"]
+    assert found[0].best > 0.99
+    assert found[0].high < found[1].low
+    assert found[2].ranks == (3, 3)
+    assert across({"a": sets["a"]}) == ()
+
+
+def test_over_data_sets_that_contradict_each_other_nothing_is_sure() -> None:
+    rng = np.random.default_rng(4)
+    up, down = np.array([[0.0], [0.5]]), np.array([[0.5], [0.0]])
+    found = across({"a": board(rng, 2, 40, up), "b": board(rng, 2, 40, down)})
+    assert all(0.2 < one.best < 0.8 for one in found)
+    assert all(one.ranks == (1, 2) for one in found)
