@@ -135,3 +135,20 @@ def test_every_control_has_a_name(browser, page: str) -> None:
     )
     assert nameless == []
     assert browser.find_element("tag name", "html").get_attribute("lang") == "en"
+
+
+@pytest.mark.parametrize(
+    "part", ["#board=1", "#view=explorer&board=1", "#view=run&board=1&run=svm%2Ffp32"]
+)
+@pytest.mark.parametrize("dark", [False, True])
+def test_an_accessibility_checker_finds_nothing_serious(
+    browser, page: str, part: str, dark: bool
+) -> None:
+    from axe_core_python.selenium import Axe
+
+    opened(browser, page, part)
+    if dark:
+        browser.find_element("id", "theme").click()
+    found = Axe().run(browser)["violations"]
+    grave = [one for one in found if one["impact"] in ("serious", "critical")]
+    assert [(one["id"], one["nodes"][0]["html"]) for one in grave] == []
