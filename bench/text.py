@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import unicodedata
+import re
 
-_DIRECTIONS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-_KEPT = frozenset("\n\t")
+_STRANGE = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f"  # control characters but line end and tab
+    r"\u2028\u2029\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # line ends, writing direction
+    r"\ud800-\udfff]"  # halves of surrogate pairs: bytes that are no text
+)
 
 
 def plain(text: str) -> str:
@@ -16,14 +19,17 @@ def plain(text: str) -> str:
     >>> plain("a\x1b[31mb")
     'a\\x1b[31mb'
     """
-    if text.isascii() and text.isprintable():
-        return text
-    return "".join(_shown(char) for char in text)
+    return _STRANGE.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def one_line(text: str) -> str:
     """Return text as `plain` gives it, its lines and tabs joined by spaces."""
     return " ".join(plain(text).split())
+
+
+def unmarked(text: str) -> str:
+    """Return one line that a picture shows as it is: no dollar of it begins a formula."""
+    return one_line(text).replace("$", r"\$")
 
 
 def reason(problem: BaseException) -> str:
@@ -36,10 +42,3 @@ def reason(problem: BaseException) -> str:
         text = f"(its message cannot be had: {type(second).__name__})"
     lines = [line for line in text.splitlines() if line.strip()]
     return one_line(f"{type(problem).__name__}: {lines[0] if lines else 'no message'}")
-
-
-def _shown(char: str) -> str:
-    if char in _KEPT:
-        return char
-    strange = unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") or char in _DIRECTIONS
-    return char.encode("unicode_escape").decode() if strange else char

@@ -14,6 +14,7 @@ from reports.boards import Board, Entry
 from reports.errors import ReportError
 from reports.leaderboard import title
 from reports.pareto import pareto_front
+from reports.plain import tame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -126,7 +127,7 @@ def _panel(axes: Axes, board: Board, some: Sequence[Point], device: str | None) 
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(alpha=0.3, which="both")
-    axes.set_title(title(board), fontsize=10)
+    axes.set_title(tame(title(board)), fontsize=10)
     axes.set_ylabel("NLoS MAE (m)")
     axes.set_xlabel(_latency_label(device))
 
@@ -139,7 +140,7 @@ def _assigned(names: Iterable[str], looks: Sequence[str]) -> dict[str, str]:
 def _latency_label(device: str | None) -> str:
     if device is None:
         return "measured latency of one inference, batch 1 (µs)"
-    return f"estimated latency of one inference on {device} (µs, est.)"
+    return f"estimated latency of one inference on {tame(device)} (µs, est.)"
 
 
 def _draw(axes: Axes, point: Point, colour: str, marker: str) -> None:
@@ -178,9 +179,11 @@ def _draw_floor(axes: Axes, board: Board) -> None:
 def _legend(axes: Axes, colours: dict[str, str], markers: dict[str, str], unstable: bool) -> None:
     from matplotlib.lines import Line2D
 
-    models = [Line2D([], [], color=colour, lw=4, label=name) for name, colour in colours.items()]
+    models = [
+        Line2D([], [], color=colour, lw=4, label=tame(name)) for name, colour in colours.items()
+    ]
     backends = [
-        Line2D([], [], color="black", marker=marker, ls="", label=name)
+        Line2D([], [], color="black", marker=marker, ls="", label=tame(name))
         for name, marker in markers.items()
     ]
     lines, _ = axes.get_legend_handles_labels()

@@ -18,6 +18,7 @@ from reports.document import (
     Paragraph,
     Table,
 )
+from reports.plain import plain
 
 _SPECIAL = re.compile(r"[\\`*|]|(?<!\w)_|_(?!\w)|~~|\](?=[(\[])|^(?:#+|[-+>])(?=\s)")
 
@@ -29,7 +30,7 @@ def to_markdown(document: Document) -> str:
 
 def escape(text: str) -> str:
     """Return text that Markdown shows as it is, on one line."""
-    line = " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;")
+    line = " ".join(plain(text).split()).replace("&", "&amp;").replace("<", "&lt;")
     return _SPECIAL.sub(lambda match: "\\" + match.group(), line)
 
 

@@ -19,6 +19,7 @@ from bench.measure.machine import describe_machine
 from bench.parallel import Spread
 from bench.recordings.open import open_recordings
 from bench.runner.observer import Observer
+from bench.text import plain
 
 REAL = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment}
 Score = dict[str, Any]
@@ -71,7 +72,7 @@ def run_challenge(
         lines, scores = [*lines, *([""] if lines else []), *more], [*scores, *others]
     report = Path(page) if page else folder / f"{_title(chosen)}.md"
     lines = _headed(lines) if page else lines
-    write_atomically(report, "\n".join(lines) + "\n")
+    write_atomically(report, plain("\n".join(lines) + "\n"))
     return Scored(tuple(lines), tuple(scores), report)
 
 

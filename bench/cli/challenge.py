@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.console import say
+
 EPILOG = """\b
 Examples:
   bench challenge --cases 240 --waves 40 --jobs 2 -o challenge
@@ -66,7 +68,7 @@ def command(
             observer=view,
         )  # fmt: skip
     if as_json:
-        click.echo(json.dumps(made.scores, indent=1))
+        say(json.dumps(made.scores, indent=1))
     else:
-        click.echo("\n".join(made.lines))
-        click.echo(f"report: {made.report}", err=True)
+        say("\n".join(made.lines))
+        say(f"report: {made.report}", err=True)

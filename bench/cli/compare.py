@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.console import console, say
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -46,17 +47,15 @@ def command(first: Path, second: Path, seed: int, as_json: bool) -> None:
     except ReportError as problem:
         raise BenchError(str(problem)) from problem
     if as_json:
-        click.echo(json.dumps(_content(found), indent=1, default=str))
+        say(json.dumps(_content(found), indent=1, default=str))
         return
     _print(_document(found, first, second))
 
 
 def _print(document: Document) -> None:
-    from rich.console import Console
-
     from reports.terminal import print_document
 
-    print_document(document, Console(markup=False, emoji=False, highlight=False))
+    print_document(document, console())
 
 
 def _content(found: Comparison) -> dict[str, Any]:

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.errors import BenchError
+from bench.cli.console import busy, console, say
+from bench.errors import BenchError, foreign
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from bench.recordings import Recordings
     from bench.recordings.describe import Description, ErrorStatistics
     from bench.recordings.sources.base import Source
@@ -52,20 +51,21 @@ def list_command(as_json: bool) -> None:
     """List the named data sets and whether they are on this machine."""
     rows = list(_listed())
     if as_json:
-        click.echo(json.dumps(rows, indent=1))
+        say(json.dumps(rows, indent=1))
         return
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("data set", "on this machine", "what it is", "licence"):
         table.add_column(heading, overflow="fold")
     for row in rows:
-        here = "[green]yes[/green]" if row["available"] else "[yellow]no[/yellow]"
+        here = Text("yes", "green") if row["available"] else Text("no", "yellow")
         table.add_row(row["name"], here, row["title"], row["licence"])
-    _console().print(table)
+    console().print(table)
     for row in rows:
         for line in _remarks(row):
-            _console().print(f"{row['name']}: {line}", highlight=False, soft_wrap=True)
+            console().print(f"{row['name']}: {line}", soft_wrap=True)
 
 
 def _remarks(row: dict[str, Any]) -> Iterator[str]:
@@ -86,11 +86,12 @@ def _listed() -> Iterator[dict[str, Any]]:
     for plugin in plugins("datasets"):
         entry: dict[str, Any] = {"name": plugin.name, "title": "", "licence": ""}
         try:
-            source = open_source(plugin.name)
-            mark = " (SIMULATED)" if source.simulated else ""
-            entry |= {"title": source.title + mark, "licence": source.licence}
-            entry |= {"variants": dict(source.variants), "untested": source.untested}
-            reason = source.available()
+            with foreign(f"data set {plugin.name!r} is unavailable"):
+                source = open_source(plugin.name)
+                mark = " (SIMULATED)" if source.simulated else ""
+                entry |= {"title": source.title + mark, "licence": source.licence}
+                entry |= {"variants": dict(source.variants), "untested": source.untested}
+                reason = source.available()
         except BenchError as error:
             reason = str(error)
         yield entry | {"available": reason is None, "reason": reason}
@@ -117,24 +118,27 @@ def info(name_or_path: str, plot: Path | None, as_json: bool) -> None:
     if plot:
         from bench.recordings.picture import save_picture
 
-        with _busy(f"Drawing {plot}"):
+        with busy(f"Drawing {plot}"):
             save_picture(recordings, plot)
     if as_json:
-        click.echo(json.dumps(asdict(found), indent=1))
+        say(json.dumps(asdict(found), indent=1))
         return
     _print_facts(found, source)
     _print_errors(found)
     if plot:
-        _console().print(f"picture: {plot}", highlight=False)
+        console().print(f"picture: {plot}")
 
 
 def _print_facts(found: Description, source: Source | None) -> None:
     """Print the size of the table and where it comes from."""
+    from rich.text import Text
+
     from bench.recordings.clean import describe
 
-    console = _console()
-    mark = "  [bold yellow]SIMULATED[/bold yellow]" if found.simulated else ""
-    console.print(f"[bold]{found.source}[/bold]{mark}" + (f"  {source.title}" if source else ""))
+    shown = console()
+    mark = ("  SIMULATED", "bold yellow") if found.simulated else ""
+    title = f"  {source.title}" if source else ""
+    shown.print(Text.assemble((found.source, "bold"), mark, title))
     cir = "none"
     if found.cir_samples is not None:
         cir = f"{found.cir_samples} samples of {found.sample_period_ns:.4f} ns"
@@ -148,7 +152,7 @@ def _print_facts(found: Description, source: Source | None) -> None:
         "columns": ", ".join(found.columns),
     }
     for name, value in facts.items():
-        console.print(f"{name:<12} {value}", highlight=False, soft_wrap=True, markup=False)
+        shown.print(f"{name:<12} {value}", soft_wrap=True)
 
 
 def _print_errors(found: Description) -> None:
@@ -169,8 +173,8 @@ def _print_errors(found: Description) -> None:
         table.add_column(heading, justify="right", no_wrap=True)
     for line in found.errors:
         table.add_row(*_cells(line))
-    _console().print()
-    _console().print(table)
+    console().print()
+    console().print(table)
 
 
 def _cells(line: ErrorStatistics) -> list[str]:
@@ -230,7 +234,7 @@ def import_command(source: str, out: Path, link: str | None, as_json: bool, **te
     from bench.recordings.logs.read import LogOptions
 
     columns = tuple(name.strip() for name in link.split(",")) if link else ()
-    with _busy(f"Reading {source}"):
+    with busy(f"Reading {source}"):
         imported = import_one(source, out, LogOptions(link=columns, **texts))
     print_imported(imported, out, as_json)
 
@@ -258,33 +262,18 @@ def fetch(name: str, sha256: str | None, accept_unverified: bool) -> None:
     source = open_source(name)
     with _downloads() as progress:
         files = download(source, accept_unverified, sha256, progress)
-    click.echo(f"{name}: {len(files)} files in {download_folder(name)}")
+    say(f"{name}: {len(files)} files in {download_folder(name)}")
     if missing := source.available():
         raise BenchError(f"{name}: downloaded, but not as expected: {missing}")
-    click.echo(f"Look at it with: bench data info {name}")
+    say(f"Look at it with: bench data info {name}")
 
 
 def _open(name_or_path: str) -> tuple[Recordings, Source | None]:
     """Open recordings with a sign of life on stderr."""
     from bench.recordings.open import open_recordings
 
-    with _busy(f"Reading {name_or_path}"):
+    with busy(f"Reading {name_or_path}"):
         return open_recordings(name_or_path)
-
-
-def _console(stderr: bool = False) -> Console:
-    from rich.console import Console
-
-    # Where nobody watches (a file, a pipe) a table need not fit a terminal.
-    console = Console(stderr=stderr)
-    return console if console.is_terminal else Console(stderr=stderr, width=120)
-
-
-@contextmanager
-def _busy(what: str) -> Iterator[None]:
-    """Show that something is going on, in a terminal."""
-    with _console(stderr=True).status(f"{what} ..."):
-        yield
 
 
 @contextmanager
@@ -293,13 +282,13 @@ def _downloads() -> Iterator[Any]:
     from rich import progress as bars
 
     columns = (
-        bars.TextColumn("{task.description}"),
+        bars.TextColumn("{task.description}", markup=False),
         bars.BarColumn(),
         bars.DownloadColumn(),
         bars.TransferSpeedColumn(),
         bars.TimeRemainingColumn(),
     )
-    shown = bars.Progress(*columns, console=_console(stderr=True))
+    shown = bars.Progress(*columns, console=console(stderr=True))
     tasks: dict[str, bars.TaskID] = {}
 
     def advance(name: str, done: int, total: int | None) -> None:

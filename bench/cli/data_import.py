@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
 import numpy as np
 
+from bench.cli.console import say
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -42,20 +42,20 @@ def import_one(source: str, out: Path, options: LogOptions) -> Imported:
 def print_imported(imported: Imported, out: Path, as_json: bool) -> None:
     """Print what was written, how it was read, and on stderr what looks wrong."""
     for line in imported.warnings:
-        click.echo(f"warning: {line}", err=True)
+        say(f"warning: {line}", err=True)
     if as_json:
-        click.echo(json.dumps(_summary(imported, out), indent=1))
+        say(json.dumps(_summary(imported, out), indent=1))
         return
     from bench.recordings.clean import describe
 
     recordings = imported.recordings
     for line in imported.notes:
-        click.echo(f"  {line}")
+        say(f"  {line}")
     dropped = f"; dropped: {describe(recordings.dropped)}" if recordings.dropped else ""
-    click.echo(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
+    say(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
     links = recordings.frame["link"].nunique() if "link" in recordings.frame else "no"
     mae_m = np.abs(recordings.errors_m()).mean()
-    click.echo(f"  {links} links, mean |range error| {mae_m:.3f} m")
+    say(f"  {links} links, mean |range error| {mae_m:.3f} m")
 
 
 def _summary(imported: Imported, out: Path) -> dict[str, object]:

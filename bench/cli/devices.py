@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from bench.cli.console import print_json, print_table
+from bench.cli.console import print_json, print_table, say
 from bench.errors import BenchError
 from bench.measure.on_devices import load_device
 from bench.measure.profile import Coefficient, Profile
@@ -32,7 +32,7 @@ def command(name: str | None, as_json: bool) -> None:
     else:
         columns = ("name", "device", "clock, energy, memory", "figures")
         print_table("Device profiles", columns, [_row(plugin) for plugin in plugins("devices")])
-        click.echo(NOTE)
+        say(NOTE)
 
 
 def _row(plugin: Plugin) -> tuple[str, ...]:
@@ -82,14 +82,14 @@ def _show_one(profile: Profile, as_json: bool) -> None:
     if as_json:
         print_json(asdict(profile))
         return
-    click.echo(f"{profile.name}: {profile.title}")
-    click.echo(f"runs {', '.join(profile.precisions)}")
+    say(f"{profile.name}: {profile.title}")
+    say(f"runs {', '.join(profile.precisions)}")
     for line in _lines(profile.coefficients):
-        click.echo(line)
+        say(line)
     for mode, entries in profile.modes.items():
-        click.echo(f"in mode {mode!r} instead:")
+        say(f"in mode {mode!r} instead:")
         for line in _lines(entries):
-            click.echo(line)
+            say(line)
 
 
 def _lines(entries: Mapping[str, Coefficient]) -> Iterator[str]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import say
+
 if TYPE_CHECKING:
     from bench.discrepancy import Diagnosis
 
@@ -76,7 +78,7 @@ def command(
             scheduler=scheduler, observer=view,
         )  # fmt: skip
     if as_json:
-        click.echo(json.dumps(summary(found), indent=1))
+        say(json.dumps(summary(found), indent=1))
     else:
         _print(found)
 
@@ -88,15 +90,15 @@ def _print(diagnosis: Diagnosis) -> None:
     click.echo(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
-            click.echo(line.replace("**", ""))
+            say(line.replace("**", ""))
     seen = diagnosis.confirmed
     if diagnosis.uncovered:
-        click.echo(f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart")
-    click.echo(
+        say(f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart")
+    say(
         f"confirm links ({seen.links}): |recorded - simulated| mean {seen.mae_before_m} -> "
         f"{seen.mae_after_m}, median {seen.median_before_m} -> {seen.median_after_m}, "
         f"90th percentile {seen.high_before_m} -> {seen.high_after_m}; "
         f"AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
     )
     for name, reason in diagnosis.selection.skipped.items():
-        click.echo(f"skipped {name}: {reason}")
+        say(f"skipped {name}: {reason}")

@@ -14,7 +14,8 @@ from typing import Literal, get_args
 
 import click
 
-from bench.errors import BenchError
+from bench.cli.console import say
+from bench.errors import BenchError, foreign
 from bench.files import cache_dir, write_atomically
 from bench.measure.cpu import INTEGER_DOT
 from bench.measure.energy import NoMeter, host_meter
@@ -54,17 +55,18 @@ def command(as_json: bool) -> None:
         *_broken_plugins(),
     ]
     if as_json:
-        click.echo(json.dumps([asdict(one) for one in findings], indent=1))
+        say(json.dumps([asdict(one) for one in findings], indent=1))
     else:
         for one in findings:
             _print(one)
-    sys.exit(1 if any(one.verdict == "missing" for one in findings) else 0)
+    missing = any(one.verdict == "missing" for one in findings)
+    click.get_current_context().exit(1 if missing else 0)
 
 
 def _print(one: Finding) -> None:
     mark = {"ok": "ok     ", "missing": "MISSING", "info": "note   "}[one.verdict]
     remedy = f"\n          -> {one.remedy}" if one.remedy else ""
-    click.echo(f"{mark}  {one.what}: {one.found}{remedy}")
+    say(f"{mark}  {one.what}: {one.found}{remedy}")
 
 
 def _python() -> Iterator[Finding]:
@@ -136,9 +138,12 @@ def _places() -> Iterator[Finding]:
 
 
 def _data_sets() -> Iterator[Finding]:
+    from bench.recordings.sources.base import open_source
+
     for plugin in plugins("datasets"):
         try:
-            reason = plugin.load()().available()
+            with foreign(f"data set {plugin.name!r} is unavailable"):
+                reason = open_source(plugin.name).available()
         except BenchError as problem:
             reason = str(problem)
         if reason is None:

@@ -96,24 +96,24 @@ def _choose(
 def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
     found = exported.agreement
     if as_json:
-        from bench.cli.console import print_json
+        from bench.cli.console import print_json, say
 
         told = found and {"rows": found.rows, "equal": found.equal, "largest_m": found.largest_m}
         names = {"folder": str(exported.folder), "files": list(exported.files)}
         print_json({**names, "arena_bytes": exported.arena_bytes, "agreement": told})
         return
-    click.echo(f"{chosen.model} on {chosen.backend}, trained on {chosen.data}")
-    click.echo(f"{exported.folder}: {', '.join(exported.files)}")
+    say(f"{chosen.model} on {chosen.backend}, trained on {chosen.data}")
+    say(f"{exported.folder}: {', '.join(exported.files)}")
     if exported.arena_bytes is not None:
-        click.echo(f"RAM for activations: {exported.arena_bytes} bytes")
+        say(f"RAM for activations: {exported.arena_bytes} bytes")
     if found:
         same = f", {100 * found.equal:.2f} % equal bit by bit" if _integer(chosen) else ""
         gap = f"at most {found.largest_m * 1e3:.2g} mm from ONNX Runtime"
-        click.echo(f"{found.rows} held-out rows: {gap}{same}")
+        say(f"{found.rows} held-out rows: {gap}{same}")
     elif exported.arena_bytes is not None:
         from bench.export.report import NOT_CHECKED
 
-        click.echo(f"agreement with ONNX Runtime {NOT_CHECKED}")
+        say(f"agreement with ONNX Runtime {NOT_CHECKED}")
 
 
 def _integer(chosen: Chosen) -> bool:

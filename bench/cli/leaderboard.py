@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.console import busy, console, say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError, unknown_name
 from bench.files import atomic_path, check_output, write_atomically
@@ -82,9 +83,9 @@ def command(
         raise BenchError(str(problem)) from problem
     written = _write(results, short, out, pictures) if out else []
     for path in (*pictures, *written):
-        click.echo(f"wrote {path}", err=as_json or out is None)
+        say(f"wrote {path}", err=as_json or out is None)
     if as_json:
-        click.echo(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
+        say(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
     elif out is None:
         _print(_document(results, short, details, pictures))
 
@@ -120,16 +121,14 @@ def _write(
 
 def _print(document: Document) -> None:
     """Print tables cut to the terminal, or Markdown where the output goes elsewhere."""
-    from rich.console import Console
-
     from reports.markdown import to_markdown
     from reports.terminal import print_document
 
-    console = Console()
-    if console.is_terminal:
-        print_document(document, console)
+    shown = console()
+    if shown.is_terminal:
+        print_document(document, shown)
     else:
-        click.echo(to_markdown(document), nl=False)
+        say(to_markdown(document), nl=False)
 
 
 def _draw(boards: Sequence[Board], plot: Path, device: str | None) -> list[Path]:
@@ -151,11 +150,9 @@ def _pair(option: str, path: Path) -> list[Path]:
 
 def _drawn(figure: Figure, paths: list[Path]) -> list[Path]:
     """Write a figure as SVG and PNG; return both paths."""
-    from rich.console import Console
-
     from reports.figures import save_png, save_svg
 
-    with Console(stderr=True).status("drawing ..."):
+    with busy("drawing"):
         for path, save in zip(paths, (save_svg, save_png), strict=True):
             with atomic_path(path) as scratch:
                 save(figure, scratch)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import sys
+from functools import wraps
 from importlib import import_module
+from typing import Any
 
 import click
 
 from bench import __version__
-from bench.errors import BenchError, unknown_name
+from bench.cli.console import foreign_prints_to_stderr
+from bench.cli.failing import ended_with, open_streams
+from bench.errors import unknown_name
 
 COMMANDS = {
     "run": "Benchmark models on backends: error, latency, size, energy.",
@@ -45,6 +48,7 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             raise unknown_name("command", cmd_name, COMMANDS)
         command: click.Command = import_module(f"bench.cli.{cmd_name}").command
+        _keep_stdout(command)
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -59,6 +63,12 @@ class LazyGroup(click.Group):
     epilog="Example: bench run --model remnet --backend int8",
 )
 @click.version_option(__version__, prog_name="bench")
+@click.option(
+    "--traceback",
+    is_flag=True,
+    expose_value=False,
+    help="Show where a failure came from; may stand anywhere on the line.",
+)
 def group() -> None:
     """Benchmark ultra-wideband range-error mitigation.
 
@@ -66,20 +76,31 @@ def group() -> None:
     """
 
 
+def _keep_stdout(command: click.Command) -> None:
+    """Have whatever a command's code does not print itself go to standard error."""
+    for inner in getattr(command, "commands", {}).values():
+        _keep_stdout(inner)
+    work = command.callback
+    if work is not None and not hasattr(work, "__wrapped__"):
+        command.callback = _quietly(work)
+
+
+def _quietly(work: Any) -> Any:
+    @wraps(work)
+    def wrapped(*args: Any, **kwargs: Any) -> Any:
+        with foreign_prints_to_stderr():
+            return work(*args, **kwargs)
+
+    return wrapped
+
+
 def main() -> None:
-    """Run the command line; bad input ends in one line on stderr and exit code 2."""
-    try:
-        code = group.main(standalone_mode=False)
-    except BenchError as error:
-        click.echo(f"bench: {error}", err=True)
-        code = 2
-    except click.ClickException as error:
-        error.show()
-        code = 2
-    except (KeyboardInterrupt, click.Abort):
-        click.echo("bench: interrupted; finished runs are kept", err=True)
-        code = 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 0
+    """Run the command line; any failure ends in one line on stderr and exit code 2."""
+    arguments = sys.argv[1:]
+    plain = [word for word in arguments if word != "--traceback"]
+    open_streams()
+    code = ended_with(
+        lambda: group.main(plain, prog_name="bench", standalone_mode=False),
+        traceback=plain != arguments,
+    )
     sys.exit(code)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import say
+
 if TYPE_CHECKING:
     from bench.scaffold.package import Kind
 
@@ -62,15 +64,15 @@ def new(name: str, kind: Kind, parent: Path, as_json: bool) -> None:
 
     folder, files = write_package(name, kind, parent)
     if as_json:
-        click.echo(json.dumps({"folder": str(folder), "kind": kind, "files": files}, indent=1))
+        say(json.dumps({"folder": str(folder), "kind": kind, "files": files}, indent=1))
     else:
         _explain(name, kind, folder, files)
 
 
 def _explain(name: str, kind: Kind, folder: Path, files: Sequence[str]) -> None:
-    click.echo(f"wrote {folder}:")
+    say(f"wrote {folder}:")
     for path in files:
-        click.echo(f"  {path}")
+        say(f"  {path}")
     quoted = shlex.quote(str(folder))
-    click.echo(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
-    click.echo(f"then: {THEN[kind].format(name=name)}")
+    say(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
+    say(f"then: {THEN[kind].format(name=name)}")

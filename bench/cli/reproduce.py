@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import console, say
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
 
@@ -30,7 +31,7 @@ def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     from bench.reproduce.catalogue import experiments
 
     for one in experiments():
-        click.echo(f"{one.name:<22} {one.summary}")
+        say(f"{one.name:<22} {one.summary}")
     context.exit()
 
 
@@ -137,15 +138,13 @@ def _tell(done: Reproduction, pages: list[Path], as_json: bool) -> None:
     if as_json:
         contents = [json.loads(path.read_text(encoding="utf-8")) for path in done.files]
         refused = [{"experiment": name, "reason": why} for name, why in done.impossible]
-        click.echo(json.dumps({"outcomes": contents, "impossible": refused}, indent=1))
+        say(json.dumps({"outcomes": contents, "impossible": refused}, indent=1))
         return
-    from rich.console import Console
-
     from reports.reproduction import outcome_page, read_outcome
     from reports.terminal import print_document
 
     for path in done.files:
-        print_document(outcome_page(read_outcome(path), pictured=False), Console())
+        print_document(outcome_page(read_outcome(path), pictured=False), console())
     for name, why in done.impossible:
-        click.echo(f"not possible: {name}: {why}")
-    click.echo(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")
+        say(f"not possible: {name}: {why}")
+    say(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")

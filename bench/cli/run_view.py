@@ -7,12 +7,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Self
 
-import click
 from rich import box
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from bench.cli.console import console, say
 from bench.results import Estimate, Interval, RunRecord, TimingRecord
 from bench.runner.observer import Observer
 
@@ -24,15 +23,15 @@ class RunView(Observer):
     """Shows stages, runs done and the current fit's fraction on stderr."""
 
     def __init__(self, quiet: bool) -> None:
-        console = Console(stderr=True, quiet=quiet)
+        shown = console(stderr=True, quiet=quiet)
         self._bars = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
-            TextColumn("{task.fields[figure]}"),
+            TextColumn("{task.fields[figure]}", markup=False),
             TimeElapsedColumn(),
-            console=console,
+            console=shown,
             transient=True,
-            disable=quiet or not console.is_terminal,
+            disable=quiet or not shown.is_terminal,
         )
         self._overall: TaskID | None = None
         self._current: TaskID | None = None
@@ -60,7 +59,7 @@ class RunView(Observer):
 
     def note(self, line: str) -> None:
         """Print a line that stays."""
-        self._bars.console.print(line, highlight=False, markup=False)
+        self._bars.console.print(line)
 
     def _show_current(self, what: str, fraction: float | None) -> None:
         figure = "" if fraction is None else f"{100 * fraction:3.0f} %"
@@ -82,7 +81,7 @@ def print_json(outcome: RunSet) -> None:
         "failures": [vars(one) for one in outcome.failures],
         "curve": [asdict(one) for one in outcome.curve],
     }
-    click.echo(json.dumps(content, indent=1))
+    say(json.dumps(content, indent=1))
 
 
 def _with_estimates(run: RunRecord, outcome: RunSet) -> dict[str, Any]:
@@ -95,25 +94,25 @@ def _with_estimates(run: RunRecord, outcome: RunSet) -> dict[str, Any]:
 
 def print_summary(outcome: RunSet) -> None:
     """Print a table of runs, a table of device estimates for one run, and where files are."""
-    console = Console()
+    shown = console()
     done = [run for run in outcome.runs if run.status == "ok"]
     if done:
-        console.print(_title(done[0]), highlight=False)
-        console.print(_accuracy_table(done, outcome.timings))
+        shown.print(_title(done[0]))
+        shown.print(_accuracy_table(done, outcome.timings))
     for note in dict.fromkeys(
         f"{r.key.model} on {r.key.backend}: {r.note}" for r in done if r.note
     ):
-        console.print(note, highlight=False, markup=False, soft_wrap=True)
+        shown.print(note, soft_wrap=True)
     if len(done) == 1:
-        console.print(_device_table(outcome.estimates(done[0])))
+        shown.print(_device_table(outcome.estimates(done[0])))
     for run in (one for one in outcome.runs if one.status == "skipped"):
-        click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    click.echo(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
+        say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
+    say(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
 
 
 def _title(run: RunRecord) -> str:
     kind = "SIMULATED data" if run.simulated else "recordings"
-    lines = [f"\n{kind} [bold]{run.key.data}[/], split {run.key.split}"]
+    lines = [f"\n{kind} {run.key.data}, split {run.key.split}"]
     for name, score in (("NLoS", run.nlos), ("LoS", run.los)):
         if score is not None:
             lines.append(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import say
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -73,9 +74,9 @@ def _report(made: Simulation, as_json: bool) -> None:
         "rows_per_s": made.rows / max(made.seconds, 1e-9),
     }
     if as_json:
-        click.echo(json.dumps(facts, indent=1))
+        say(json.dumps(facts, indent=1))
         return
-    click.echo(
+    say(
         f"{made.file}: {made.rows} SIMULATED rows by {made.simulator.name!r}, seed "
         f"{made.simulator.seed}; error {made.mean_error_m:+.3f} m in the mean, MAE "
         f"{made.mae_m:.3f} m; {facts['rows_per_s']:.0f} rows/s"

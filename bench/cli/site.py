@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
@@ -69,12 +70,12 @@ def command(
         except ReportError as problem:
             raise BenchError(str(problem)) from problem
     if as_json:
-        click.echo(json.dumps(data, indent=1))
+        say(json.dumps(data, indent=1))
         return
     made = f"Made by bench site, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
     path = out / "index.html"
     write_atomically(path, render(data, pages, made))
-    click.echo(f"wrote {path} ({path.stat().st_size / 1e6:.2f} MB)")
+    say(f"wrote {path} ({path.stat().st_size / 1e6:.2f} MB)")
 
 
 def _page(path: Path) -> Page:

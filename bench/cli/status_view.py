@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Self
 
-import click
-from rich.console import Console
+from rich.text import Text
 
+from bench.cli.console import console, say
 from bench.runner.observer import Observer
 
 
@@ -15,8 +15,8 @@ class StatusView(Observer):
     """Shows what is being done; a fraction as per cent. Notes are printed on stderr."""
 
     def __init__(self, first: str) -> None:
-        self._console = Console(stderr=True)
-        self._status = self._console.status(first)
+        self._console = console(stderr=True)
+        self._status = self._console.status(Text(first))
 
     def __enter__(self) -> Self:
         self._status.start()
@@ -29,14 +29,14 @@ class StatusView(Observer):
 
     def stage(self, what: str) -> None:
         """Show what begins; a line of its own where nobody watches, as in a log."""
-        self._status.update(what)
+        self._status.update(Text(what))
         if not self._console.is_terminal:
-            click.echo(what, err=True)
+            say(what, err=True)
 
     def progress(self, what: str, fraction: float) -> None:
         """Show how far it has come."""
-        self._status.update(f"{what} {100 * fraction:.0f} %")
+        self._status.update(Text(f"{what} {100 * fraction:.0f} %"))
 
     def note(self, line: str) -> None:
         """Print a line that stays."""
-        click.echo(line, err=True)
+        say(line, err=True)

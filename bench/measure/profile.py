@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from bench.errors import BenchError, unknown_name
+from bench.files import read_text
 
 Kind = Literal["measured", "datasheet", "assumed"]
 UNITS = {
@@ -103,12 +104,12 @@ class Profile:
 def load_profile(path: Path) -> Profile:
     """Read a profile. Raises BenchError naming the file, the entry and what was expected."""
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as problem:
+        content = tomllib.loads(read_text(path))
+    except (BenchError, ValueError, RecursionError) as problem:
         raise BenchError(f"cannot read device profile {path}: {problem}") from problem
     try:
         return _profile({**_shared(path, content), **content})
-    except (KeyError, TypeError, ValueError) as problem:
+    except (KeyError, TypeError, ValueError, OverflowError) as problem:
         said = f"{problem} is missing" if isinstance(problem, KeyError) else problem
         raise BenchError(f"device profile {path}: {said}") from problem
 

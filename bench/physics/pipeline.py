@@ -15,6 +15,7 @@ from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, Stage
 from bench.physics.randomness import Draws
+from bench.text import reason
 
 Change = Callable[[Batch], Batch]
 Step = tuple[Hashable, Change]
@@ -103,9 +104,8 @@ def _checked(effect: Effect, batch: Batch, draws: Draws) -> Batch:
     try:
         with np.errstate(all="ignore"):
             made = effect.apply(batch, draws)
-    except Exception as problem:
-        reason = f"{type(problem).__name__}: {problem}".splitlines()[0]
-        raise EffectError(f"effect {effect.name!r} failed: {reason}") from problem
+    except (Exception, SystemExit) as problem:  # a plug-in must not end the program
+        raise EffectError(f"effect {effect.name!r} failed: {reason(problem)}") from problem
     if not isinstance(made, Batch):
         raise EffectError(f"effect {effect.name!r} gave {type(made).__name__}, expected a Batch")
     if made.range_m is not None and not np.isfinite(made.range_m).all():

@@ -55,13 +55,7 @@ def open_simulator(name: str) -> SimulatorPlugin:
     Raises BenchError for an unknown name (with a did-you-mean), one that fails, or no simulator.
     """
     plugin = find("simulators", name)
-    found = plugin.load()
-    try:
-        made = found() if callable(found) else found
-    except Exception as problem:  # a plug-in must not end the harness
-        raise BenchError(
-            f"simulator {name!r} failed: {type(problem).__name__}: {problem}"
-        ) from None
+    made = plugin.make()
     if isinstance(made, Simulator):
         return _Plain(made)
     if not isinstance(made, SimulatorPlugin) or not isinstance(made.simulator, Simulator):

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError, unknown_name
+from bench.files import read_text
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.simulator import Simulator
 from bench.plugins import load
+from bench.text import one_line
 
 _TOP = ("name", "seed", "base", "effects")
 
@@ -36,19 +38,15 @@ def from_toml(text: str, where: str = "simulator") -> Simulator:
     try:
         data = tomllib.loads(text)
         return _simulator(data)
-    except tomllib.TOMLDecodeError as problem:
-        raise BenchError(f"{where}: not TOML: {problem}") from problem
     except BenchError as problem:
         raise BenchError(f"{where}: {problem}") from problem
+    except (ValueError, RecursionError, OverflowError) as problem:
+        raise BenchError(f"{where}: not TOML of a simulator: {one_line(str(problem))}") from problem
 
 
 def read_toml(path: Path) -> Simulator:
     """Return the simulator of a TOML file. Raises BenchError like `from_toml`."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise BenchError(f"cannot read {path}: {problem}") from problem
-    return from_toml(text, str(path))
+    return from_toml(read_text(path), str(path))
 
 
 def _simulator(data: dict[str, Any]) -> Simulator:

@@ -2,8 +2,9 @@
 
 The rules, in this order. A row is dropped, and counted under the reason in quotes, where
 
-- a known float column holds text ("COLUMN is not a number") or an infinity ("COLUMN is infinite");
-  an empty value there only means "not known";
+- a known float column holds text ("COLUMN is not a number"), or any column an infinity ("COLUMN is
+  infinite"); an empty value there only means "not known";
+- a count or a spread is negative ("COLUMN is negative");
 - no error can be had: `error_m`, or `range_m` and `true_range_m`, is missing ("no range error");
 - |error| > 1 km and no six exchange timestamps `T1`..`T6` explain it ("error beyond 1 km");
 - the true range is negative ("negative true range");
@@ -13,7 +14,8 @@ The rules, in this order. A row is dropped, and counted under the reason in quot
   is zero throughout;
 - the first path lies outside the CIR ("first path outside the CIR").
 
-An empty table, a missing required column, and more than half the rows dropped are errors.
+An empty table, a missing required column, more than half the rows dropped, and ranges that no UWB
+radio reaches (millimetres taken for metres) are errors.
 """
 
 from __future__ import annotations
@@ -31,6 +33,9 @@ from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 CHUNK_ROWS = 8192
 MAX_ERROR_M = 1000.0
 CONTRADICTION_M = 0.01
+FARTHEST_M = 1000.0  # the radios' makers promise some 300 m in the open
+FAR_QUANTILE = 0.95  # a few wild rows are no table in millimetres
+NOT_NEGATIVE = ("preamble_count", "noise_std")
 TIMESTAMP_COLUMNS = ("T1", "T2", "T3", "T4", "T5", "T6")
 Mask = NDArray[np.bool_]
 Finding = tuple[str, Mask]
@@ -62,6 +67,7 @@ def clean(frame: pd.DataFrame, name: str) -> Cleaned:
             dropped[reason] = count
             keep &= ~bad
     refuse_if_mostly_bad(name, len(frame), dropped)
+    _refuse_millimetres(frame[keep], name)
     if not keep.all():
         frame = frame.iloc[np.flatnonzero(keep)].reset_index(drop=True)
     return Cleaned(frame, dropped)
@@ -185,11 +191,34 @@ def _findings(frame: pd.DataFrame, text: Mapping[str, Mask]) -> Iterator[Finding
     for column, mask in text.items():
         yield f"{column} is not a number", mask
         yield f"{column} is infinite", np.isinf(frame[column].to_numpy())
+    for column in _own_floats(frame, text):
+        yield f"{column} is infinite", np.isinf(frame[column].to_numpy())
+    for column in [c for c in NOT_NEGATIVE if c in frame]:
+        yield f"{column} is negative", frame[column].to_numpy() < 0
     yield from _bad_ranges(frame)
     if "link" in frame:
         yield "no link", frame["link"].isna().to_numpy()
     if "cir" in frame:
         yield from _bad_cirs(frame)
+
+
+def _own_floats(frame: pd.DataFrame, known: Mapping[str, Mask]) -> list[str]:
+    """Return the columns of the user's own that hold floating-point numbers."""
+    kinds = {str(name): frame[name].dtype for name in frame if name not in known}
+    return [name for name, kind in kinds.items() if isinstance(kind, np.dtype) and kind.kind == "f"]
+
+
+def _refuse_millimetres(frame: pd.DataFrame, name: str) -> None:
+    """Raise BenchError for ranges beyond any UWB radio's reach, unless timestamps explain them."""
+    column = "true_range_m" if "true_range_m" in frame else "range_m"
+    if column not in frame or _timestamped(frame).any():
+        return
+    far = frame[column].quantile(FAR_QUANTILE)
+    if far > FARTHEST_M:
+        raise BenchError(
+            f"{name}: {column} reaches {far:.0f}, further than UWB does; expected metres "
+            "(are they millimetres?)"
+        )
 
 
 def _bad_ranges(frame: pd.DataFrame) -> Iterator[Finding]:

@@ -12,10 +12,12 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from bench.errors import BenchError
+from bench.files import is_regular
 from bench.recordings.clean import add_counts, clean
 from bench.recordings.csv_table import read_csv
 from bench.recordings.parquet import read_parquet, write_parquet
@@ -64,10 +66,10 @@ def read_recordings(path: str | Path) -> Recordings:
 
 def _check_file(path: Path) -> None:
     """Raise BenchError where the path is not a readable file of a known kind."""
-    if not path.exists():
+    if not os.path.lexists(path):
         raise BenchError(f"{path}: no such file")
-    if not path.is_file():
-        raise BenchError(f"{path}: not a file; expected a recordings .parquet or .csv")
+    if not is_regular(path):
+        raise BenchError(f"{path}: not a regular file; expected a recordings .parquet or .csv")
     if not path.name.endswith((*PARQUET_SUFFIXES, *CSV_SUFFIXES)):
         raise BenchError(f"{path}: unknown kind of file; expected .parquet or .csv")
     try:
@@ -97,5 +99,5 @@ def _dropped(metadata: Mapping[str, str]) -> dict[str, int]:
     try:
         counts = json.loads(metadata.get("dropped", "{}"))
         return {str(reason): int(count) for reason, count in counts.items()}
-    except (ValueError, TypeError, AttributeError):
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         return {}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bench.errors import BenchError
+from bench.errors import BenchError, foreign
 from bench.recordings.clean import clean
 from bench.recordings.io import read_recordings
 from bench.recordings.sources.base import Source, open_source
@@ -82,10 +82,11 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
     if is_path(name_or_path):
         return read_recordings(Path(name_or_path)), None
     source = open_source(str(name_or_path))
-    missing = source.available()
-    if missing is not None:
-        raise BenchError(f"data set {source.name!r} is not here: {missing}")
-    return source.load(), source
+    with foreign(f"data set {name_or_path!r}"):
+        missing = source.available()
+        if missing is not None:
+            raise BenchError(f"data set {source.name!r} is not here: {missing}")
+        return source.load(), source
 
 
 def is_path(name_or_path: str | Path) -> bool:

@@ -14,6 +14,7 @@ from bench.recordings.describe import KINDS, row_kinds
 from bench.recordings.picture_errors import COLOURS, SHOWN_PERCENTILES, error_panels
 from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
 from bench.recordings.window import cir_window
+from bench.text import unmarked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +56,7 @@ def draw(recordings: Recordings) -> Figure:
         ax.set_axisbelow(True)
     for ax in axes[len(panels) :]:
         ax.set_axis_off()
-    figure.suptitle(_title(recordings), fontsize=12, fontweight="bold")
+    figure.suptitle(unmarked(_title(recordings)), fontsize=12, fontweight="bold")
     return figure
 
 

@@ -65,9 +65,10 @@ def diagnose(
     """
     if seed < 0:
         raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
-    watch, chosen, spread = observer or Observer(), _names(observe) or None, Spread(jobs, scheduler)
+    watch, spread = observer or Observer(), Spread(jobs, scheduler)
+    chosen = _names("--observe", observe) or None
     waves = False if paths_only else None
-    options = Options(seed, hide=_names(hide), observables=chosen, waveform=waves)
+    options = Options(seed, hide=_names("--hide", hide), observables=chosen, waveform=waves)
     table, against = read(recorded, environment), counterpart(simulated)
     table.require(*options.hide)
     if out is None:
@@ -97,10 +98,16 @@ def _is_table(name: str | Path) -> bool:
     return str(name).endswith((*PARQUET_SUFFIXES, *CSV_SUFFIXES))
 
 
-def _names(given: str | Iterable[str]) -> tuple[str, ...]:
-    """Return names: several in one text with commas, or one by one."""
-    every = given.split(",") if isinstance(given, str) else given
-    return tuple(name.strip() for name in every if name.strip())
+def _names(option: str, given: str | Iterable[str]) -> tuple[str, ...]:
+    """Return names: several in one text with commas, or one by one.
+
+    Raises BenchError where something is given that names nothing.
+    """
+    every = given.split(",") if isinstance(given, str) else list(given)
+    names = tuple(name.strip() for name in every if name.strip())
+    if given and not names:
+        raise BenchError(f"{option} {given}: names nothing; expected names with commas between")
+    return names
 
 
 def _kept(out: Path, mark: str, watch: Observer) -> Kept:

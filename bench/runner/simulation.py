@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,6 +12,7 @@ from time import monotonic
 import pandas as pd
 
 from bench.errors import BenchError
+from bench.files import check_output
 from bench.physics import stream
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import SimulatorPlugin, open_simulator, read_simulator
@@ -119,7 +121,8 @@ def _target(out: Path, geometry: Table | None) -> Path:
     """Return the output. Raises BenchError where it is no Parquet or would replace its input."""
     if out.suffix not in PARQUET_SUFFIXES:
         raise BenchError(f"{out}: recordings are written as Parquet; expected a .parquet name")
-    if isinstance(geometry, str | Path) and out.resolve() == Path(geometry).resolve():
+    check_output(out)
+    if isinstance(geometry, str | Path) and os.path.realpath(out) == os.path.realpath(geometry):
         raise BenchError(f"{out}: would replace the geometry it is simulated from")
     return out
 

@@ -71,5 +71,5 @@ def fitted(material: Material, task: Fit) -> dict[str, Any] | None:
         model = new_model(task.model, task.seed)
         fit_on(model, material, task.fold)
         return state_of(model)
-    except Exception:  # the run fits it again, and reports why it fails
+    except (Exception, SystemExit):  # the run fits it again, and reports why it fails
         return None

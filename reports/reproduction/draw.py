@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reports.figures import MARKERS, save_png, save_svg
+from reports.plain import tame
 from reports.reproduction.load import FigureFile, OutcomeFile, SeriesFile
 from reports.reproduction.pages import picture_path, shown
 from reports.reproduction.tradeoff import draw_tradeoff, readable_ticks
@@ -48,11 +49,11 @@ def draw(one: FigureFile, data: str) -> Figure:
 
 
 def _dress(axes: Any, one: FigureFile, data: str, handles: list[Any] | None) -> None:
-    axes.set_title(f"{one.title}\n{data}", fontsize=10)
-    axes.set_xlabel(one.x_label)
-    axes.set_ylabel(one.y_label)
+    axes.set_title(f"{tame(one.title)}\n{tame(data)}", fontsize=10)
+    axes.set_xlabel(tame(one.x_label))
+    axes.set_ylabel(tame(one.y_label))
     if one.kind == "scatter3d":
-        axes.set_zlabel(one.z_label)
+        axes.set_zlabel(tame(one.z_label))
         _make_room(axes)
     else:
         axes.grid(alpha=0.3)
@@ -94,7 +95,7 @@ def _points(axes: Any, one: FigureFile) -> None:
         y = _numbers(series.y)
         if series.style in ("line", "dashed"):
             dash = "--" if series.style == "dashed" else "-"
-            axes.plot(_numbers(series.x), y, dash, color="black", lw=1, label=series.name)
+            axes.plot(_numbers(series.x), y, dash, color="black", lw=1, label=tame(series.name))
             continue
         big = series.style == "marker"
         look: dict[str, Any] = {
@@ -105,7 +106,13 @@ def _points(axes: Any, one: FigureFile) -> None:
         look["alpha"] = 1.0 if big or joined else 0.6
         arms = _arms(series, y)
         axes.errorbar(
-            _numbers(series.x), y, yerr=arms, marker=marker, capsize=3, label=series.name, **look
+            _numbers(series.x),
+            y,
+            yerr=arms,
+            marker=marker,
+            capsize=3,
+            label=tame(series.name),
+            **look,
         )
 
 
@@ -120,9 +127,9 @@ def _histogram(axes: Any, one: FigureFile) -> None:
     for series in one.series:
         x, y = _numbers(series.x), _numbers(series.y)
         if series.style:
-            axes.plot(x, y, "--", color="black", lw=1, label=series.name)
+            axes.plot(x, y, "--", color="black", lw=1, label=tame(series.name))
         else:
-            axes.fill_between(x, y, step="mid", alpha=0.5, label=series.name)
+            axes.fill_between(x, y, step="mid", alpha=0.5, label=tame(series.name))
 
 
 def _bars(axes: Any, one: FigureFile) -> None:
@@ -134,14 +141,18 @@ def _bars(axes: Any, one: FigureFile) -> None:
         y = _numbers(series.y)
         x = np.array([names.index(str(value)) for value in series.x], np.float64)
         x += (number - (len(solid) - 1) / 2) * width
-        axes.bar(x, y, width, yerr=_arms(series, y), capsize=2, label=series.name)
+        axes.bar(x, y, width, yerr=_arms(series, y), capsize=2, label=tame(series.name))
     for series in (line for line in one.series if line.style):
         at = np.array([names.index(str(value)) for value in series.x], np.float64)
-        axes.hlines(_numbers(series.y), at - 0.45, at + 0.45, "black", ls="--", label=series.name)
+        axes.hlines(
+            _numbers(series.y), at - 0.45, at + 0.45, "black", ls="--", label=tame(series.name)
+        )
     axes.set_xticks(range(len(names)), names, rotation=20, ha="right")
 
 
 def _cloud(axes: Any, one: FigureFile) -> None:
     for series in one.series:
         z = _numbers(series.z or ())
-        axes.scatter(_numbers(series.x), _numbers(series.y), z, s=4, alpha=0.5, label=series.name)
+        axes.scatter(
+            _numbers(series.x), _numbers(series.y), z, s=4, alpha=0.5, label=tame(series.name)
+        )

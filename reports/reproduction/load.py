@@ -9,7 +9,10 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
+from reports.believe import believed
 from reports.errors import ReportError
+
+SCHEMA_VERSION = 1
 
 Number = float | None
 """None: the figure was not finite."""
@@ -120,10 +123,10 @@ def read_outcomes(folder: Path) -> list[OutcomeFile]:
 def read_outcome(path: Path) -> OutcomeFile:
     """Return one outcome. Raises ReportError where the file is absent, damaged or another kind."""
     try:
-        outcome = msgspec.json.decode(path.read_bytes(), type=OutcomeFile)
+        outcome = msgspec.convert(believed(path, SCHEMA_VERSION), OutcomeFile)
         for figure in outcome.figures:
             _check(figure)
-    except (OSError, ValueError) as problem:
+    except (OSError, ValueError, RecursionError) as problem:
         raise ReportError(f"{path}: cannot be read as an outcome: {problem}") from problem
     return outcome
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from reports.figures import MARKERS
+from reports.plain import tame
 from reports.reproduction.load import FigureFile, Number, SeriesFile
 
 COLOURS = (*(f"C{number}" for number in range(10)), "black", "gold", "navy", "lime")
@@ -67,15 +68,24 @@ def _line(axes: Any, series: SeriesFile) -> None:
     draw = axes.step if series.style == "step" else axes.plot
     where = {"where": "post"} if series.style == "step" else {}
     style = LINES[series.style]
-    draw(_numbers(series.x), _numbers(series.y), ls=style, label=series.name, **look, **where)
+    draw(
+        _numbers(series.x),
+        _numbers(series.y),
+        ls=style,
+        label=tame(series.name),
+        **look,
+        **where,
+    )
 
 
 def _handles(colours: dict[str, str], markers: dict[str, str]) -> list[Any]:
     from matplotlib.lines import Line2D
 
-    lines = [Line2D([], [], color=colour, lw=4, label=name) for name, colour in colours.items()]
+    lines = [
+        Line2D([], [], color=colour, lw=4, label=tame(name)) for name, colour in colours.items()
+    ]
     marks = [
-        Line2D([], [], color="grey", marker=marker, ls="", label=name)
+        Line2D([], [], color="grey", marker=marker, ls="", label=tame(name))
         for name, marker in markers.items()
     ]
     return [*lines, *marks]

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
+from bench.provenance import sealed
 from reports.errors import ReportError
 from reports.markdown import to_markdown
 from reports.reproduction import (
@@ -46,15 +47,20 @@ def outcome(**changes: Any) -> dict[str, Any]:
     return {**made, "schema_version": 1, "kind": "reproduction", **changes}
 
 
+def dumped(content: dict[str, Any]) -> str:
+    """Return the text of an outcome's file, with the hash of its content."""
+    return json.dumps(sealed(content))
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    (tmp_path / "optimisation.json").write_text(json.dumps(outcome()))
+    (tmp_path / "optimisation.json").write_text(dumped(outcome()))
     return tmp_path
 
 
 def page(folder: Path, **changes: Any) -> str:
     path = folder / "optimisation.json"
-    path.write_text(json.dumps(outcome(**changes)))
+    path.write_text(dumped(outcome(**changes)))
     return to_markdown(outcome_page(read_outcome(path)))
 
 
@@ -113,7 +119,7 @@ def test_every_kind_of_picture_is_drawn_twice(
 ) -> None:
     path = folder / "optimisation.json"
     made = figure(kind, series=[series(z=[0.0, 1.0]), series(**changes)], log_y=True)
-    path.write_text(json.dumps(outcome(figures=[made])))
+    path.write_text(dumped(outcome(figures=[made])))
     drawn = dict(pictures(read_outcome(path)))
     assert list(drawn) == [f"figures/optimisation-{kind}{end}" for end in (".svg", ".png")]
     for name, save in drawn.items():
@@ -142,7 +148,7 @@ def test_digits_of_a_row_override_the_tables(folder: Path) -> None:
 
 
 def test_the_index_holds_every_outcome_and_what_was_not_possible(folder: Path) -> None:
-    (folder / "rooms.json").write_text(json.dumps(outcome(experiment="rooms", title="Rooms")))
+    (folder / "rooms.json").write_text(dumped(outcome(experiment="rooms", title="Rooms")))
     text = to_markdown(index_page(read_outcomes(folder), [("pca", "no CIR")]))
     assert "## Optimisation" in text
     assert "## Rooms" in text
@@ -207,15 +213,15 @@ def test_what_is_better_or_no_merit_is_not_called_worse() -> None:
     [
         "{",
         "[]",
-        json.dumps(outcome(kind="run")),
-        json.dumps(outcome(schema_version=2)),
-        json.dumps(outcome(tables=[{"title": "x"}])),
-        json.dumps(outcome(figures=[figure(name="../../evil")])),
-        json.dumps(outcome(experiment="../up")),
-        json.dumps(outcome(figures=[figure(kind="pie")])),
-        json.dumps(outcome(figures=[figure(series=[series(x=[1])])])),
-        json.dumps(outcome(figures=[figure(series=[series(x=["a", "b"])])])),
-        json.dumps(outcome(figures=[figure("scatter3d")])),
+        dumped(outcome(kind="run")),
+        dumped(outcome(schema_version=2)),
+        dumped(outcome(tables=[{"title": "x"}])),
+        dumped(outcome(figures=[figure(name="../../evil")])),
+        dumped(outcome(experiment="../up")),
+        dumped(outcome(figures=[figure(kind="pie")])),
+        dumped(outcome(figures=[figure(series=[series(x=[1])])])),
+        dumped(outcome(figures=[figure(series=[series(x=["a", "b"])])])),
+        dumped(outcome(figures=[figure("scatter3d")])),
     ],
 )
 def test_what_is_no_outcome_is_refused_in_one_line(content: str, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from bench.discrepancy.select.verdict import (
 from bench.files import write_atomically
 from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
+from bench.text import plain
 
 
 def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
@@ -33,7 +34,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
         write_atomically(folder / "simulator.toml", to_toml(diagnosis.simulator))
     write_atomically(folder / "diagnosis.json", json.dumps(summary(diagnosis), indent=1) + "\n")
     path = folder / "report.md"
-    write_atomically(path, markdown(diagnosis, figures))
+    write_atomically(path, plain(markdown(diagnosis, figures)))
     return path
 
 

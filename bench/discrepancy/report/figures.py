@@ -14,6 +14,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.settings import FIGURE_BINS, FIGURE_CENTRE, LEAST_SCATTER_M
 from bench.files import atomic_path
+from bench.text import unmarked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +44,7 @@ def _save(path: Path, figure: Any, diagnosis: Diagnosis, caption: str) -> None:
     canvas = Figure(figsize=(7, 4), layout="constrained")
     axes = canvas.add_subplot()
     figure(axes, diagnosis)
-    axes.set_title(caption, fontsize=10)
+    axes.set_title(unmarked(caption), fontsize=10)
     with atomic_path(path) as scratch:
         canvas.savefig(scratch, dpi=110, format="png")
 
@@ -84,7 +85,7 @@ def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
         axes.plot(value, _residual(ensemble), ".", ms=3, alpha=0.4, color=colour, label=label)
     axes.axhline(0, color=RECORDED, lw=0.8)
     _cut_outliers(axes, [_residual(seen.before), _residual(seen.after)])
-    axes.set_xlabel(column)
+    axes.set_xlabel(unmarked(column))
     axes.set_ylabel(f"recorded - simulated {_first(seen.before)}")
     axes.legend()
 

@@ -73,8 +73,7 @@ def open_source(name: str) -> Source:
     """
     name, _, variant = name.partition(":")
     plugin = find("datasets", name)
-    made = plugin.load()
-    source = made() if callable(made) else made
+    source = plugin.make()
     if not isinstance(source, Source):
         raise BenchError(
             f"data set {name!r} of {plugin.distribution} is no bench.recordings Source "

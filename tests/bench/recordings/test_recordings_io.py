@@ -129,7 +129,7 @@ def _later_version(path: Path) -> None:
     ("make", "expected"),
     [
         (lambda path: None, "no such file"),
-        (lambda path: path.mkdir(), "not a file"),
+        (lambda path: path.mkdir(), "not a regular file"),
         (_no_parquet, "not a Parquet file"),
         (lambda path: path.write_bytes(b""), "not a Parquet file"),
         (_truncated, "truncated Parquet"),
