@@ -72,7 +72,7 @@ def test_built_ins_are_listed_with_a_summary(kind, names) -> None:
         for one in json.loads(_run(kind, "--json").output)
         if one["distribution"] == OUR_DISTRIBUTION
     ]
-    assert {one["name"] for one in ours} == names
+    assert {one["name"] for one in ours} >= names
     assert all(len(one["summary"]) > 10 for one in ours)
     assert all(one["problem"] is None for one in ours)
     shown = _run(kind).output
