@@ -6,9 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-import click
-
-from bench.cli.console import print_json, print_table
+from bench.cli.console import print_json, print_table, say
 from bench.measure.counting.measured import Measured
 from bench.results import Interval
 from bench.runner.count_models import CountRow
@@ -28,9 +26,9 @@ NOTE = (
 def print_rows(rows: Sequence[CountRow], board: Measured | None) -> None:
     """Print the table, what fits, and for a single network its layers and kinds."""
     print_table("Counted", (*NARROW, "RAM\n(KB)"), map(_narrow, _lines(rows, board)))
-    click.echo(NOTE)
+    say(NOTE)
     for row in rows:
-        click.echo(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
+        say(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
     counted = [row.counted for row in rows if row.counted is not None]
     if len(counted) == 1:
         _print_details(counted[0])
@@ -104,14 +102,14 @@ def _verdict(row: CountRow) -> str:
 
 def _print_details(one: Counted) -> None:
     count = one.count
-    click.echo(
+    say(
         f"{count.instructions:,.0f} instructions a call ({count.fewest:,} to {count.most:,} over "
         f"{count.counted_rows} rows), {count.compiler}; code {count.code_bytes} B, constants "
         f"{count.constant_bytes} B, variables {count.static_ram_bytes} B, stack "
         f"{count.stack_bytes} B, {count.flash_reads:,} data reads from flash"
     )
     shares = [f"{kind} {number:,.0f}" for kind, number in count.kinds.items()]
-    click.echo("by kind: " + ", ".join(shares))
+    say("by kind: " + ", ".join(shares))
     layers = [
         (one.name, one.kind, f"{one.instructions:,.0f}", f"{one.cycles.typical:,.0f}")
         for one in count.layers

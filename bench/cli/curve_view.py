@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
-from bench.cli.console import print_table
+from bench.cli.console import print_table, say
 from bench.results import Interval
 
 if TYPE_CHECKING:
@@ -33,8 +31,8 @@ def print_curve(outcome: RunSet) -> None:
     )
     print_table(title, ("model", "backend", "links", "NLoS MAE (m)", "LoS MAE (m)"), rows)
     for run in (one for one in outcome.runs if one.status == "skipped"):
-        click.echo(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    click.echo(f"Results are in {outcome.folder}/")
+        say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
+    say(f"Results are in {outcome.folder}/")
 
 
 def _figure(left: Interval | None, raw_m: float | None) -> str:

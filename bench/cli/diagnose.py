@@ -87,7 +87,7 @@ def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
     from bench.discrepancy.report.document import describe
 
-    click.echo(diagnosis.headline)
+    say(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
             say(line.replace("**", ""))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.console import say
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def command(folders: tuple[Path, ...], seed: int, as_json: bool) -> None:
     except ReportError as problem:
         raise BenchError(str(problem)) from problem
     if as_json:
-        click.echo(json.dumps(_content(found), indent=1))
+        say(json.dumps(_content(found), indent=1))
     else:
         print_document(_document(found), Console(markup=False, emoji=False, highlight=False))
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from bench.cli.console import print_table, say
+
 if TYPE_CHECKING:
     from bench.results import Score
     from bench.runner.transfer import TransferMatrix
@@ -63,17 +65,15 @@ def command(
 
         save_matrix(matrix, plot)
     if as_json:
-        click.echo(json.dumps(asdict(matrix), indent=1))
+        say(json.dumps(asdict(matrix), indent=1))
         return
     _print(matrix)
     if plot is not None:
-        click.echo(f"picture: {plot}")
+        say(f"picture: {plot}")
 
 
 def _print(matrix: TransferMatrix) -> None:
     """Print a table for NLoS and one for LoS, then why cells are empty."""
-    from bench.cli.console import print_table
-
     for kind, title in (("nlos", "NLoS rows"), ("los", "LoS rows")):
         rows = [
             (train, *(_figure(getattr(matrix.cell(train, test), kind)) for test in matrix.data))
@@ -85,10 +85,10 @@ def _print(matrix: TransferMatrix) -> None:
     for one in (cell for cell in matrix.cells if cell.reason):
         reasons.setdefault(str(one.reason), []).append(f"{one.train} to {one.test}")
     for reason, pairs in reasons.items():
-        click.echo(f"{', '.join(pairs)}: {reason}")
+        say(f"{', '.join(pairs)}: {reason}")
     marked = sorted({one.test for one in matrix.cells if one.test_simulated})
     if marked:
-        click.echo(f"SIMULATED: {', '.join(marked)}")
+        say(f"SIMULATED: {', '.join(marked)}")
 
 
 def _figure(score: Score | None) -> str:
