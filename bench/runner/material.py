@@ -51,6 +51,7 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
     recordings = whole.select(window.rows)
     if not callable(split):
         split = partial(_named_split, name=split, source=source)
+    made = split(recordings)
     return Material(
         name,
         recordings,
@@ -58,7 +59,7 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
-        split(recordings),
+        made,
         {**whole.dropped, **window.dropped},
     )
 
