@@ -79,6 +79,18 @@ class Artifact:
         blocks = [run(cirs[i : i + batch_rows]) for i in range(0, len(cirs), batch_rows)]
         return np.concatenate(blocks) if blocks else np.empty(0, np.float32)
 
+    def deviations(self, cirs: Floats, batch_rows: int = 4096) -> Floats:
+        """Return standard deviations [n] in metres, the second output `std_m` of an ONNX file.
+
+        Raises ValueError where the file has no such output.
+        """
+        from backends.ort import second_output
+
+        run = second_output(self.path)
+        return np.concatenate(
+            [run(cirs[i : i + batch_rows]) for i in range(0, len(cirs), batch_rows)]
+        )
+
 
 class Backend(ABC):
     """Turns a fitted model into an `Artifact`. Only `build` must be written.

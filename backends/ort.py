@@ -53,6 +53,21 @@ def runner(opened: onnxruntime.InferenceSession) -> Runner:
     return predict
 
 
+def second_output(path: Path) -> Runner:
+    """Return a runner of a graph's second output; ValueError where it has but one."""
+    opened = session(path)
+    names = [one.name for one in opened.get_outputs()]
+    if len(names) < 2:
+        raise ValueError(f"{path}: no second output, the standard deviation")
+    feed = feeder(tuple(Input(one.name, int(one.shape[1] or 0)) for one in opened.get_inputs()))
+
+    def spread(rows: Floats) -> Floats:
+        found: Floats = opened.run(names[1:2], feed(rows))[0]
+        return found
+
+    return spread
+
+
 def session(
     path: Path, threads: int = 1, optimisation: Optimisation = "all", save_to: Path | None = None
 ) -> onnxruntime.InferenceSession:

@@ -17,7 +17,7 @@ from reports.selection import Pair, Place, by_pair, by_place, newest_code, newes
 class Entry:
     """One model on one backend, over its seeds; a figure that is not known is None.
 
-    `is_floor` says that the model mitigates nothing: what every other must beat.
+    `is_floor` says that the model is there to be beaten: no mitigation, a constant.
 
     `own_timing` is False where the timing is of the same model and backend with other weights.
     """

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from reports.boards import Board, Entry
 from reports.document import Bullets, Cell, Column, Document, Heading, Image, Link, Paragraph, Table
+from reports.harm import HEADER, LEGEND, harmed, has_los
 from reports.leaderboard import title
 from reports.load import Results, Unreadable
 from reports.measures import KEYS, Figure, Measure, accuracy_measures, cost_measures, table
@@ -30,6 +31,7 @@ _LEGEND = (
     "Ties: rows that share a letter cannot be told apart. Differences below 0.1 mm are none.",
     "Latency: median of one call, one thread, of the machine named in the details; a timing that "
     "is not steady says so. kB = 1000 bytes.",
+    LEGEND,
     "Front ●: no other row is better in MAE, latency and file size at once (floors aside).",
 )
 
@@ -130,14 +132,21 @@ def _columns(one: Ranked) -> list[Measure]:
         *KEYS,
         replace(known["NLoS MAE (m)"], better=None),
         Measure(Column("Ties", number=False), _letters(one.ranking)),
-        replace(known["NLoS R²"], better=None),
         replace(known["LoS MAE (m)"], better=None),
+        _harm_or_r2(one.board, known),
         replace(known["Latency, batch 1 (µs)"], better=None),
         replace(known["File (kB)"], better=None),
         Measure(
             Column("Front", number=False), lambda entry: Figure(Cell(front.get(entry.name, "")))
         ),
     ]
+
+
+def _harm_or_r2(board: Board, known: Mapping[str, Measure]) -> Measure:
+    """Return the column on harm; R2, which the details have too, where no row is line of sight."""
+    if has_los(board):
+        return Measure(Column(HEADER, number=False), harmed(board))
+    return replace(known["NLoS R²"], better=None)
 
 
 def _rank(ranking: Ranking | None) -> Callable[[Entry], Figure]:

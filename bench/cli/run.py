@@ -21,6 +21,7 @@ Examples:
   bench run --model remnet --backend fp32 --train apartment,rooms --test miluv
   bench run --model remnet --backend fp32 --data apartment --links 2,4,8 --plot curve.png
   bench run --model remnet --backend fp32 --pretrain rooms --finetune apartment:2,4,8
+  bench run --model gp,npn,gbm --backend fp32 --data apartment --intervals 0.9
 """
 
 
@@ -82,6 +83,12 @@ Examples:
     is_flag=True,
     help="Do not wait (up to two minutes) for a quiet machine to time on.",
 )
+@click.option(
+    "--intervals",
+    type=float,
+    metavar="LEVEL",
+    help="Also print intervals of the error that hold for new links, such as 0.9.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the records as JSON and nothing else.")
 @click.pass_context
 def command(
@@ -91,6 +98,7 @@ def command(
     backend: str,
     plot: Path | None,
     no_wait: bool,
+    intervals: float | None,
     as_json: bool,
     **rest: Any,
 ) -> None:
@@ -115,6 +123,10 @@ def command(
         from bench.runner.curve_picture import save_curve
 
         save_curve(outcome.curve, plot)
+    if intervals is not None and not as_json:
+        from bench.cli.intervals_view import print_intervals
+
+        print_intervals(outcome, intervals)
     if outcome.failures:
         raise _failed(outcome)
 

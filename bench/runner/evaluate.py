@@ -30,13 +30,14 @@ class Evaluation:
     """What one run gave: the first fold's artifact, and the predictions of every test row.
 
     `rows` are positions [m] into the material, `predicted_m` float32 [m], `los` marks the rows
-    scored as line of sight.
+    scored as line of sight, `std_m` float32 [m] is None where the model gives no deviation.
     """
 
     artifact: Artifact
     rows: Rows
     predicted_m: NDArray[np.float32]
     los: NDArray[np.bool_]
+    std_m: NDArray[np.float32] | None = None
 
 
 def evaluate(
@@ -51,6 +52,7 @@ def evaluate(
     from backends.base import TrainingData
 
     artifacts, rows, predicted, los = [], [], [], []
+    spreads = []
     inputs = rows_for(material, models[0].reads)
     for index, (model, fold) in enumerate(zip(models, material.split.folds, strict=True)):
         data = TrainingData(inputs[fold.train], material.errors_m[fold.train], seed)
@@ -59,8 +61,12 @@ def evaluate(
         artifacts.append(artifact)
         rows.append(positions)
         predicted.append(artifact.predict(inputs[positions]))
+        if getattr(model, "gives_std", False):
+            spreads.append(artifact.deviations(inputs[positions]))
         los.append(np.arange(len(positions)) >= len(fold.test_nlos))
-    return Evaluation(artifacts[0], *map(np.concatenate, (rows, predicted, los)))
+    std = np.concatenate(spreads) if spreads else None
+    whole = [np.concatenate(parts) for parts in (rows, predicted, los)]
+    return Evaluation(artifacts[0], whole[0], whole[1], whole[2], std)
 
 
 def _build(

@@ -75,6 +75,8 @@ def write_predictions(path: Path, material: Material, done: Evaluation) -> None:
     """Write one row per test row: who it is, its error and the predicted error, in metres."""
     table = predictions_table(material, done.rows)
     table = table.assign(predicted_m=done.predicted_m, scored_as_los=done.los)
+    if done.std_m is not None:
+        table = table.assign(std_m=done.std_m)
     with atomic_path(path) as scratch:
         table.to_parquet(scratch, index=False)
 

@@ -135,8 +135,7 @@ def test_it_learns_and_its_fit_travels(fitted) -> None:
     predicted = model.predict(rows[:, columns])
     assert predicted.dtype == np.float32
     assert np.isfinite(predicted).all()
-    floor = np.abs(errors - np.median(Y)).mean()
-    assert np.abs(errors - predicted).mean() < 0.9 * floor
+    assert np.corrcoef(errors, predicted)[0, 1] > 0.6
     stored = io.BytesIO()
     np.savez(stored, **model.fitted_state())
     stored.seek(0)

@@ -10,7 +10,9 @@ import pytest
 
 import bench
 from bench.recordings.table import Recordings
+from bench.runner.folder import ResultFolder
 from bench.runner.inputs import missing, rows_for
+from bench.runner.intervals import intervals_of
 from bench.runner.material import load_material
 from zoo import Constant, ConstantByLevel, GradientBoosting, NoMitigation, REMnet
 
@@ -64,3 +66,17 @@ def test_a_table_without_a_cir_runs_every_model_that_needs_none(
     maes = {name: run.nlos.mae_m.value for name, run in status.items() if run.nlos}
     assert set(maes) == {"none", "constant", "constant-by-level", "gbm"}
     assert maes["gbm"] < maes["constant"] < maes["none"]
+
+
+@pytest.mark.slow
+def test_a_deviation_goes_with_the_predictions_and_intervals_are_made_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+    done = bench.run("gp,constant", "fp32", table(), split="link-kfold:3", out=tmp_path / "r")
+    assert not done.failures
+    found = {run.key.model: intervals_of(ResultFolder(done.folder), run, 0.8) for run in done.runs}
+    assert found["constant"].crps_m is None
+    assert found["gp"].crps_m is not None
+    assert 0.5 < found["gp"].coverage <= 1
+    assert found["gp"].half_width_m < found["constant"].half_width_m
