@@ -48,9 +48,9 @@ class Confirmed:
 
     @property
     def serves(self) -> bool:
-        """Whether the score is better beyond doubt, and the typical range error no worse."""
+        """Whether score and typical range error are no worse after than before."""
         worse = self.nearer_m.high < 0 or self.mae_after_m.value > self.mae_before_m.value
-        return self.gain.above_zero and not worse
+        return self.gain.value > 0 and not worse
 
 
 def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Confirmed:
@@ -118,6 +118,7 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed) -> str
     before, after = seen.mae_before_m.value, seen.mae_after_m.value
     change = f"mean |recorded - simulated| {before:.3g} -> {after:.3g} m on sealed links"
     if seen.serves:
-        return f"{said}. The new simulator fits better: {change}."
-    why = "its score is not better beyond doubt" if not seen.gain.above_zero else "ranges are worse"
+        sure = "" if seen.gain.above_zero else ", though not beyond doubt"
+        return f"{said}. The new simulator fits better{sure}: {change}."
+    why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
     return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."

@@ -123,17 +123,23 @@ def screen(objective: Objective) -> Fitted:
     their defaults. Effects without one are tried at points spread over their bounds.
     """
     thorough = not objective.view.waveform  # paths alone cost next to nothing
-    for values in _starts(objective.kind, thorough):
+    several = len(objective.view.recorded.names) > 1
+    for values in _starts(objective.kind, thorough, several):
         objective(values)
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
     for values in _elsewhere(objective.kind, objective.best[1], thorough):
         objective(values)
+    for values in _switched_off(objective.kind) if several and thorough else ():
+        objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 
-def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
-    """Return the points of the screening."""
+def _starts(kind: type[Effect], thorough: bool, several: bool) -> list[dict[str, float]]:
+    """Return the points of the screening.
+
+    Where `several` observables are compared, one amplitude may fit where the others do not.
+    """
     plain = LINE_STEPS + FINE_LINE_STEPS if thorough else LINE_STEPS
     free = free_parameters(kind)
     amplitudes = [p for p in free if p.null is not None]
@@ -144,7 +150,7 @@ def _starts(kind: type[Effect], thorough: bool) -> list[dict[str, float]]:
         for bound in {amplitude.low, amplitude.high} - {null}:
             at = [_between(amplitude, null, bound, step) for step in _steps(amplitude, plain)]
             out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
-    if len(amplitudes) > 1 and not thorough:
+    if len(amplitudes) > 1 and several:
         out += _together(amplitudes, defaults)
     if not amplitudes:
         rng = np.random.default_rng(0)
@@ -203,6 +209,22 @@ def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[st
             strong = {p.name: _strength(p, now[p.name], share) for p in amplitudes[:1]}
             out.append(now | strong | spread)
     return out
+
+
+def _switched_off(kind: type[Effect]) -> list[dict[str, float]]:
+    """Return points with each parameter that may be zero at zero, one amplitude at some strengths.
+
+    Where several observables are compared, an effect may show in one and not in the other: a wall
+    delays what comes through it, and the level is held by what goes around it.
+    """
+    free = free_parameters(kind)
+    amplitudes = [p for p in free if p.null is not None][:1]
+    others = [p for p in free if p.null is None and p.low == 0]
+    defaults = {p.name: p.default for p in free}
+    strong = [
+        {p.name: _strength(p, p.default, share)} for p in amplitudes for share in ELSEWHERE_SHARES
+    ]
+    return [defaults | one | {p.name: 0.0} for p in others for one in strong]
 
 
 def _strength(item: Parameter, now: float, share: float | None) -> float:
