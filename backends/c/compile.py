@@ -12,7 +12,10 @@ from importlib.util import find_spec
 from pathlib import Path
 
 PATIENCE_S = 120.0  # zig builds its own libraries the first time
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
+FLAGS = (
+    *("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno"),
+    *("-ftree-vectorize", "-fvect-cost-model=dynamic"),  # -O3 takes twice as long for no more
+)
 NATIVE = "-march=native"
 MISSING = (
     "no C compiler: install one (Debian: apt install gcc) or `pip install 'uwb-bench[native]'`"

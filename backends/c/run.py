@@ -77,11 +77,11 @@ def _runner(rows: ctypes._NamedFuncPointer, width: int) -> Runner:
             raise ValueError(
                 f"expected rows float32 [n, {width}], got {cirs.dtype} {list(cirs.shape)}"
             )
-        if not cirs.flags.c_contiguous:
-            cirs = np.ascontiguousarray(cirs)
-        errors = np.empty(len(cirs), float32)
-        if rows(cirs.ctypes.data, len(cirs), errors.ctypes.data):
+        count = len(cirs)
+        errors = (ctypes.c_float * count)()
+        if rows(cirs.tobytes(), count, errors):  # copying is quicker than asking for the address
             raise ValueError("a row is not finite, or out of the range of C")
-        return errors
+        held = memoryview(errors).cast("B")
+        return np.frombuffer(held, float32) if count else np.empty(0, float32)
 
     return predict

@@ -18,6 +18,8 @@ _KEYWORDS = frozenset(
     )
 )
 
+_LOCALS = r"[a-z]{1,2}\d*|total|sum|part|from|to|result|row|limit|count|unknown|low|steps"
+
 
 def number(value: float) -> str:
     """Return a float32 as C, exact: nine digits tell any two of them apart."""
@@ -69,7 +71,8 @@ def identifiers(names: Sequence[str]) -> list[str]:
     found: list[str] = []
     for name in names:
         plain = re.sub(r"[^0-9A-Za-z_]", "_", name)[:32] or "input"
-        if not plain[0].isalpha() or plain in _KEYWORDS or plain.lower().startswith("uwb_"):
+        taken = plain in _KEYWORDS or re.fullmatch(_LOCALS, plain) is not None
+        if not plain[0].isalpha() or taken or plain.lower().startswith("uwb_"):
             plain = f"in_{plain}"
         while plain in found or plain.upper() in (one.upper() for one in found):
             plain += "_"

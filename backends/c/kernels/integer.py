@@ -83,7 +83,7 @@ def _pair(operator: IntegerAdd | IntegerMultiply, context: Context, made: Layer)
 
 
 def _sum(op: IntegerAdd, a: str, b: str, context: Context, made: Layer) -> str:
-    """Return a sum, of fused products as the runtime's on x86, or in 64-bit integers."""
+    """Return a sum, of fused products in the runtime's order on x86, or in 64-bit integers."""
     y_scale = np.float32(op.y_scale.scale)
     ratio_a, ratio_b = (
         np.float32(op.a_scale.scale) / y_scale,
@@ -92,10 +92,16 @@ def _sum(op: IntegerAdd, a: str, b: str, context: Context, made: Layer) -> str:
     if context.requantise == "fixed":
         return _fixed_sum(op, float(ratio_a), float(ratio_b), a, b)
     made.helpers |= {"fused", "nearest"}
-    zeros = np.float32(op.a_scale.zero), np.float32(op.b_scale.zero)
-    start = np.float32(op.y_scale.zero) - (ratio_a * zeros[0] + ratio_b * zeros[1])
-    first = f"uwb_fused((float){a}, {number(float(ratio_a))}, {number(float(start))})"
-    return f"uwb_nearest(uwb_fused((float){b}, {number(float(ratio_b))}, {first}))"
+    start = _start(op, ratio_a, ratio_b)
+    inner = f"uwb_fused((float){b}, {number(float(ratio_b))}, {number(start)})"
+    return f"uwb_nearest(uwb_fused((float){a}, {number(float(ratio_a))}, {inner}))"
+
+
+def _start(op: IntegerAdd, ratio_a: np.float32, ratio_b: np.float32) -> float:
+    """Return what the zero points add, rounded in the runtime's order (a fused product last)."""
+    of_b = np.float64(np.float32(ratio_b * np.float32(op.b_scale.zero)))
+    zeros = np.float32(np.float64(ratio_a) * op.a_scale.zero + of_b)
+    return float(np.float32(op.y_scale.zero) - zeros)
 
 
 def _fixed_sum(op: IntegerAdd, ratio_a: float, ratio_b: float, a: str, b: str) -> str:
@@ -110,7 +116,11 @@ def _product(op: IntegerMultiply, a: str, b: str, context: Context, made: Layer)
     ratio = np.float32(op.a_scale.scale) * np.float32(op.b_scale.scale)
     ratio = ratio / np.float32(op.y_scale.scale)
     product = f"({_less(a, op.a_scale.zero)}) * ({_less(b, op.b_scale.zero)})"
-    return scaled(product, float(ratio), op.y_scale.zero, context, made)
+    if context.requantise == "fixed":
+        return scaled(product, float(ratio), op.y_scale.zero, context, made)
+    made.helpers.add("nearest")
+    plus = f" + {number(op.y_scale.zero)}" if op.y_scale.zero else ""  # before it is rounded
+    return f"uwb_nearest((float)({product}) * {number(float(ratio))}{plus})"
 
 
 def _less(value: str, zero: int) -> str:

@@ -69,6 +69,7 @@ def test_numbers_and_names_are_c() -> None:
     assert number(1e-20) == "9.99999968e-21f"
     for value in np.random.default_rng(0).normal(size=200).astype(np.float32):
         assert np.float32(number(value).rstrip("f")) == value
+    assert identifiers(["x", "v0"]) == ["in_x", "in_v0"]
     assert identifiers(["cir", "int", "3d", "a b", "a-b", "uwb_x", ""]) == [
         *("cir", "in_int", "in_3d", "a_b", "a_b_", "in_uwb_x", "input"),
     ]
