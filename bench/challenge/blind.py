@@ -16,9 +16,9 @@ from bench.challenge.truths import compared
 from bench.challenge.waves import FIRST, run_wave
 from bench.discrepancy.method import Options, diagnose
 from bench.errors import BenchError
-from bench.files import write_atomically
+from bench.files import read_json, write_atomically
 from bench.parallel import Spread
-from bench.provenance import json_digest, packages_code_hash
+from bench.provenance import SEAL, is_sealed, json_digest, packages_code_hash, sealed
 
 Progress = Callable[[str], None]
 
@@ -68,28 +68,38 @@ def run_blind(
     """
     _publish(cases, seed, folder, waves)
     every = [*range(cases), *range(FIRST, FIRST + waves)]
-    missing = [number for number in every if not _path(folder, number).exists()]
+    missing = [number for number in every if _kept(_path(folder, number)) is None]
     finished = len(every) - len(missing)
     progress(f"{finished} of {len(every)} cases")
     for _, made in (spread or Spread()).map(_work, seed, missing):
         write_atomically(_path(folder, made.number), _text(made))
         finished += 1
         progress(f"{finished} of {len(every)} cases")
-    return [_read(json.loads(_path(folder, number).read_text())) for number in every]
+    return [_read(read_json(_path(folder, number))) for number in every]
+
+
+def _kept(path: Path) -> Any:
+    """Return what a case's file holds, None where there is none that can be believed."""
+    try:
+        content = read_json(path)
+    except BenchError:
+        return None
+    return content if is_sealed(content) and content["number"] == int(path.stem) else None
 
 
 def _publish(cases: int, seed: int, folder: Path, waves: int) -> None:
     """Write the seal before anything is run; drop cases that other code finished."""
     path = folder / "sealed.json"
-    before = json.loads(path.read_text()) if path.exists() else {"seed": seed, "code": code()}
-    if before["seed"] != seed:
-        raise BenchError(f"{folder} holds a challenge of seed {before['seed']}, not {seed}")
+    before = read_json(path) if path.exists() else {"seed": seed, "code": code()}
+    if not isinstance(before, dict) or before.get("seed") != seed:
+        found = before.get("seed") if isinstance(before, dict) else "unknown"
+        raise BenchError(f"{folder} holds a challenge of seed {found}, not {seed}")
     if before.get("code") != code():
         for old in (folder / "cases").glob("*.json"):
             old.unlink()
     answers = {"cases": cases, "waves": waves, "sha256": seal(cases, seed, waves)}
-    sealed = {"seed": seed, **answers, "code": code()}
-    write_atomically(path, json.dumps(sealed, indent=1) + "\n")
+    published = {"seed": seed, **answers, "code": code()}
+    write_atomically(path, json.dumps(published, indent=1) + "\n")
 
 
 def _path(folder: Path, number: int) -> Path:
@@ -104,11 +114,13 @@ def _work(seed: int, number: int) -> Outcome:
 
 def _text(outcome: Outcome) -> str:
     """Return an outcome as the text of its file."""
-    return json.dumps(asdict(outcome), indent=1, default=float) + "\n"
+    content = json.loads(json.dumps(asdict(outcome), default=float))
+    return json.dumps(sealed(content), indent=1) + "\n"
 
 
 def _read(data: dict[str, Any]) -> Outcome:
     """Return an outcome read back from its file."""
+    data = {name: value for name, value in data.items() if name != SEAL}
     hidden = data["hidden"]
     kept: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in hidden.items()}
     answer: Any = Hidden(**kept)

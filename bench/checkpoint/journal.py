@@ -14,8 +14,10 @@ from shutil import rmtree
 from typing import Any, ParamSpec, TypeVar
 
 from bench.checkpoint.codec import NotPlainError, from_plain, to_plain
-from bench.files import write_atomically
+from bench.errors import BenchError
+from bench.files import read_json, write_atomically
 from bench.physics.effect import Effect
+from bench.provenance import is_sealed, sealed
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -78,7 +80,7 @@ class Kept(Journal):
             yield turn
             if turn + 1 > self.finished:
                 self.finished = turn + 1
-                write_atomically(self._folder / "rounds.json", json.dumps(self.finished))
+                self._write("rounds.json", self.finished)
 
     def clear(self) -> None:
         """Remove what is kept, that of other fingerprints too."""
@@ -90,13 +92,19 @@ class Kept(Journal):
             data = to_plain(made, self._kinds)
         except NotPlainError:
             return made
-        write_atomically(self._folder / name, json.dumps(data))
+        self._write(name, data)
         back: T = from_plain(data, self._kinds)
         return back
 
+    def _write(self, name: str, data: Any) -> None:
+        """Write data with the hash of its content."""
+        plain = json.loads(json.dumps({"kept": data}))
+        write_atomically(self._folder / name, json.dumps(sealed(plain)))
+
     def _read(self, name: str, form: Callable[[Any], T], default: T) -> T:
-        """Return what a file holds, `default` where there is none that can be read."""
+        """Return what a file holds, `default` where there is none that can be believed."""
         try:
-            return form(json.loads((self._folder / name).read_text()))
-        except (OSError, ValueError, KeyError, TypeError, NotPlainError):
+            content = read_json(self._folder / name)
+            return form(content["kept"]) if is_sealed(content) else default
+        except (BenchError, ValueError, KeyError, TypeError):
             return default

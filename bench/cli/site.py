@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import say
+from bench.cli.console import busy, say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
@@ -56,14 +56,12 @@ def command(
     """
     import json
 
-    from rich.console import Console
-
     from reports import ReportError, make_boards, read_results
     from reports.overview import ranked
     from reports.site import payload, render
 
     pages = [_page(path) for path in reports]
-    with Console(stderr=True).status("making the page ..."):
+    with busy("making the page"):
         try:
             results = read_results(folder, estimator(folder))
             data = payload(results, [ranked(one, results) for one in make_boards(results, machine)])

@@ -6,12 +6,14 @@ one that does not hold what it should leaves its model out of the ranking, by na
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from reports.believe import believed
 from reports.boards import Board, Entry
 from reports.ranking.paired import Floats, Paired, by_link
 
@@ -78,6 +80,8 @@ def read(path: Path, los: bool) -> pd.Series[float]:
 
     if not path.is_file() or path.stat().st_size > MOST_BYTES:
         raise ValueError(f"{path.name} is not here, or is no regular file of a sane size")
+    if not unchanged(path):
+        raise ValueError(f"{path.name} was edited or damaged since its run was written")
     try:
         frame = parquet.read_table(path, columns=COLUMNS).to_pandas()
     except (ArrowException, KeyError) as problem:
@@ -89,6 +93,14 @@ def read(path: Path, los: bool) -> pd.Series[float]:
     if not np.isfinite(residual).all():
         raise ValueError(f"{path.name} holds values that are not finite")
     return residual  # type: ignore[return-value]
+
+
+def unchanged(path: Path) -> bool:
+    """Return False where the run beside a predictions file holds another hash of it."""
+    record = believed(path.parents[1] / "runs" / f"{path.stem}.json")
+    expected = record.get("predictions_sha256")
+    with path.open("rb") as stream:
+        return expected in (None, hashlib.file_digest(stream, "sha256").hexdigest())
 
 
 def _first_line(problem: Exception) -> str:

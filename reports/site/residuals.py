@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.ranking.predictions import MOST_BYTES
+from reports.ranking.predictions import MOST_BYTES, unchanged
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,7 +51,7 @@ def _read(path: Path) -> pd.DataFrame | None:
     from pyarrow import ArrowException
 
     try:
-        if not path.is_file() or path.stat().st_size > MOST_BYTES:
+        if not path.is_file() or path.stat().st_size > MOST_BYTES or not unchanged(path):
             return None
         there = parquet.read_schema(path).names
         frame = parquet.read_table(path, columns=[c for c in _COLUMNS if c in there]).to_pandas()

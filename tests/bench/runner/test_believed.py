@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import get_type_hints
 
 import pytest
+from runner_tables import tiny
 
 import bench
 from bench import results as written
@@ -20,9 +20,6 @@ from bench.recordings.table import Recordings
 from bench.results import RunRecord
 from bench.runner import api, keys
 from reports import load as read
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from test_runner import tiny
 
 
 class Heard(bench.runner.observer.Observer):
