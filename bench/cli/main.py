@@ -76,13 +76,17 @@ def group() -> None:
     """
 
 
+_QUIET: set[Any] = set()
+
+
 def _keep_stdout(command: click.Command) -> None:
     """Have whatever a command's code does not print itself go to standard error."""
     for inner in getattr(command, "commands", {}).values():
         _keep_stdout(inner)
     work = command.callback
-    if work is not None and not hasattr(work, "__wrapped__"):
+    if work is not None and work not in _QUIET:
         command.callback = _quietly(work)
+        _QUIET.add(command.callback)
 
 
 def _quietly(work: Any) -> Any:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bench.cli
 
+PAST = r"click\.echo\(|(?<![\w.])print\(|\bConsole\(|sys\.stdout"
 OWN = {"console.py", "failing.py", "main.py"}
 
 
