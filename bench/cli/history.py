@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from bench.cli.console import say
+from bench.cli.console import console, say
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ def command(folders: tuple[Path, ...], seed: int, as_json: bool) -> None:
     links, 5 % for all together. A latency (microseconds) is a regression where it lies outside what
     the earlier ones on that machine predict, their lingering noise taken into account.
     """
-    from rich.console import Console
-
     from reports import ReportError
     from reports.ranking.history import history
     from reports.terminal import print_document
@@ -40,7 +38,7 @@ def command(folders: tuple[Path, ...], seed: int, as_json: bool) -> None:
     if as_json:
         say(json.dumps(_content(found), indent=1))
     else:
-        print_document(_document(found), Console(markup=False, emoji=False, highlight=False))
+        print_document(_document(found), console())
 
 
 def _content(found: History) -> dict[str, Any]:
