@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
+
+from bench.cli.console import console
 
 if TYPE_CHECKING:
     from bench.measure.conformal import Intervals
@@ -32,9 +33,9 @@ def print_intervals(outcome: RunSet, level: float) -> None:
     for run in (one for one in outcome.runs if one.status == "ok"):
         found = intervals_of(folder, run, level)
         table.add_row(run.key.model, run.key.backend, *_cells(found))
-    console = Console()
-    console.print(f"\nIntervals at {level:g}", highlight=False)
-    console.print(table)
+    shown = console()
+    shown.print(f"\nIntervals at {level:g}")
+    shown.print(table)
 
 
 def _cells(found: Intervals) -> tuple[str, str, str, str]:
