@@ -18,7 +18,7 @@ from typing import Any, Literal, get_args
 from bench.errors import BenchError, unknown_name
 from bench.files import read_text
 
-Kind = Literal["measured", "datasheet", "assumed"]
+Kind = Literal["measured", "counted", "datasheet", "assumed"]
 UNITS = {
     "frequency_mhz": "MHz",
     "host_mhz": "MHz",
@@ -42,8 +42,8 @@ UNITS = {
 class Coefficient:
     """One figure of a device: `low` <= `value` <= `high` in `unit`, and where it comes from.
 
-    `kind`: "measured" (read off a measurement, ours or published), "datasheet" (the maker says
-    so), or "assumed" (recalled or reasoned, not looked up: the range is wide on purpose).
+    `kind`: "measured" (read off a measurement, ours or published), "counted" (in an emulator),
+    "datasheet" (the maker says so), or "assumed" (recalled or reasoned, not looked up: the range is wide on purpose).
     """
 
     value: float

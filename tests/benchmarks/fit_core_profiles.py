@@ -3,7 +3,8 @@
     bench count --model all --backend c-fp32,c-int8 --device all --rows 8 --json > counts.json
     python tests/benchmarks/fit_core_profiles.py counts.json
 
-For each core and precision: cycles = kernels x launch + MACs / macs_per_cycle + outputs x
+What "none" takes, which checks its input and returns, is the fixed part (t0_us). Beyond that, for
+each core and precision: cycles = kernels x launch + MACs / macs_per_cycle + outputs x
 cycles_per_output, fitted in logarithms to the counts of every model, pulled towards a guess where
 the few models leave a coefficient open. One common factor then widens every coefficient's range
 until each part's estimate contains each count, ends and wait states included.
@@ -71,7 +72,8 @@ def fit(core: str, some: list[Point], precision: str) -> dict[str, float]:
     if not load_core(core).float_unit and precision == "fp32":
         guess |= SOFT
     names = list(guess)
-    rows = [point for point in some if point.precision == precision]
+    fixed = [target(point) for point in some if not point.call.work]
+    rows = [point for point in some if point.precision == precision and point.call.work]
 
     def residuals(logs: np.ndarray) -> np.ndarray:
         values = named(names, logs, precision)
@@ -82,7 +84,7 @@ def fit(core: str, some: list[Point], precision: str) -> dict[str, float]:
         found = {f"{n}.{precision}": guess[n] * np.exp(x) for n, x in zip(names, logs, strict=True)}
         other = "fp32" if precision == "int8" else "int8"  # what 8 bits leave in floats
         mixed = {f"{n}.{other}": guess[n] for n in names if n.startswith("macs")}
-        return {**mixed, **found, "t0_us": 0.0, "frequency_mhz": 1.0}
+        return {**mixed, **found, "t0_us": fixed[0], "frequency_mhz": 1.0}
 
     logs = least_squares(residuals, np.zeros(len(names))).x
     values = named(names, logs, precision)
@@ -105,17 +107,19 @@ def target(point: Point) -> float:
 def spread(core: str, some: list[Point], values: dict[str, float]) -> float:
     """Return the factor that every range needs so that each estimate contains each count."""
     factor = 1.1
-    while not all(contains(point, values, factor) for point in some):
+    start = fixed_part(some)
+    while not all(contains(point, values, factor, start) for point in some):
         factor *= 1.05
         if factor > 20:
             raise SystemExit(f"{core}: no range contains the counts")
     return factor * MARGIN
 
 
-def contains(point: Point, values: dict[str, float], factor: float) -> bool:
+def contains(point: Point, values: dict[str, float], factor: float, start: Coefficient) -> bool:
     """Return whether the estimate on each of the core's parts contains the whole count."""
     for profile, _, span in point.parts:
         entries = {**profile.coefficients, **coefficients(values, factor, "trial")}
+        entries["t0_us"] = start
         trial = Profile(profile.name, "", profile.precisions, entries)
         told = estimate(trial, point.cost, point.precision).latency_us
         if told is None or not told.low <= span.low <= span.high <= told.high:
@@ -123,12 +127,22 @@ def contains(point: Point, values: dict[str, float], factor: float) -> bool:
     return True
 
 
+def fixed_part(some: list[Point]) -> Coefficient:
+    """Return what a network without work takes, over the core's parts and their clocks."""
+    spans = [span for point in some if not point.call.work for _, _, span in point.parts]
+    ends = [end for span in spans for end in (span.low, span.high)]
+    middle = float(np.exp(np.mean([np.log(span.value) for span in spans])))
+    low, high = min(ends) / MARGIN, max(ends) * MARGIN
+    values = [float(f"{value:.3g}") for value in (middle, low, high)]
+    return Coefficient(*values, "us", "counted: input checked, nothing computed", "counted")
+
+
 def coefficients(values: dict[str, float], factor: float, source: str) -> dict[str, Coefficient]:
     """Return values as coefficients with that range around them."""
     return {
         name: Coefficient(
             float(f"{value:.4g}"), float(f"{value / factor:.3g}"), float(f"{value * factor:.3g}"),
-            UNITS[name.partition(".")[0]], source, "measured",
+            UNITS[name.partition(".")[0]], source, "counted",
         )
         for name, value in values.items()
     }  # fmt: skip
@@ -142,10 +156,10 @@ def write(core: str, some: list[Point], values: dict[str, float], factor: float)
     ram = [count["stack_bytes"] / 1024 for count in counts]
     source = f"counted (emulated): {len(some)} networks as C, {made}; the range holds them all"
     entries = coefficients(values, factor, source)
-    entries["t0_us"] = Coefficient(0.0, 0.0, 1.0, "us", "a function call", "assumed")
+    entries["t0_us"] = fixed_part(some)
     for name, seen in (("code_kib", flash), ("runtime_ram_kib", ram)):
         middle, low, high = (float(f"{x:.3g}") for x in (np.median(seen), min(seen), max(seen)))
-        entries[name] = Coefficient(middle, low, high, "KiB", source, "measured")
+        entries[name] = Coefficient(middle, low, high, "KiB", source, "counted")
     lines = [
         f"# Coefficients of estimates on {core}: fitted to counts of this project's C by",
         "# tests/benchmarks/fit_core_profiles.py. Code generators differ threefold on one chip:",

@@ -67,7 +67,7 @@ def test_every_coefficient_has_a_range_a_unit_a_source_and_its_kind(name) -> Non
     for key, entry in every:
         assert entry.low <= entry.value <= entry.high, key
         assert entry.unit == UNITS[key.partition(".")[0]], key
-        assert entry.kind in ("measured", "datasheet", "assumed"), key
+        assert entry.kind in ("measured", "counted", "datasheet", "assumed"), key
         assert len(entry.source) > 5, key
 
 
