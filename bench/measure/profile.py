@@ -43,7 +43,8 @@ class Coefficient:
     """One figure of a device: `low` <= `value` <= `high` in `unit`, and where it comes from.
 
     `kind`: "measured" (read off a measurement, ours or published), "counted" (in an emulator),
-    "datasheet" (the maker says so), or "assumed" (recalled or reasoned, not looked up: the range is wide on purpose).
+    "datasheet" (the maker says so), or "assumed" (recalled or reasoned, not looked up: the range is
+    wide on purpose).
     """
 
     value: float

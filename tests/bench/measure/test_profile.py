@@ -113,7 +113,7 @@ def test_a_fit_may_leave_zero(tmp_path) -> None:
         (("low = 5", ""), r"t0_us: exactly these entries were expected: value, low, high"),
         (("value = 10", 'value = "ten"'), "t0_us: exactly these entries"),
         (('unit = "us"', 'unit = "ms"'), "t0_us: unit 'ms', expected 'us'"),
-        (('kind = "assumed"', 'kind = "sure"'), "t0_us: a source and one of measured, datasheet"),
+        (('kind = "assumed"', 'kind = "sure"'), "t0_us: a source and one of measured, counted"),
         (('source = "a guess"', 'source = ""'), "t0_us: a source"),
         (("[t0_us]", "x = 3\n[t0_us]"), "'x' is no coefficient"),
         (("[t0_us]", "[t0_weeks]"), "t0_weeks: unit 'us', expected None"),
