@@ -139,6 +139,10 @@ class ResultFolder:
 def _is_there(path: Path) -> bool:
     """Return True where anything has that name, a link to nothing too. Raises BenchError."""
     try:
-        return os.path.lexists(path)
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
     except (OSError, ValueError) as problem:
-        raise BenchError(f"{path}: no name for a file ({problem})") from problem
+        said = problem.strerror if isinstance(problem, OSError) else problem
+        raise BenchError(f"{path}: no name for a file: {said}") from problem
+    return True

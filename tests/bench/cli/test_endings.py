@@ -250,6 +250,7 @@ def test_impossible_counts_and_infinities_of_own_columns_are_dropped() -> None:
         (["run", "--model", "none", "--backend", "fp32", "--seeds", "10000000000000"], "1 to"),
         (["simulate", "SIM", "--rooms", "-o", "DEVICE.parquet"], "expected a regular file"),
         (["leaderboard", "--out", "/dev/null"], "expected a regular file"),
+        (["run", "--model", "none", "--backend", "fp32", "--out", "n" * 300], "File name too long"),
     ],
 )
 def test_bad_arguments_are_one_error(ask, said, tmp_path: Path, monkeypatch) -> None:
