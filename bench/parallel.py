@@ -34,6 +34,17 @@ def threads() -> int:
     return max(1, min(cores or 1, MOST))
 
 
+def obey() -> None:
+    """Have torch use as many threads as `threads` says, where BENCH_THREADS says so.
+
+    Called before anything is trained or keyed; without the variable torch decides for itself.
+    """
+    if os.environ.get(VARIABLE, ""):
+        import torch
+
+        torch.set_num_threads(threads())
+
+
 def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
     """Return `work` of every item in order. The first exception, in order, is raised."""
     count = threads()

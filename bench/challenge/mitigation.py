@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.data.split import Rows, link_codes
+from bench.parallel import obey
 from bench.physics.simulator import Simulator
 from bench.plugins import load
 from bench.recordings.table import Recordings
@@ -69,6 +70,7 @@ def mitigated(
 
     `training` are the rows whose geometry, and nothing else, the simulated CIRs take.
     """
+    obey()
     geometry = training_geometry(recorded.frame.iloc[training], seed, effort.links)
     test = recorded.select(held)
     window = cir_window(test)

@@ -15,7 +15,6 @@ is taken while there is patience; where fewer than six rounds are left there is 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -29,6 +28,7 @@ from bench.measure.energy import EnergyMeter, NoMeter, energy_per_call
 from bench.measure.quiet import Load, Patience
 from bench.measure.samples import FEWEST_ROUNDS, Round, reference_level, summarise, undisturbed
 from bench.measure.timing_process import WorkerProcess
+from bench.parallel import threads
 from bench.results import Interval, Latency
 
 Progress = Callable[[float], None]
@@ -113,8 +113,8 @@ def measure(
 
 
 def _open_all(runs: list[_Run]) -> None:
-    """Start the workers, as many at once as there are cores: nothing is timed yet."""
-    at_once = os.cpu_count() or 1
+    """Start the workers, as many at once as there are threads: nothing is timed yet."""
+    at_once = threads()
     for first in range(0, len(runs), at_once):
         for run in runs[first : first + at_once]:
             run.step(run.start)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
 from bench.errors import unknown_name
-from bench.parallel import threads
+from bench.parallel import in_threads
 from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
@@ -95,8 +94,7 @@ class Simulator:
             batch = self._block(rows.slice(start, start + BLOCK), draws, cir)
             return outcome(batch, self.base, complex_cir=complex_cir)
 
-        with ThreadPoolExecutor(threads()) as pool:
-            return joined(list(pool.map(block, starts)))
+        return joined(in_threads(block, starts))
 
     def ensemble(
         self, rows: Scene, replicates: int, seed: int | None = None, *, cir: bool = True

@@ -9,6 +9,7 @@ from time import perf_counter
 
 from bench.errors import BenchError, WriteError
 from bench.measure.machine import describe_machine
+from bench.parallel import obey
 from bench.provenance import decisive_versions, json_digest, packages_code_hash
 from bench.reproduce.catalogue import Experiment
 from bench.reproduce.context import Context
@@ -37,6 +38,7 @@ def reproduce(experiments: Sequence[Experiment], context: Context) -> Reproducti
     One that these recordings do not allow (no rooms, no CIR) does not stop the others. Raises
     BenchError on bad input before anything is written, and where no experiment was possible.
     """
+    obey()
     context.results.check_writable()
     _ = context.recordings
     files, impossible = [], []

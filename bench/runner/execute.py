@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bench.errors import BenchError, WriteError
 from bench.files import atomic_path
-from bench.parallel import Spread
+from bench.parallel import Spread, obey
 from bench.plugins import Plugin
 from bench.provenance import file_sha256
 from bench.results import RunKey, RunRecord
@@ -61,6 +61,7 @@ def execute(
 
     The fits are spread; nothing else is.
     """
+    obey()
     if spread and spread.spreads:
         fit_ahead(_unfinished(plan, material, folder), material, spread, watch)
     records: list[RunRecord] = []
