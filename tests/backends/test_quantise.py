@@ -160,3 +160,17 @@ def test_the_graph_that_was_given_is_left_as_it_was() -> None:
     before = model.SerializeToString()
     quantise(model, rows())
     assert model.SerializeToString() == before
+
+
+def test_what_scales_the_result_is_float_and_follows_the_dense_layer() -> None:
+    model = network()
+    model.graph.node[-1].output[0] = "d"
+    model.graph.node.append(helper.make_node("Mul", ["d", "w2"], ["y"]))
+    model.graph.initializer.append(numpy_helper.from_array(np.array([3.0], np.float32), "w2"))
+    found = quantise(model, rows())
+    makers = {n.output[0]: n for n in found.model.graph.node}
+    [scaling] = [n for n in found.model.graph.node if n.op_type == "Mul"]
+    assert makers[scaling.input[0]].op_type == "Gemm"
+    x = rows(40, seed=3)
+    expected = run(model, x)
+    assert np.abs(run(found.model, x) - expected).max() < 0.02 * np.ptp(expected) + 0.05

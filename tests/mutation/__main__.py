@@ -42,7 +42,7 @@ def main() -> int:
 def _asked() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Plant faults, one by one, and run the tests.")
     parser.add_argument("--target", default="", help="only modules whose path contains this")
-    parser.add_argument("--samples", type=int, default=30, help="mutants per module, 0 for all")
+    parser.add_argument("--samples", type=int, default=20, help="mutants per module, 0 for all")
     parser.add_argument("--seed", type=int, default=0, help="seed of the sampling")
     parser.add_argument("--out", type=Path, help="JSON file for every mutant's outcome")
     return parser.parse_args()

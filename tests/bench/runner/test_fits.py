@@ -90,6 +90,38 @@ def test_a_fit_sees_its_folds_training_rows_and_links_and_nothing_else(material:
     assert told == [1.0]
 
 
+def _pretrained(material: Material) -> Material:
+    """Return the material with half of the first fold's rows to be trained on before the others."""
+    fold = material.split.folds[0]
+    parted = replace(fold, train=fold.train[::2], pretrain=fold.train[1::2])
+    return replace(material, split=Split("parted", (parted,)))
+
+
+def test_a_fit_with_rows_before_goes_on_with_its_own(material: Material, monkeypatch) -> None:
+    noted = []
+    monkeypatch.setattr("bench.runner.fits.train_further", lambda *given: noted.append(given))
+    parted = _pretrained(material)
+    model, fold = fit_fold(plugin(), parted, 0, 0), parted.split.folds[0]
+    [(_, (X, y, groups))] = ASKED
+    np.testing.assert_array_equal(X, material.cirs[fold.pretrain])
+    np.testing.assert_array_equal(y, material.errors_m[fold.pretrain])
+    np.testing.assert_array_equal(groups, material.links[fold.pretrain])
+    [(further, more, errors_m)] = noted
+    assert further is model
+    np.testing.assert_array_equal(more, material.cirs[fold.train])
+    np.testing.assert_array_equal(errors_m, material.errors_m[fold.train])
+
+
+def test_how_a_fit_goes_on_is_part_of_its_place_only_where_it_does(material, monkeypatch) -> None:
+    parted = _pretrained(material)
+    before = [place_of(plugin(), some, 0, 0)[0] for some in (material, parted)]
+    assert len(set(before)) == 2
+    monkeypatch.setattr("bench.runner.fits.STEPS", 12345)
+    after = [place_of(plugin(), some, 0, 0)[0] for some in (material, parted)]
+    assert after[0] == before[0]
+    assert after[1] != before[1]
+
+
 def test_links_are_given_only_to_models_that_take_them(material: Material) -> None:
     fit_fold(plugin("Stateless"), material, 0, 0)
     assert ASKED[0][1][2] is None
