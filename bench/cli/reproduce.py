@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from bench.cli.console import console, say
+from bench.cli.console import console, print_json, say
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
 
@@ -25,22 +25,9 @@ Examples:
 """
 
 
-def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if not wanted:
-        return
-    from bench.reproduce.catalogue import experiments
-
-    for one in experiments():
-        say(f"{one.name:<22} {one.summary}")
-    context.exit()
-
-
 @click.command(epilog=EPILOG, no_args_is_help=True)
-@click.argument("names", metavar="NAME[,..]|all")
-@click.option(
-    "--list", is_flag=True, is_eager=True, expose_value=False, callback=_listing,
-    help="List the experiments.",
-)  # fmt: skip
+@click.argument("names", metavar="NAME[,..]|all", required=False)
+@click.option("--list", "listed", is_flag=True, help="List the experiments.")
 @click.option(
     "--data",
     default="rooms",
@@ -74,7 +61,8 @@ def _listing(context: click.Context, _: click.Parameter, wanted: bool) -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the outcomes as JSON, nothing else.")
 def command(
-    names: str,
+    names: str | None,
+    listed: bool,
     data: str,
     split: str | None,
     quick: bool,
@@ -99,6 +87,10 @@ def command(
     from bench.reproduce.context import Context
     from bench.reproduce.device_figures import chosen_devices
 
+    if listed:
+        return _list(as_json)
+    if names is None:
+        raise BenchError("no experiment named: expected NAME[,..] or all (--list shows them)")
     if page is not None:
         check_page(page)
     experiments, spread = chosen(names), Spread(jobs, scheduler)
@@ -109,7 +101,17 @@ def command(
         pages = _render(done)
         if page is not None:
             write_page(page, done)
-    _tell(done, pages, as_json)
+    return _tell(done, pages, as_json)
+
+
+def _list(as_json: bool) -> None:
+    from bench.reproduce.catalogue import experiments
+
+    found = {one.name: one.summary for one in experiments()}
+    if as_json:
+        print_json(found)
+    for name, summary in found.items() if not as_json else ():
+        say(f"{name:<22} {summary}")
 
 
 def _render(done: Reproduction) -> list[Path]:

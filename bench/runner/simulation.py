@@ -22,6 +22,8 @@ from bench.recordings.open import Table, read
 from bench.recordings.table import Recordings
 from bench.runner.observer import Observer
 
+MOST_ROWS = 1_000_000_000  # about a terabyte; more is a slip of the finger, not a wish
+
 
 @dataclass(frozen=True)
 class Simulation:
@@ -150,6 +152,6 @@ def _places(simulator: Simulator, geometry: Table | None, rows: int | None) -> P
 def _own(plugin: SimulatorPlugin, seed: int, name: str, rows: int | None) -> Places:
     """Return rows of a simulator's own."""
     count = plugin.rows if rows is None else rows
-    if count < 1 and rows is not None:
-        raise BenchError(f"-n {count}: expected at least 1 row")
+    if rows is not None and not 1 <= rows <= MOST_ROWS:
+        raise BenchError(f"-n {str(rows)[:40]}: expected 1 to {MOST_ROWS} rows")
     return Places(plugin.geometry(count, seed), count, name)

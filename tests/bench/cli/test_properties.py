@@ -231,3 +231,12 @@ def test_diagnose_of_any_drift_ends_in_json(seed: int, slope_mm: float) -> None:
 
 def _effects(known: list[Plugin]) -> contextlib.AbstractContextManager[object]:
     return patch("bench.discrepancy.select.candidates.plugins", lambda group: known)
+
+
+@pytest.mark.parametrize("rows", [0, -1, 10**10, 10**400])
+def test_simulate_refuses_more_rows_than_any_disk_holds(rows: int, tmp_path: Path) -> None:
+    words = ("simulate", "rooms", "--rooms", f"-n{rows}", "-o", tmp_path / "s.parquet")
+    code, _, err = bench(*words)
+    assert code == 2
+    assert "expected 1 to 1000000000 rows" in err
+    assert not (tmp_path / "s.parquet").exists()

@@ -134,6 +134,14 @@ def test_constant_errors_that_rounding_scatters_are_constant() -> None:
     assert found.r2.value == 0.0
 
 
+def test_resamples_of_links_with_constant_errors_are_constant_too() -> None:
+    # A resample that holds one link alone has no scatter but that of rounding: its R2 is 0.
+    for high in (0.41, 0.7, 1.3, 3.7):
+        errors = np.repeat([0.1, high, 0.1], 7)
+        found = score(errors, np.zeros(21), np.repeat([0, 1, 2], 7))
+        assert found.r2.low > -100
+
+
 @pytest.mark.parametrize(("predicted", "r2"), [([0.25, 0.25, 0.25], 1.0), ([0.1, 0.25, 0.25], 0.0)])
 def test_r2_of_constant_errors_follows_scikit_learn(predicted, r2) -> None:
     found = score([0.25, 0.25, 0.25], predicted, ["a", "b", "c"])

@@ -127,6 +127,7 @@ def test_list_names_every_experiment() -> None:
     assert [line.split()[0] for line in call("--list").splitlines()] == [
         one.name for one in experiments()
     ]
+    assert list(json.loads(call("--list", "--json"))) == [one.name for one in experiments()]
 
 
 def test_names_come_once_and_in_the_order_asked() -> None:
