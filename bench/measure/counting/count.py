@@ -40,7 +40,8 @@ class Count:
     `instructions` and `cycles` are means over those, `fewest` and `most` the instructions of
     the extreme rows; `kinds` the mean instructions by kind. `ram_bytes` = static + stack; the
     caller's input array is not in it. `outputs_m` float32 [rows], `statuses` [rows].
-    `flash_reads`: times data is read from flash in a call (first row).
+    `flash_reads`: times data is read from flash in a call (of one row), all loads where the
+    emulator could not watch them.
     """
 
     core: str
@@ -77,6 +78,7 @@ def count_image(image: Image, core: Core, rows: Floats) -> Count:
     costs = _costs(contents, core, trace)
     per_row = _per_row(trace, costs)
     counted = len(per_row)
+    kinds = _kinds(trace, costs, counted)
     return Count(
         core=core.name,
         compiler=image.compiler,
@@ -86,9 +88,9 @@ def count_image(image: Image, core: Core, rows: Floats) -> Count:
         fewest=int(per_row.min()),
         most=int(per_row.max()),
         cycles=_cycles(trace.visits, costs, counted),
-        kinds=_kinds(trace, costs, counted),
+        kinds=kinds,
         layers=_layers(contents, trace, costs, counted),
-        flash_reads=trace.flash_reads,
+        flash_reads=trace.flash_reads if trace.flash_reads >= 0 else round(kinds.get("load", 0)),
         code_bytes=contents.code_bytes,
         constant_bytes=contents.constant_bytes,
         flash_bytes=contents.flash_bytes,

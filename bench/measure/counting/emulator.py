@@ -17,6 +17,7 @@ import array
 import importlib
 import json
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -116,14 +117,13 @@ class TracingMachine(Machine):
 def first_flash_reads(settings: dict[str, Any], segments: Segments, rows: list[bytes]) -> int:
     """Return how often a call reads data from flash, for the first row that can be watched.
 
-    Unicorn 2.1 loses its way on some rows when memory is watched, and on those alone.
+    Unicorn 2.1 loses its way on some rows when memory is watched, and then alone; -1 where it
+    does on every row.
     """
-    for cir in rows[:-1]:
-        try:
+    for cir in rows:
+        with suppress(unicorn.UcError):
             return count_flash_reads(settings, segments, cir)
-        except unicorn.UcError:
-            continue
-    return count_flash_reads(settings, segments, rows[-1])
+    return -1
 
 
 def count_flash_reads(settings: dict[str, Any], segments: Segments, cir: bytes) -> int:
