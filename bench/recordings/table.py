@@ -113,7 +113,14 @@ def _column_bytes(column: pd.Series) -> bytes:
     """Return bytes that determine a column's values."""
     if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_extension_array_dtype(column):
         return np.ascontiguousarray(column.to_numpy()).tobytes()
-    if len(column) and isinstance(column.iloc[0], np.ndarray):
+    if len(column) and all(isinstance(value, np.ndarray) for value in column):
         lengths = np.array([len(value) for value in column], np.int64)
         return lengths.tobytes() + np.concatenate(list(column)).tobytes()
-    return "\x1f".join(map(repr, column.tolist())).encode()
+    return "\x1f".join(map(_cell_text, column.tolist())).encode()
+
+
+def _cell_text(cell: object) -> str:
+    """Return text that determines one cell; the repr of a long array leaves its middle out."""
+    if isinstance(cell, np.ndarray):
+        return f"{cell.dtype}{cell.shape}{cell.tobytes().hex()}"
+    return repr(cell)
