@@ -44,6 +44,7 @@ Examples:
 @click.option(
     "-o", "--out", required=True, type=click.Path(path_type=Path), help="Folder to write into."
 )
+@click.option("--device", metavar="NAME[,..]", help="Parts to count code and cycles for, emulated.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 def command(
     model: str | None,
@@ -54,6 +55,7 @@ def command(
     to: Literal["c", "onnx"],
     requantise: Literal["float", "fixed"],
     out: Path,
+    device: str | None,
     as_json: bool,
 ) -> None:
     """Write a fitted model as C99 for a microcontroller, or as ONNX.
@@ -64,15 +66,17 @@ def command(
     """
     from bench.cli.run_view import RunView
     from bench.export import export
+    from bench.runner.plan import resolve
 
     if run is None and (model is None or backend is None):
         raise BenchError("name a --model and a --backend, or a finished --run")
     if run is not None and (model or backend):
         raise BenchError("--run says which model and backend: leave --model and --backend out")
+    parts = [one.load() for one in resolve("devices", device)] if device else []
     with tempfile.TemporaryDirectory() as scratch, RunView(quiet=as_json) as view:
         chosen = _choose(model, backend, data, run, results, Path(scratch), view)
         view.stage("writing C and comparing it with ONNX Runtime")
-        exported = export(chosen, to, out, requantise)
+        exported = export(chosen, to, out, requantise, parts)
     _show(chosen, exported, as_json)
 
 
@@ -94,10 +98,10 @@ def _choose(
 
 
 def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
+    from bench.cli.console import print_json, say
+
     found = exported.agreement
     if as_json:
-        from bench.cli.console import print_json, say
-
         told = found and {"rows": found.rows, "equal": found.equal, "largest_m": found.largest_m}
         names = {"folder": str(exported.folder), "files": list(exported.files)}
         print_json({**names, "arena_bytes": exported.arena_bytes, "agreement": told})

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from bench.export.agreement import Agreement
 from bench.export.chosen import Chosen
+from bench.results import Interval
+from bench.runner.counting import Counted
 
 NOT_CHECKED = "not checked: no C compiler on this machine"
 
 
 @dataclass(frozen=True)
 class Figures:
-    """What is known of the C: `constant_bytes` of tables; agreement None where not compiled."""
+    """What is known of the C: `constant_bytes` of tables; agreement None where not compiled.
+
+    `counted` is what it takes on parts, emulated.
+    """
 
     integer: bool
     agreement: Agreement | None
     constant_bytes: int
     arena_bytes: int
     samples: int
+    counted: Sequence[Counted] = ()
 
 
 def report(chosen: Chosen, figures: Figures | None) -> str:
@@ -53,11 +59,30 @@ def _c_parts(figures: Figures) -> Iterable[str]:
         *_agreement(figures),
         f"| flash for constants | {figures.constant_bytes} bytes | counted in the source |",
         f"| RAM for activations | {figures.arena_bytes} bytes, static | counted in the source |",
-        "| code size, cycles | `bench count` counts them for a part | – |",
+        *_counted(figures.counted),
         "",
         *_calling(figures.samples),
         *_inputs(),
     ]
+
+
+def _counted(counted: Sequence[Counted]) -> list[str]:
+    """Return a row for each part; without parts, how to get one."""
+    lines = []
+    for one in counted:
+        cycles, figure = one.count.cycles, one.figure
+        how = f"counted: emulated {one.count.core}, {one.count.compiler}"
+        span = f"{cycles.typical:.0f} [{cycles.low:.0f}, {cycles.high:.0f}]"
+        lines.append(f"| {figure.device}: cycles of a call | {span} | {how} |")
+        lines.append(f"| {figure.device}: latency | {_ms(figure.latency_us)} | {how} |")
+        lines.append(f"| {figure.device}: size | {figure.fits} | {how} |")
+    pointer = "| code size, cycles | not counted: `--device` names parts to count them for | – |"
+    return lines or [pointer]
+
+
+def _ms(latency_us: Interval) -> str:
+    low, high = latency_us.low or latency_us.value, latency_us.high or latency_us.value
+    return f"{latency_us.value / 1e3:.2f} ms [{low / 1e3:.2f}, {high / 1e3:.2f}]"
 
 
 def _agreement(figures: Figures) -> list[str]:

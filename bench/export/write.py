@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -17,6 +17,8 @@ from bench.export.makefile import licence, makefile
 from bench.export.report import Figures, report
 from bench.export.selftest import chosen_rows, selftest
 from bench.files import write_atomically
+from bench.measure.profile import Profile
+from bench.runner.counting import count_artifact
 
 if TYPE_CHECKING:
     from backends.c.emit import CSource, Requantise
@@ -36,8 +38,14 @@ class Exported:
     arena_bytes: int | None
 
 
-def export(chosen: Chosen, to: Format, folder: Path, requantise: Requantise = "float") -> Exported:
-    """Write a model as C or ONNX into a folder.
+def export(
+    chosen: Chosen,
+    to: Format,
+    folder: Path,
+    requantise: Requantise = "float",
+    parts: Sequence[Profile] = (),
+) -> Exported:
+    """Write a model as C or ONNX into a folder; count the C on `parts` for the report.
 
     Raises BenchError where C cannot be written for an operator, where it does not agree with ONNX
     Runtime, or where the folder cannot be written; nothing is written then.
@@ -46,14 +54,16 @@ def export(chosen: Chosen, to: Format, folder: Path, requantise: Requantise = "f
         raise BenchError(f"-o {folder}: a file, expected a folder")
     if to == "onnx":
         return _put(folder, {"model.onnx": _bytes(chosen), "REPORT.md": report(chosen, None)})
-    return _export_c(chosen, folder, requantise)
+    return _export_c(chosen, folder, requantise, parts)
 
 
 def _bytes(chosen: Chosen) -> bytes:
     return chosen.artifact.path.read_bytes()
 
 
-def _export_c(chosen: Chosen, folder: Path, requantise: Requantise) -> Exported:
+def _export_c(
+    chosen: Chosen, folder: Path, requantise: Requantise, parts: Sequence[Profile]
+) -> Exported:
     from backends.c.emit import generate
     from backends.c.run import samples
 
@@ -66,14 +76,15 @@ def _export_c(chosen: Chosen, folder: Path, requantise: Requantise) -> Exported:
     expected = _runtime(chosen)
     limit_m = LIMITS_M[artifact.precision]
     agreement = _agreement(source, chosen, expected, limit_m)
+    rows = chosen_rows(expected)
     figures = Figures(
         artifact.precision == "int8",
         agreement,
         constant_bytes(source),
         source.arena_bytes,
         samples(source),
+        count_artifact(chosen.artifact, parts, chosen.cirs[rows]) if parts else (),
     )
-    rows = chosen_rows(expected)
     files: dict[str, str | bytes] = {
         **source.files,
         "uwb_selftest.c": selftest(chosen.cirs[rows], expected[rows], limit_m),
