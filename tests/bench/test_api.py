@@ -26,6 +26,12 @@ DOCUMENTED = (
 )
 
 
+OFFERING = (
+    *("bench", "bench.checks", "bench.checkpoint", "bench.discrepancy", "bench.measure"),
+    *("bench.physics", "bench.recordings", "bench.runner", "zoo", "backends"),
+)
+
+
 def geometry(links: int = 16) -> pd.DataFrame:
     link = np.repeat(np.arange(links), 8)
     columns = {
@@ -59,7 +65,7 @@ def test_examples_run(name: str) -> None:
 
 
 def test_everything_offered_is_there() -> None:
-    for package in ("bench", "bench.physics", "bench.recordings", "bench.runner"):
+    for package in OFFERING:
         module = import_module(package)
         assert module.__all__
         for name in module.__all__:

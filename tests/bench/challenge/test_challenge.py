@@ -17,6 +17,7 @@ from bench.challenge.generator.geometry import geometry
 from bench.challenge.generator.shapes import LIBRARY, SHAPES
 from bench.challenge.scoring import Outcome
 from bench.errors import BenchError
+from bench.parallel import Spread
 
 
 def _table(seed: int = 0) -> pd.DataFrame:
@@ -141,3 +142,18 @@ def test_cases_that_other_code_finished_are_run_again(tmp_path, monkeypatch):
     monkeypatch.setattr(blind, "code", lambda: "other")
     run_blind(2, 5, tmp_path, lambda _: None)
     assert ran == [0, 1, 0, 1]
+
+
+@pytest.mark.slow
+def test_cases_do_not_depend_on_how_they_were_spread(tmp_path):
+    """A cluster that is threads of this process: the workers of the test on fits are others."""
+    distributed = pytest.importorskip("distributed")
+    run_blind(1, 5, tmp_path / "alone", lambda _: None)
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None,
+        protocol="tcp://", silence_logs=50,
+    ) as local:  # fmt: skip
+        spread = Spread(scheduler=local.scheduler_address)
+        run_blind(1, 5, tmp_path / "dask", lambda _: None, spread)
+    alone, dask = (tmp_path / one / "cases" / "0000.json" for one in ("alone", "dask"))
+    assert dask.read_bytes() == alone.read_bytes()
