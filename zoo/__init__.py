@@ -24,6 +24,7 @@ _HOMES = {
     "NPN": "zoo.npn",
     "Bregar2023": "zoo.bregar2023",
     "ECANet": "zoo.ecanet",
+    "Guarded": "zoo.guard",
 }
 __all__ = sorted(_HOMES)
 

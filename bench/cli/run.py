@@ -84,6 +84,11 @@ Examples:
     help="Do not wait (up to two minutes) for a quiet machine to time on.",
 )
 @click.option(
+    "--guard",
+    is_flag=True,
+    help="Shrink corrections until unseen LoS links are no worse than raw (three more fits).",
+)
+@click.option(
     "--intervals",
     type=float,
     metavar="LEVEL",

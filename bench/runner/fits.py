@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.files import atomic_path, cache_dir, read_bytes
 from bench.plugins import Plugin
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
-from bench.recordings.splits import Fold
+from bench.recordings.splits import Fold, labelled_los
 from bench.results import Training
 from bench.runner.further import PACE, PASSES, STEPS, train_further
 from bench.runner.inputs import rows_for
@@ -64,15 +65,19 @@ def fit_on(
     rows, errors_m = rows_for(material, model.reads), material.errors_m
     own = material.split.folds[fold]
     first = own.pretrain if len(own.pretrain) else own.train
-    links = {"groups": material.links[first]} if _takes_groups(model) else {}
-    model.fit(rows[first], errors_m[first], progress=progress, **links)
+    told_too = _told_too(model, material, first)
+    model.fit(rows[first], errors_m[first], progress=progress, **told_too)
     if len(own.pretrain):
         train_further(model, rows[own.train], errors_m[own.train])
 
 
-def _takes_groups(model: MitigationModel) -> bool:
-    """Tell whether a model wants to know whose link a row is; one from elsewhere need not."""
-    return "groups" in inspect.signature(model.fit).parameters
+def _told_too(
+    model: MitigationModel, material: Material, rows: NDArray[np.intp]
+) -> dict[str, NDArray[Any]]:
+    """Return links and lines of sight of training rows, where a model's `fit` wants them."""
+    known = {"groups": material.links, "los": labelled_los(material.recordings)}
+    wanted = inspect.signature(model.fit).parameters
+    return {name: values[rows] for name, values in known.items() if name in wanted}
 
 
 def place_of(

@@ -80,3 +80,19 @@ def test_a_deviation_goes_with_the_predictions_and_intervals_are_made_of_them(
     assert found["gp"].crps_m is not None
     assert 0.5 < found["gp"].coverage <= 1
     assert found["gp"].half_width_m < found["constant"].half_width_m
+
+
+@pytest.mark.slow
+def test_a_guarded_model_has_a_name_of_its_own_and_floors_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+    done = bench.run(
+        "gp,constant", "fp32", table(), split="link-kfold:3", out=tmp_path / "r", guard=True
+    )
+    assert not done.failures
+    scores = {run.key.model: run.los for run in done.runs}
+    assert set(scores) == {"gp+guard", "constant"}
+    guarded = scores["gp+guard"]
+    assert guarded is not None
+    assert guarded.mae_m.value <= guarded.raw_mae_m + 0.02
