@@ -42,7 +42,7 @@ def _pairs():
                 yield pytest.param(profile, row, id=f"{name}-{row['network']}")
 
 
-@pytest.mark.parametrize(("profile", "row"), _pairs())
+@pytest.mark.parametrize(("profile", "row"), list(_pairs()))
 def test_the_estimate_contains_the_count(profile, row):
     taken = Taken(
         *(row["core"], Cycles(*row["cycles"]), row["flash_reads"], row["flash_bytes"]),
