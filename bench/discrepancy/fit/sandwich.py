@@ -18,7 +18,8 @@ from bench.discrepancy.compare.skill import Tally, tally, weight_of
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.fit.bootstrap import latent_intervals
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.fit.search import by_level, free_parameters, valued
+from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.starts import by_level, free_parameters
 from bench.discrepancy.settings import (
     AT_BOUND,
     FLAT_CURVATURE,

@@ -9,21 +9,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.stats import qmc
 
 from bench.discrepancy.compare.ensemble import NothingSharedError
 from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.fit.starts import (
+    by_level,
+    by_ratio,
+    elsewhere,
+    free_parameters,
+    inside,
+    starts,
+    switched_off,
+)
 from bench.discrepancy.settings import (
-    DECADES,
-    DECIBEL_STEPS,
-    DELAY_POINTS,
-    ELSEWHERE_LEVELS,
-    ELSEWHERE_POINTS,
-    ELSEWHERE_SHARES,
     EVALUATIONS,
     EVALUATIONS_PER_PARAMETER,
-    FINE_LINE_STEPS,
     FIRST_STEP_AT_NULL,
     FIRST_STEP_DB,
     FIRST_STEP_LOG,
@@ -31,12 +32,8 @@ from bench.discrepancy.settings import (
     FIRST_STEP_OTHER,
     FIT_MEMBERS,
     IDLE_NATS,
-    LINE_STEPS,
-    LOUD_DB,
     MORE_DESCENTS,
     NOTHING_NATS,
-    RATIO_STEPS,
-    SCATTERED_POINTS,
     SIMPLEX_DONE,
     STALLED,
     STRIKING_RICHER,
@@ -107,15 +104,6 @@ def members_for(kind: type[Effect], view: View, members: int) -> int:
     return STRIKING_RICHER * members if kind.per_link and not view.waveform else members
 
 
-def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
-    """Return the parameters that are fitted.
-
-    Not spreads over devices: the devices of recordings are few and have values of their own,
-    which `bench.discrepancy.fit.per_device` finds.
-    """
-    return tuple(p for p in kind.parameters() if p.fitted and p.high > p.low)
-
-
 def screen(objective: Objective) -> Fitted:
     """Return the best of a line search along every amplitude of the effect.
 
@@ -124,142 +112,21 @@ def screen(objective: Objective) -> Fitted:
     """
     thorough = not objective.view.waveform  # paths alone cost next to nothing
     several = len(objective.view.recorded.names) > 1
-    for values in _starts(objective.kind, thorough, several):
+    for values in starts(objective.kind, thorough, several):
         objective(values)
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
-    for values in _elsewhere(objective.kind, objective.best[1], thorough):
+    for values in elsewhere(objective.kind, objective.best[1], thorough):
         objective(values)
-    for values in _switched_off(objective.kind) if several and thorough else ():
+    for values in switched_off(objective.kind) if several and thorough else ():
         objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
-
-
-def _starts(kind: type[Effect], thorough: bool, several: bool) -> list[dict[str, float]]:
-    """Return the points of the screening.
-
-    Where `several` observables are compared, one amplitude may fit where the others do not.
-    """
-    plain = LINE_STEPS + FINE_LINE_STEPS if thorough else LINE_STEPS
-    free = free_parameters(kind)
-    amplitudes = [p for p in free if p.null is not None]
-    defaults = {p.name: p.default for p in free}
-    out = [defaults]
-    for amplitude in amplitudes:
-        null = float(amplitude.null or 0.0)
-        for bound in {amplitude.low, amplitude.high} - {null}:
-            at = [_between(amplitude, null, bound, step) for step in _steps(amplitude, plain)]
-            out += [defaults | {amplitude.name: _inside(amplitude, value)} for value in at]
-    if len(amplitudes) > 1 and several:
-        out += _together(amplitudes, defaults)
-    if not amplitudes:
-        rng = np.random.default_rng(0)
-        out += [
-            {p.name: _inside(p, rng.uniform(p.low, p.high)) for p in free}
-            for _ in range(SCATTERED_POINTS)
-        ]
-    return out
-
-
-def _together(amplitudes: list[Parameter], defaults: dict[str, float]) -> list[dict[str, float]]:
-    """Return points with every amplitude alone, the others off, and with all of them equally far.
-
-    What is strong by default in one amplitude hides what little there is of another.
-    """
-    off = defaults | {p.name: float(p.null or 0.0) for p in amplitudes}
-    ways = {p.name: (float(p.null or 0.0), max(p.low, p.high, key=_from(p))) for p in amplitudes}
-    out = []
-    for step in LINE_STEPS[:-1]:
-        at = {p.name: _inside(p, _between(p, *ways[p.name], step)) for p in amplitudes}
-        out += [off | at, *(off | {name: value} for name, value in at.items())]
-    return out
-
-
-def _from(item: Parameter) -> Callable[[float], float]:
-    """Return how far a value is from where the effect does nothing."""
-    return lambda value: abs(value - (item.null or 0.0))
-
-
-def _steps(item: Parameter, plain: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the shares of the way from null to the bound that the line search tries."""
-    if by_level(item):
-        return DECIBEL_STEPS
-    return RATIO_STEPS if by_ratio(item) else plain
-
-
-def _elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str, float]]:
-    """Return points with the other parameters (delays, phases) spread over their bounds.
-
-    A line search along an amplitude sees nothing where an echo's delay is wrong. Each point is
-    tried at one strength in turn, or, where `thorough` or for an echo, at all.
-    """
-    free = free_parameters(kind)
-    others = [p for p in free if p.null is None]
-    amplitudes = [p for p in free if p.null is not None]
-    if not others or not amplitudes:
-        return []
-    now = {p.name: float(getattr(best, p.name)) for p in free}
-    echo = any(p.name.endswith("delay_ns") for p in others)
-    points = qmc.Sobol(len(others), seed=0).random(DELAY_POINTS if echo else ELSEWHERE_POINTS)
-    shares = ELSEWHERE_LEVELS if by_level(amplitudes[0]) else ELSEWHERE_SHARES
-    out = []
-    for number, point in enumerate(points):
-        spread = {p.name: _between(p, p.low, p.high, u) for p, u in zip(others, point, strict=True)}
-        for share in shares if thorough or echo else (shares[number % len(shares)],):
-            strong = {p.name: _strength(p, now[p.name], share) for p in amplitudes[:1]}
-            out.append(now | strong | spread)
-    return out
-
-
-def _switched_off(kind: type[Effect]) -> list[dict[str, float]]:
-    """Return points with each parameter that may be zero at zero, one amplitude at some strengths.
-
-    Where several observables are compared, an effect may show in one and not in the other: a wall
-    delays what comes through it, and the level is held by what goes around it.
-    """
-    free = free_parameters(kind)
-    amplitudes = [p for p in free if p.null is not None][:1]
-    others = [p for p in free if p.null is None and p.low == 0]
-    defaults = {p.name: p.default for p in free}
-    strong = [
-        {p.name: _strength(p, p.default, share)} for p in amplitudes for share in ELSEWHERE_SHARES
-    ]
-    return [defaults | one | {p.name: 0.0} for p in others for one in strong]
-
-
-def _strength(item: Parameter, now: float, share: float | None) -> float:
-    """Return the amplitude found so far, or some share of its bound."""
-    null = float(item.null or 0.0)
-    bound = item.high if item.high - null >= null - item.low else item.low
-    return now if share is None else _between(item, null, bound, share)
-
-
-def by_ratio(item: Parameter) -> bool:
-    """Return whether a parameter spans decades, so that steps in it are ratios."""
-    return item.low > 0 and item.high / item.low >= DECADES
-
-
-def by_level(item: Parameter) -> bool:
-    """Return whether a parameter is a level in decibels that starts from nothing."""
-    return item.unit == "dB" and item.null == item.low and item.high - item.low >= LOUD_DB
-
-
-def _between(item: Parameter, start: float, end: float, share: float) -> float:
-    """Return the value that lies `share` of the way from `start` to `end`."""
-    if by_ratio(item):
-        return float(start * (end / start) ** share)
-    return start + share * (end - start)
 
 
 def valued(kind: type[Effect], values: dict[str, float]) -> Effect:
     """Return the effect with these values, whole-number parameters rounded."""
     whole = {item.name for item in fields(kind) if item.type in ("int", int)}
     return kind.from_values({k: round(v) if k in whole else v for k, v in values.items()})
-
-
-def _inside(item: Parameter, value: float) -> float:
-    """Return the value within the bounds."""
-    return float(np.clip(value, item.low, item.high))
 
 
 def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) -> Fitted:
@@ -333,7 +200,7 @@ def _scaled(item: Parameter, value: float) -> float:
 
 def _plain(item: Parameter, scaled: float) -> float:
     """Return the value in the parameter's unit, within its bounds."""
-    return _inside(item, float(np.exp(scaled)) if by_ratio(item) else float(scaled))
+    return inside(item, float(np.exp(scaled)) if by_ratio(item) else float(scaled))
 
 
 def _step(item: Parameter, value: float) -> float:

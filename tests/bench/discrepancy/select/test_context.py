@@ -16,14 +16,12 @@ from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.search import (
-    FIT_MEMBERS,
     Objective,
-    by_level,
-    by_ratio,
     pursue,
     refine,
     screen,
 )
+from bench.discrepancy.fit.starts import by_level, by_ratio
 from bench.discrepancy.select.backfitting import (
     beyond,
     chosen_first,
@@ -33,6 +31,7 @@ from bench.discrepancy.select.backfitting import (
     rivals,
 )
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
+from bench.discrepancy.settings import FIT_MEMBERS
 from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
