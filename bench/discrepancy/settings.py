@@ -74,6 +74,7 @@ HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
 # --- Another simulator's table (compare/table, compare/matching) ---------------------------------
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
+TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
 MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [convention]
 CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]
@@ -97,7 +98,7 @@ OFFSET_MEMBERS: Final = 12
 UNLIMITED_MEMBERS: Final = 1 << 16  # a simulator gives as many as are asked for
 
 RARE_P: Final = 0.001  # family-wise, of single links beyond all scatter [convention]
-RARE_BEYOND: Final = 1.5  # times the widest simulated link, that such a link must be off [blind]
+RARE_BEYOND: Final = 2.0  # times the widest simulated link, that such a link must be off [blind]
 FEW_VERSIONS: Final = 3  # simulated rows per recorded row: with fewer, scatter is borrowed
 RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [derived]
 

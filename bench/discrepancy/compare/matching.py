@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE
+from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE, TIE
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -41,6 +41,9 @@ def _one_to_one(left: Floats, right: Floats) -> Rows:
     """Return for each row of `left` a different row of `right`, near in squared distance."""
     if len(left) <= ROWS_ASSIGNED_AT_ONCE and len(right) <= CHOICES_PER_ROW * ROWS_ASSIGNED_AT_ONCE:
         cost = ((left[:, None, :] - right[None, :, :]) ** 2).sum(axis=2)
+        # Of rows that are alike the earlier: a link simulated twice is one draw after the other,
+        # and a mixture of two draws would scatter less than either.
+        cost = cost + TIE * np.arange(len(right)) / max(len(right), 1)
         return np.asarray(linear_sum_assignment(cost)[1], np.intp)
     stretches = -(-len(left) // ROWS_ASSIGNED_AT_ONCE)
     ours = np.array_split(np.lexsort(left.T), stretches)
@@ -95,6 +98,17 @@ def by_neighbours(
         here = np.flatnonzero(links == link)
         near = np.atleast_1d(tree.query(left[here].mean(axis=0), k=wanted)[1])
         for version in range(wanted):
-            pool = pools[near[version]]
+            pool = _stretch(pools[near[version]], len(here), version)
             out[version, here] = pool[assigned(left[here], right[pool], 1)[0]]
     return list(out)
+
+
+def _stretch(pool: Rows, size: int, version: int) -> Rows:
+    """Return so many rows of a link in a row, others for another version.
+
+    A link that was simulated several times holds several draws of what it has of its own, one
+    after the other; rows picked across them would scatter less than any of them.
+    """
+    stretches = max(len(pool) // max(size, 1), 1)
+    start = (version % stretches) * size
+    return pool[start : start + size] if len(pool) >= size else pool

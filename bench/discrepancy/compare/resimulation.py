@@ -44,6 +44,14 @@ class Resimulation:
         """Return how many members repeat nothing of each other: any number."""
         return UNLIMITED_MEMBERS
 
+    def paired(self, view: View) -> bool:
+        """Return that every row has simulated rows of its own."""
+        return True
+
+    def crowding(self, view: View) -> float:
+        """Return that no simulated row stands for two recorded ones."""
+        return 1.0
+
     def _cropped(self, simulator: Simulator, view: View) -> Simulator:
         """Return the simulator giving just the window that is compared."""
         if not view.waveform:

@@ -155,6 +155,15 @@ class TableComparison:
         """Bare replicates that are remembered."""
         return Memory(KEPT_PATH_REPLICATES)
 
+    def crowding(self, view: View) -> float:
+        """Return how much wider a mean over recorded links scatters than permutations say.
+
+        The same simulated links stand for several recorded ones: beside the scatter of L recorded
+        links a mean has that of the K simulated ones, sqrt(1 + L / K) in all.
+        """
+        recorded = len(np.unique(view.links))
+        return float(np.sqrt(1 + recorded / max(len(np.unique(self.links)), 1)))
+
     def _matches(self, view: View, members: int) -> list[NDArray[np.intp]]:
         """Return for each member the simulated row that stands for each recorded row [n].
 

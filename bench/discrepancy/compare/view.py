@@ -100,6 +100,12 @@ class Comparison(Protocol):
     def distinct(self, view: View) -> int:
         """Return how many members there are that repeat nothing of each other."""
 
+    def paired(self, view: View) -> bool:
+        """Return whether every recorded row has simulated rows of its own."""
+
+    def crowding(self, view: View) -> float:
+        """Return how much wider a mean scatters than permutations say: 1 where no row is shared."""
+
 
 NEEDS_WAVEFORM = ("noise_std", "preamble_count", "first_path_power_dbm")
 

@@ -94,16 +94,19 @@ def locate(
     permutations: int = PERMUTATIONS,
     top: int = MOST_FINDINGS,
     wider_only: bool = False,
+    crowding: float = 1.0,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
     Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
-    `Ensemble.beside`). Returns at most `top` findings with family-wise p <= `alpha`.
+    `Ensemble.beside`). `crowding`: how much wider than permutations the null is (see
+    `TableComparison.crowding`). Returns at most `top` findings with family-wise p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
     cells, sums = link_sums(ensemble, covariates, clusters)
     z, null = _permuted(sums, rng, permutations)
+    null = null * crowding
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]

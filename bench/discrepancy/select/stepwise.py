@@ -14,6 +14,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.settings import (
+    FAMILY_WISE,
     FEW_VERSIONS,
     MARGIN_NATS,
     REMOVED_SHARE,
@@ -36,10 +37,15 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
     seen = search.searched
     ensemble = search.comparison.ensemble(seen, added, SEARCH_MEMBERS, first)
     own = search.comparison.distinct(seen)
-    located = locate(ensemble.first(own), seen.covariates, search.seed + turn)
-    if located.significant or own >= FEW_VERSIONS or len(ensemble.simulated) < own + FEW_VERSIONS:
+    few = own < FEW_VERSIONS and len(ensemble.simulated) >= own + FEW_VERSIONS
+    level = FAMILY_WISE / 2 if few else FAMILY_WISE  # two searches share the error of one
+    crowding, number = search.comparison.crowding(seen), search.seed + turn
+    alone = 1.0 if search.comparison.paired(seen) else crowding
+    located = locate(ensemble.first(own), seen.covariates, number, level, crowding=alone)
+    if located.significant or not few:
         return located
-    wider = locate(ensemble.beside(own), seen.covariates, search.seed + turn, wider_only=True)
+    beside = ensemble.beside(own)
+    wider = locate(beside, seen.covariates, number, level, wider_only=True, crowding=crowding)
     return wider if wider.significant else located
 
 

@@ -181,3 +181,14 @@ def test_with_one_simulated_row_for_each_recorded_one_scatter_is_borrowed():
     assert found.confirmed.mae_after_m.value < 0.2 * found.confirmed.mae_before_m.value
     clean = diagnose(*made.tables(122, None, replicas=1), kinds=SOME)
     assert isinstance(clean.selection.verdicts[0], NoMismatch)
+
+
+@pytest.mark.parametrize(("replicas", "paired"), [(1, True), (2, True), (3, False)])
+def test_where_nothing_is_left_out_hardly_a_search_finds_anything(replicas, paired):
+    found = 0
+    for seed in range(8):
+        recorded, simulated = made.tables(500 + seed, None, replicas=replicas, paired=paired,
+                                          links=30)  # fmt: skip
+        verdict = diagnose(recorded, simulated, kinds={}).selection.verdicts[0]
+        found += not isinstance(verdict, NoMismatch)
+    assert found <= 2
