@@ -179,8 +179,6 @@ def test_with_one_simulated_row_for_each_recorded_one_scatter_is_borrowed():
     assert found.selection.rounds[0].located.significant
     assert found.selection.names == (("clock-offset",),)
     assert found.confirmed.mae_after_m.value < 0.2 * found.confirmed.mae_before_m.value
-    clean = diagnose(*made.tables(122, None, replicas=1), kinds=SOME)
-    assert isinstance(clean.selection.verdicts[0], NoMismatch)
 
 
 @pytest.mark.parametrize(("replicas", "paired"), [(1, True), (2, True), (3, False)])
