@@ -108,8 +108,18 @@ def _fixed_sum(op: IntegerAdd, ratio_a: float, ratio_b: float, a: str, b: str) -
     (whole_a, whole_b), shift = fixed([ratio_a, ratio_b])
     start = (op.y_scale.zero << shift) + (1 << (shift - 1))
     start -= whole_a * op.a_scale.zero + whole_b * op.b_scale.zero
-    terms = f"(int64_t){a} * {whole_a} + (int64_t){b} * {whole_b} + INT64_C({start})"
-    return f"(int32_t)(({terms}) >> {shift})"
+    if not 18 <= shift <= 36:
+        terms = f"(int64_t){a} * {whole_a} + (int64_t){b} * {whole_b} + INT64_C({start})"
+        return f"(int32_t)(({terms}) >> {shift})"
+    return _in_halves(a, b, (whole_a, whole_b), start, shift)
+
+
+def _in_halves(a: str, b: str, wholes: tuple[int, int], start: int, shift: int) -> str:
+    """Return the same sum, exact, from products that fit 32 bits: of upper and lower 16 bits."""
+    (upper_a, lower_a), (upper_b, lower_b) = (divmod(whole, 1 << 16) for whole in wholes)
+    upper, lower = divmod(start, 1 << 16)
+    low = f"(int32_t)(({a} * {lower_a}u + {b} * {lower_b}u + {lower}u) >> 16)"
+    return f"({a} * {upper_a} + {b} * {upper_b} + {upper} + {low}) >> {shift - 16}"
 
 
 def _product(op: IntegerMultiply, a: str, b: str, context: Context, made: Layer) -> str:

@@ -160,7 +160,9 @@ def _sums(kernel: Kernel, outs: int) -> list[str]:
     lines = plain
     if fours:
         quick = _quads(kernel, outs, fours, far, row)
-        lines = ["#ifdef UWB_DSP", *quick, "#else", *plain, "#endif"]
+        small = _by_output(kernel, outs, far, row)
+        choice = ["#ifdef UWB_DSP", *quick, "#elif defined(__ARM_ARCH_6M__)", *small]
+        lines = [*choice, "#else", *plain, "#endif"]
     if kernel.taps > 1:
         return block(f"for (int k = 0; k < {kernel.taps}; k++)", lines)
     return lines
@@ -171,6 +173,22 @@ def _products(kernel: Kernel, outs: int, first: int, far: str, row: str) -> list
     body += [f"const int32_t w{v} = q[i + {v * kernel.row}{row}];" for v in range(outs)]
     body += [f"a{s}{v} += x{s} * w{v};" for s in range(kernel.steps) for v in range(outs)]
     return block(f"for (int i = {first}; i < {kernel.span}; i++)", body)
+
+
+def _by_output(kernel: Kernel, outs: int, far: str, row: str) -> list[str]:
+    """Return the sums of one output after another: a Cortex-M0+ has eight registers to hand."""
+    unrolled = kernel.span if kernel.span <= 8 else 4 if kernel.span % 4 == 0 else 1
+    lines = []
+    for v in range(outs):
+        body = []
+        for n in range(unrolled):
+            added = [f"a{s}{v} += r[{n + s * kernel.hop}] * w{n};" for s in range(kernel.steps)]
+            body += [f"const int32_t w{n} = u[{n}];", *added]
+        body += [f"r += {unrolled};", f"u += {unrolled};"]
+        start = [f"const uint8_t *r = p{far};", f"const int8_t *u = q + {v * kernel.row}{row};"]
+        end = f"const int8_t *const end = u + {kernel.span};"
+        lines += block("", [*start, end, *block("while (u != end)", body)])
+    return lines
 
 
 def _quads(kernel: Kernel, outs: int, fours: int, far: str, row: str) -> list[str]:

@@ -135,3 +135,6 @@ def test_every_pair_of_8_bit_values_is_the_runtimes(operator, tmp_path: Path) ->
     expected = run_once(model, rows)[0]
     assert len(np.unique(expected)) > 100
     assert np.array_equal(found, expected)
+    fixed = load(generate(saved(model, tmp_path), "int8", "fixed"))(rows)
+    assert np.mean(fixed == expected) > 0.999
+    assert np.abs(fixed - expected).max() <= 1
