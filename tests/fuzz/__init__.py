@@ -5,8 +5,9 @@
     python -m tests.fuzz --only 17 --seed 3         # one again, its output shown
 
 Asked of every case: exit code 0 or 2, no traceback, no Python warning, no control character in the
-output, at most one line of error, JSON where JSON was asked for, an end within 60 seconds, nothing
-half-written and no input changed. A case is made from its seed and number alone.
+output, at most one line of error, JSON where JSON was asked for, an end within 60 seconds (of
+processor time where a busy machine gives it less), nothing half-written and no input changed. A
+case is made from its seed and number alone.
 
 Most cases run in a fork of a process that has imported everything (a tenth of a second each); one
 in twenty as a Python of its own, as a user starts it.
