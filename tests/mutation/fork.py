@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import Literal
 
 Outcome = Literal["passed", "failed", "hung"]
+NEVER_LOADED = 96
 LIBRARIES = ("hypothesis", "numba", "onnxruntime", "onnxruntime.quantization", "pandas", "psutil")
 LIBRARIES += ("pyarrow.parquet", "pytest", "scipy.optimize", "scipy.signal", "scipy.stats")
 LIBRARIES += ("sklearn.model_selection", "sklearn.svm", "torch", "torch.onnx", "onnxscript")
@@ -33,11 +34,13 @@ class _Mutated(MetaPathFinder, Loader):
 
     def __init__(self, name: str, path: Path, tree: ast.Module) -> None:
         self.name, self.path, self.tree = name, path, tree
+        self.loaded = False
 
     def find_spec(self, name: str, path: object, target: object = None) -> ModuleSpec | None:
         return spec_from_file_location(name, self.path, loader=self) if name == self.name else None
 
     def exec_module(self, module: ModuleType) -> None:
+        self.loaded = True
         exec(compile(self.tree, str(self.path), "exec"), module.__dict__)
 
 
@@ -59,7 +62,10 @@ def run_tests(
     seconds = time.monotonic() - start
     if status is None:
         return "hung", seconds, said
-    return "passed" if os.waitstatus_to_exitcode(status) == 0 else "failed", seconds, said
+    code = os.waitstatus_to_exitcode(status)
+    if code == NEVER_LOADED:
+        raise SystemExit(f"{path}: its tests never import it")
+    return "passed" if code == 0 else "failed", seconds, said
 
 
 def _in_child(tests: list[str], path: Path, tree: ast.Module, writer: int) -> None:
@@ -71,10 +77,13 @@ def _in_child(tests: list[str], path: Path, tree: ast.Module, writer: int) -> No
         for stream in (1, 2):
             os.dup2(scratch, stream)
         name = ".".join(path.with_suffix("").parts)
-        sys.meta_path.insert(0, _Mutated(name, path, tree))
+        mutated = _Mutated(name, path, tree)
+        sys.meta_path.insert(0, mutated)
         import pytest
 
-        code = int(pytest.main(["-q", "-x", "-p", "no:xdist", "--no-header", *tests]))
+        # Plain asserts: pytest would load modules named *_test itself, to rewrite theirs.
+        code = int(pytest.main(["-q", "-x", "-p", "no:xdist", "--assert=plain", *tests]))
+        code = code if mutated.loaded else NEVER_LOADED
         sys.stdout.flush()
         os.write(writer, os.pread(scratch, 4000, max(0, os.fstat(scratch).st_size - 4000)))
     finally:

@@ -104,3 +104,36 @@ def test_a_file_with_an_opener_that_the_backend_does_not_declare_is_refused(
 def test_fewer_models_than_folds_are_a_mistake_of_ours(material: Material) -> None:
     with pytest.raises(ValueError, match="zip"):
         evaluate([NoMitigation()], Noting(), material, 0, [Path("a")] * 3)
+
+
+class Unsure(NoMitigation):
+    """A model that gives a deviation."""
+
+    gives_std = True
+
+
+def test_deviations_are_those_of_the_rows_in_their_order(material: Material, monkeypatch) -> None:
+    monkeypatch.setattr(
+        Made, "deviations", lambda self, cirs: cirs.max(axis=1) + self.offset_m, raising=False
+    )
+    found = evaluate([Unsure()] * 3, Noting(), material, 0, [Path("a")] * 3)
+    trained = [set(fold.train) for fold in material.split.folds]
+    folds = [next(k for k in range(3) if row not in trained[k]) for row in found.rows]
+    expected = material.cirs[found.rows].max(axis=1) + np.array(folds) + 1
+    np.testing.assert_allclose(found.std_m, expected)
+    assert evaluate([NoMitigation()] * 3, Noting(), material, 0, [Path("a")] * 3).std_m is None
+
+
+@pytest.mark.parametrize("declines", [True, False])
+def test_what_a_backend_cannot_do_is_declined_or_one_line(material: Material, declines) -> None:
+    from backends.base import CannotTakeError
+    from bench.runner.evaluate import DeclinedError
+
+    class Unable(Noting):
+        def build(self, model, data, path, progress):
+            raise CannotTakeError("no") if declines else ValueError("cannot export")
+
+    with pytest.raises(
+        DeclinedError if declines else BenchError, match="no" if declines else "exp"
+    ):
+        evaluate([NoMitigation()] * 3, Unable(), material, 0, [Path("a")] * 3)

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap, crps, energy_score
+from bench.discrepancy.compare.crps import (
+    Estimate,
+    cluster_bootstrap,
+    cluster_quantile,
+    crps,
+    energy_score,
+)
+from bench.discrepancy.settings import QUANTILE_DRAWS
 
 RNG = np.random.default_rng(0)
 
@@ -117,3 +124,19 @@ def test_what_an_estimate_says() -> None:
     assert not Estimate(1.0, -0.20, 2.0).likely_above_zero
     assert str(Estimate(0.12345, -1, 2, "m")) == "0.123 m [-1, 2]"
     assert str(Estimate(0.5, 0.25, 1)) == "0.5 [0.25, 1]"
+
+
+def test_a_quantile_and_its_interval_are_those_of_resampled_links_written_out() -> None:
+    rng = np.random.default_rng(5)
+    link = np.repeat(np.arange(9), rng.integers(2, 7, 9))
+    values = rng.gamma(1.0, 1.0, 9)[link] + 0.1 * rng.normal(size=len(link))
+    found = cluster_quantile(np.r_[values, np.nan], np.r_[link, 3], 0.9, seed=6, unit="m")
+    same = np.random.default_rng(6)
+    picks = same.multinomial(9, np.full(9, 1 / 9), size=QUANTILE_DRAWS)
+    drawn = [np.sort(np.repeat(values, pick[link])) for pick in picks]
+    each = [some[int(np.ceil(0.9 * len(some))) - 1] for some in drawn]
+    assert found.value == np.sort(values)[int(np.ceil(0.9 * len(values))) - 1]
+    assert (found.low, found.high) == pytest.approx(np.percentile(each, [2.5, 97.5]))
+    assert found.unit == "m"
+    assert cluster_quantile(values, link, 1.0, 0).value == values.max()
+    assert np.isnan(cluster_quantile(np.full(3, np.nan), np.arange(3), 0.5, 0).value)
