@@ -126,7 +126,7 @@ def info(name_or_path: str, plot: Path | None, as_json: bool) -> None:
     _print_facts(found, source)
     _print_errors(found)
     if plot:
-        console().print(f"picture: {plot}")
+        say(f"picture: {plot}")
 
 
 def _print_facts(found: Description, source: Source | None) -> None:

@@ -115,7 +115,7 @@ def test_another_data_set_is_another_run(tmp_path: Path) -> None:
         ({"device": "cortex-a55"}, "did you mean 'cortex-a5"),
         ({"data": "room"}, "did you mean 'rooms'"),
         ({"data": "absent.parquet"}, "absent.parquet"),
-        ({"seeds": 0}, "at least 1"),
+        ({"seeds": 0}, "from 1 to 10000"),
         ({"split": "link-kfold:99"}, "12"),
         ({"split": "by-row"}, "by-row"),
     ],

@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 from physics_scenes import line, seen
 
-from bench.physics import scene
 from bench.physics.effects.ranging.exchange_motion import ExchangeMotion
 from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
+from bench.physics.scene import scene
 from bench.recordings.motion import SPEED, radial_speed_m_per_s, with_radial_speed
 
 

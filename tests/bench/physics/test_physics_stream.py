@@ -97,7 +97,7 @@ def test_command_simulates_at_recorded_geometry(tmp_path: Path, monkeypatch, cap
         (["rooms", "-o", "x.parquet"], "either --geometry RECORDINGS.parquet or --rooms"),
         (["rooms", "--rooms", "--geometry", "g.parquet", "-o", "x.parquet"], "either --geometry"),
         (["rooms", "--geometry", "g.parquet", "-n", "3", "-o", "x.parquet"], "-n goes with"),
-        (["rooms", "--rooms", "-n", "0", "-o", "x.parquet"], "at least 1 row"),
+        (["rooms", "--rooms", "-n", "0", "-o", "x.parquet"], "expected 1 to 1000000000 rows"),
         (["rooms", "--rooms", "-o", "x.csv"], "expected a .parquet name"),
         (["rooms", "--rooms", "--seed", "-1", "-o", "x.parquet"], "0 or more"),
         (["rooms", "--geometry", "none.parquet", "-o", "x.parquet"], "none.parquet: cannot be"),

@@ -28,7 +28,7 @@ def test_the_commit_says_whether_the_source_differs(
     git = provenance._git
     (tmp_path / "zoo").mkdir()
     (tmp_path / "zoo" / "a.py").write_text("")
-    monkeypatch.setattr(provenance.bench, "__file__", str(tmp_path / "bench" / "__init__.py"))
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "bench" / "provenance.py"))
     assert provenance.commit(["zoo"]) == provenance.UNKNOWN
     git(tmp_path, "init", "-q")
     for command in (("add", "."), ("commit", "-q", "-m", "first")):
