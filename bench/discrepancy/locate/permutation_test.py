@@ -240,9 +240,9 @@ def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
     others = (versions[1:].sum(axis=0) - versions[1:]) / (m - 1)
     narrower = np.sqrt((1 + 1 / m) / (1 + 1 / (m - 1)))
     own = np.stack([_link_offsets(row, code) for row in versions[1:] - others]) * narrower
-    scatter = float(np.sqrt(np.nanmean(own**2)))
+    scatter = max(float(np.sqrt(np.nanmean(own**2))), LEAST_SCATTER_M)
     most = float(np.nanmax(np.abs(offset), initial=0.0))
-    p = float(min(1.0, 2 * norm.sf(most / max(scatter, LEAST_SCATTER_M)) * len(offset)))
+    p = float(min(1.0, 2 * norm.sf(most / scatter) * len(offset)))
     if p > RARE_P or most < RARE_BEYOND * float(np.nanmax(np.abs(own), initial=0.0)):
         return None
     cell = Cell(RANGE, "link", Place())

@@ -140,3 +140,12 @@ def test_a_quantile_and_its_interval_are_those_of_resampled_links_written_out() 
     assert found.unit == "m"
     assert cluster_quantile(values, link, 1.0, 0).value == values.max()
     assert np.isnan(cluster_quantile(np.full(3, np.nan), np.arange(3), 0.5, 0).value)
+
+
+def test_every_draw_of_a_quantile_counts_and_every_link_is_drawn_alike() -> None:
+    # One row per link and thousands of links: neighbouring draws differ, so one more shows.
+    values = np.random.default_rng(8).permutation(5000) ** 1.5
+    found = cluster_quantile(values, 2 * np.arange(5000), 0.5, seed=9)
+    picks = np.random.default_rng(9).multinomial(5000, np.full(5000, 1 / 5000), QUANTILE_DRAWS)
+    each = [np.sort(np.repeat(values, pick))[2499] for pick in picks]
+    assert (found.low, found.high) == pytest.approx(np.percentile(each, [2.5, 97.5]), rel=1e-12)
