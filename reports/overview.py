@@ -72,7 +72,7 @@ def overview(
     document += _over_all(boards)
     if unreadable:
         document.append(
-            Paragraph(f"Files left out as unreadable: {len(unreadable)} (see details).")
+            Paragraph(f"Files left out, with their reasons in the details: {len(unreadable)}.")
         )
     if details:
         document.append(Link("All columns, devices, versions, what the figures rest on", details))

@@ -118,6 +118,8 @@ def command(
     from bench.runner import run
 
     _check(context, plot)
+    if intervals is not None and not 0 < intervals < 1:
+        raise BenchError(f"--intervals {intervals}: expected a level between 0 and 1, such as 0.9")
     with RunView(quiet=as_json) as view:
         outcome: RunSet = run(model, backend, **rest, observer=view, wait=not no_wait)
     if outcome.curve and not as_json:

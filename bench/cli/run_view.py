@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from rich import box
@@ -107,7 +108,8 @@ def print_summary(outcome: RunSet) -> None:
         shown.print(_device_table(outcome.estimates(done[0])))
     for run in (one for one in outcome.runs if one.status == "skipped"):
         say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    say(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard")
+    where = "" if outcome.folder == Path("results") else f" --results {outcome.folder}"
+    say(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard{where}")
 
 
 def _title(run: RunRecord) -> str:
