@@ -43,6 +43,7 @@ from bench.discrepancy.settings import (
     LEAST_STD,
     MOST_VERSIONS,
     OVERLAP_SHARE,
+    SAME_PLACE_M,
 )
 from bench.errors import BenchError
 from bench.physics.base import Base
@@ -219,10 +220,11 @@ class TableComparison:
         return self._has_links(view.frame)
 
     def _has_links(self, frame: pd.DataFrame) -> bool:
-        """Return whether every link of a table is in the simulated table too."""
+        """Return whether every link of a table is in the simulated table too, in the same place."""
         if "link" not in self.frame:
             return False
-        return bool(set(frame["link"].astype(str)) <= set(self.frame["link"].astype(str)))
+        named = set(frame["link"].astype(str)) <= set(self.frame["link"].astype(str))
+        return named and _same_places(frame, self.frame)
 
     def covered(self, frame: pd.DataFrame) -> NDArray[np.bool_]:
         """Return which recorded rows [n] belong to links that have a simulated counterpart.
@@ -281,6 +283,18 @@ class TableComparison:
             shift = (left.mean() - right.mean()) / max(float(left.std()), LEAST_STD)
             out[name] = float(shift), float(ks_2samp(left, right).pvalue)
         return out
+
+
+def _same_places(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
+    """Return whether links of one name have one true range in both tables, as far as is known."""
+    if "true_range_m" not in recorded or "true_range_m" not in simulated:
+        return True
+    ours, theirs = (
+        frame["true_range_m"].groupby(frame["link"].astype(str)).median()
+        for frame in (recorded, simulated)
+    )
+    apart = float((ours - theirs.reindex(ours.index)).abs().median())
+    return not apart > SAME_PLACE_M
 
 
 def _link_means(values: Floats, links: NDArray[np.intp]) -> Floats:
