@@ -102,6 +102,11 @@ def sides(source: Path) -> list[Side]:
         results = Results(results.folder, runs, results.timings, [])
     else:
         results = read_results(source)
+    return sides_of(results)
+
+
+def sides_of(results: Results) -> list[Side]:
+    """Return everything that results read from one folder hold."""
     return [
         Side(results.folder, board.data, board.split, board.fingerprint, board.simulated, entry)
         for board in make_boards(results)

@@ -17,11 +17,10 @@ from pathlib import Path
 import numpy as np
 from scipy.special import stdtrit
 
-from reports.boards import make_boards
 from reports.errors import ReportError
 from reports.load import Results, Run, Timing, read_results
 from reports.machines import machine_label
-from reports.ranking.compare import Difference, Side, adjusted, compared_sides
+from reports.ranking.compare import Difference, adjusted, compared_sides, sides_of
 from reports.selection import made_by
 
 LEVEL = 0.05
@@ -121,8 +120,8 @@ def _name(state: Results) -> str:
 def _between(
     before: Results, after: Results, seed: int
 ) -> Iterator[tuple[str, str, Difference] | str]:
-    earlier = {side.name: side for side in _sides(before)}
-    for side in _sides(after):
+    earlier = {side.name: side for side in sides_of(before)}
+    for side in sides_of(after):
         if side.name not in earlier:
             continue
         for rows in ("NLoS", "LoS"):
@@ -131,14 +130,6 @@ def _between(
                 yield f"{side.name}: {made}"
             elif made is not None:
                 yield _name(before), _name(after), made
-
-
-def _sides(state: Results) -> list[Side]:
-    return [
-        Side(state.folder, board.data, board.split, board.fingerprint, board.simulated, entry)
-        for board in make_boards(state)
-        for entry in board.entries
-    ]
 
 
 def _drifts(timings: Sequence[Timing]) -> Iterator[Drift]:
