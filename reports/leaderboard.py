@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 from reports.boards import Board, Entry
 from reports.document import Block, Bullets, Column, Document, Heading, Image, Paragraph
@@ -16,6 +18,10 @@ from reports.measures import (
     interval_measure,
     table,
 )
+from reports.ranking.columns import rank_column, ties_column
+
+if TYPE_CHECKING:
+    from reports.ranking.ranks import Ranking
 
 DEVICES_PER_GROUP = 4  # device columns side by side in a terminal
 UNREADABLE_SHOWN = 20
@@ -41,14 +47,20 @@ _LEGEND = (
 
 
 def leaderboard(
-    boards: Sequence[Board], unreadable: Sequence[Unreadable] = (), picture: str | None = None
+    boards: Sequence[Board],
+    unreadable: Sequence[Unreadable] = (),
+    picture: str | None = None,
+    rankings: Sequence[Ranking | None] = (),
 ) -> Document:
-    """Return the leaderboard. `picture` is the path of a figure to show, relative to the report."""
+    """Return the leaderboard. `picture` is the path of a figure to show, relative to the report.
+
+    `rankings`, one per board: adds the interval of each row's rank and its tie groups.
+    """
     document: Document = [Heading("Leaderboard", 1), Paragraph(_INTRODUCTION)]
     if picture:
         document.append(Image(picture, "Latency against NLoS MAE, with the Pareto front"))
-    for board in boards:
-        document += _section(board)
+    for board, ranking in zip_longest(boards, rankings):
+        document += _section(board, ranking)
     document += _left_out(unreadable)
     return [*document, Heading("How to read it", 2), Bullets(_LEGEND)]
 
@@ -62,11 +74,12 @@ def _data(board: Board) -> str:
     return f"{board.data} (SIMULATED)" if board.simulated else board.data
 
 
-def _section(board: Board) -> Document:
+def _section(board: Board, ranking: Ranking | None) -> Document:
     blocks: Document = [Heading(title(board), 2)]
     if not board.entries:
         return [*blocks, Paragraph("No run of this board has finished."), *facts(board)]
-    blocks.append(table(board.entries, [*KEYS, *accuracy_measures(), *cost_measures()]))
+    standing = [rank_column(ranking), ties_column(ranking)] if ranking else []
+    blocks.append(table(board.entries, [*KEYS, *standing, *accuracy_measures(), *cost_measures()]))
     blocks += facts(board)
     return blocks + _estimates(board)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from reports.boards import Board, Entry
@@ -11,9 +11,10 @@ from reports.harm import HEADER, LEGEND, harmed, has_los
 from reports.leaderboard import title
 from reports.load import Results, Unreadable
 from reports.measures import KEYS, Figure, Measure, accuracy_measures, cost_measures, table
-from reports.numbers import UNKNOWN, metres
+from reports.numbers import metres
 from reports.pareto import pareto_front
 from reports.ranking.across import across
+from reports.ranking.columns import rank_column, ties_column
 from reports.ranking.paired import Paired
 from reports.ranking.predictions import compared
 from reports.ranking.ranks import Ranking, rank
@@ -38,12 +39,16 @@ _LEGEND = (
 
 @dataclass(frozen=True)
 class Ranked:
-    """A board and its ranking; None with the reason where its models cannot be compared."""
+    """A board and its ranking; None with the reason where its models cannot be compared.
+
+    `chosen_of`: how many rows there are, where the board holds one of each model.
+    """
 
     board: Board
     ranking: Ranking | None
     reason: str = ""
     left_out: Mapping[str, str] | None = None
+    chosen_of: int | None = None
 
 
 def ranked(board: Board, results: Results) -> Ranked:
@@ -128,10 +133,10 @@ def _columns(one: Ranked) -> list[Measure]:
     known = {measure.column.header: measure for measure in (*accuracy_measures(), *cost_measures())}
     front = _front(one.board.entries)
     return [
-        Measure(Column("Rank", number=False), _rank(one.ranking)),
+        rank_column(one.ranking),
         *KEYS,
         replace(known["NLoS MAE (m)"], better=None),
-        Measure(Column("Ties", number=False), _letters(one.ranking)),
+        ties_column(one.ranking),
         replace(known["LoS MAE (m)"], better=None),
         _harm_or_r2(one.board, known),
         replace(known["Latency, batch 1 (µs)"], better=None),
@@ -147,21 +152,6 @@ def _harm_or_r2(board: Board, known: Mapping[str, Measure]) -> Measure:
     if has_los(board):
         return Measure(Column(HEADER, number=False), harmed(board))
     return replace(known["NLoS R²"], better=None)
-
-
-def _rank(ranking: Ranking | None) -> Callable[[Entry], Figure]:
-    found = {one.name: one for one in ranking.models} if ranking else {}
-
-    def read(entry: Entry) -> Figure:
-        one = found.get(entry.name)
-        return Figure(Cell(one.ranks, best=one.best_rank == 1) if one else Cell(UNKNOWN))
-
-    return read
-
-
-def _letters(ranking: Ranking | None) -> Callable[[Entry], Figure]:
-    found = {one.name: one.letters for one in ranking.models} if ranking else {}
-    return lambda entry: Figure(Cell(found.get(entry.name, UNKNOWN)))
 
 
 def _front(entries: Sequence[Entry]) -> dict[str, str]:
@@ -194,11 +184,21 @@ def _facts(one: Ranked) -> list[str]:
         )
     if one.left_out:
         texts.append(f"Not ranked: {', '.join(sorted(one.left_out))}.")
-    skipped = sorted({f"{pair.model}/{pair.backend}" for pair in board.skipped})
-    return [
-        *texts,
-        *([f"Skipped, with reasons in the details: {', '.join(skipped)}."] if skipped else []),
+    return [*texts, *_not_shown(one)]
+
+
+def _not_shown(one: Ranked) -> list[str]:
+    """Return what the table leaves out: pairs that did not run, backends of a shown model."""
+    skipped = sorted({f"{pair.model}/{pair.backend}" for pair in one.board.skipped})
+    if one.chosen_of is None:
+        named = ", ".join(skipped)
+        return [f"Skipped, with reasons in the details: {named}."] if skipped else []
+    texts = [
+        f"One row per model, of {one.chosen_of}: of the backends that cannot be told apart from "
+        "the model's best, the fastest (where none was timed, the smallest file). All are in the "
+        "details."
     ]
+    return texts + ([f"Skipped, with reasons there: {len(skipped)} pairs."] if skipped else [])
 
 
 def _raw(board: Board) -> str:

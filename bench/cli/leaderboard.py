@@ -62,11 +62,13 @@ def command(
     """Rebuild the leaderboard from result files alone.
 
     One table per data set and split, sorted by NLoS MAE (metres), with rank intervals and tie
-    groups from paired differences over links, latency (microseconds) and size (kB). With --out
+    groups from paired differences over links, latency (microseconds) and size (kB); more rows
+    than a screen has are cut to one per model, its cheapest backend. With --out
     NAME.md everything else (devices, energy, versions) goes to NAME-details.md beside it; without
     --out it is printed.
     """
     from reports import ReportError, make_boards, read_results
+    from reports.condensed import condensed
     from reports.overview import ranked
     from reports.ranking.picture import tie_groups
 
@@ -77,43 +79,54 @@ def command(
         boards = make_boards(results, machine)
         _check_device(boards, plot, device)
         pictures = _draw(boards, plot, device) if plot else []
-        short = [ranked(board, results) for board in boards]
+        whole = [ranked(board, results) for board in boards]
+        short = [condensed(one, results) for one in whole]
         pictures += _drawn(tie_groups(short), _pair("--ranks", ranks)) if ranks else []
     except ReportError as problem:
         raise BenchError(str(problem)) from problem
-    written = _write(results, short, out, pictures) if out else []
+    written = _write(results, whole, short, out, pictures) if out else []
     for path in (*pictures, *written):
         say(f"wrote {path}", err=as_json or out is None)
     if as_json:
-        say(json.dumps(_jsonable(_content(results, short)), indent=1, sort_keys=True))
+        say(json.dumps(_jsonable(_content(results, whole)), indent=1, sort_keys=True))
     elif out is None:
-        _print(_document(results, short, details, pictures))
+        _print(_document(results, whole if details else short, details, pictures))
 
 
 def _document(
-    results: Results, short: Sequence[Ranked], details: bool, pictures: Sequence[Path]
+    results: Results, boards: Sequence[Ranked], details: bool, pictures: Sequence[Path]
 ) -> Document:
     """Return what is printed: the short leaderboard, or the one with every column."""
-    from reports.leaderboard import leaderboard
     from reports.overview import overview
 
     picture = _relative(pictures[0], None) if pictures else None
     if details:
-        return leaderboard([one.board for one in short], results.unreadable, picture)
-    return overview(short, None, picture, results.unreadable)
+        return _full(results, boards, picture)
+    return overview(boards, None, picture, results.unreadable)
+
+
+def _full(results: Results, whole: Sequence[Ranked], picture: str | None) -> Document:
+    """Return the leaderboard with every row and column."""
+    from reports.leaderboard import leaderboard
+
+    boards, rankings = [one.board for one in whole], [one.ranking for one in whole]
+    return leaderboard(boards, results.unreadable, picture, rankings)
 
 
 def _write(
-    results: Results, short: Sequence[Ranked], out: Path, pictures: Sequence[Path]
+    results: Results,
+    whole: Sequence[Ranked],
+    short: Sequence[Ranked],
+    out: Path,
+    pictures: Sequence[Path],
 ) -> list[Path]:
     """Write the short leaderboard and its details beside it; return both paths."""
-    from reports.leaderboard import leaderboard
     from reports.markdown import to_markdown
     from reports.overview import overview
 
     more = out.with_name(f"{out.stem}-details{out.suffix}")
     picture = _relative(pictures[0], out) if pictures else None
-    full = leaderboard([one.board for one in short], results.unreadable, picture)
+    full = _full(results, whole, picture)
     write_atomically(out, to_markdown(overview(short, more.name, picture, results.unreadable)))
     write_atomically(more, to_markdown(full))
     return [out, more]

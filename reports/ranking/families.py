@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from reports.ranking.paired import Floats, Paired
 
@@ -61,7 +61,9 @@ def separate(paired: Paired, seed: int = 0) -> Family:
     apart = (p <= LEVEL) & (np.abs(difference) >= ALIKE_M)
     error = _standard_errors(paired, difference)
     critical = float(np.quantile(np.abs(drawn).max(axis=1), 1 - LEVEL))
-    return Family(paired, difference, error, p, apart, (critical + float(ndtri(POWER))) * error)
+    return Family(
+        paired, difference, error, p, apart, (critical + NormalDist().inv_cdf(POWER)) * error
+    )
 
 
 def _signs(links: int, seed: int) -> Floats:
