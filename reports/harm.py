@@ -13,7 +13,8 @@ LEAST_M = 1e-4  # differences below 0.1 mm are none, as in the ranks
 HEADER = "Harm on LoS"
 LEGEND = (
     "Harm on LoS: what a model leaves more error than on line-of-sight rows, raw (uncorrected) "
-    "ranges or a floor of the board; figures as they stand, without their intervals."
+    "ranges or a floor of the board (a floor: raw alone); figures as they stand, without their "
+    "intervals."
 )
 
 

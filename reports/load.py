@@ -180,6 +180,10 @@ class Results:
     timings: list[Timing]
     unreadable: list[Unreadable]
 
+    def left_out(self) -> list[str]:
+        """Return the files that were not believed, each with its reason."""
+        return [f"{self.folder / one.path}: {one.reason}" for one in self.unreadable]
+
 
 Estimator = Callable[[Run], list[Estimate]]
 
@@ -229,7 +233,7 @@ def _record(path: Path, kind: type[T]) -> T:
     content["estimates"], content["file"] = [], path.stem
     record = msgspec.convert(content, kind)
     if path.stem != (belongs := _name_of(content)):
-        raise ValueError(f"it belongs under another name: {belongs}.json")
+        raise ValueError(f"it was renamed: what it holds is written as {belongs}.json")
     return record
 
 

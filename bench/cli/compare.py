@@ -63,6 +63,7 @@ def _content(found: Comparison) -> dict[str, Any]:
     return {
         "differences": [_plain(one) for one in found.differences],
         "refused": list(found.refused),
+        "left_out": list(found.left_out),
     }
 
 
@@ -109,6 +110,8 @@ def _document(found: Comparison, first: Path, second: Path) -> Document:
     ]
     if found.refused:
         document += [Paragraph("Not compared:"), Bullets(found.refused)]
+    if found.left_out:
+        document += [Paragraph(f"Files left out: {len(found.left_out)}"), Bullets(found.left_out)]
     return document
 
 

@@ -60,6 +60,7 @@ def _content(found: History) -> dict[str, Any]:
         ],
         "latencies": [{**vars(one), "verdict": one.verdict} for one in found.drifts],
         "refused": list(found.refused),
+        "left_out": list(found.left_out),
     }
 
 
@@ -75,6 +76,8 @@ def _document(found: History) -> Document:
         document.append(Table(tuple(columns), tuple(map(tuple, _drifts(found)))))
     if found.refused:
         document += [Paragraph("Not compared:"), Bullets(found.refused)]
+    if found.left_out:
+        document += [Paragraph(f"Files left out: {len(found.left_out)}"), Bullets(found.left_out)]
     return document
 
 

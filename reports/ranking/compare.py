@@ -60,10 +60,11 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Everything two sources have in common, and what was refused with the reason."""
+    """What two sources have in common, what was refused, and files not believed; with reasons."""
 
     differences: tuple[Difference, ...]
     refused: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
 
 def compare(first: Path, second: Path, seed: int = 0) -> Comparison:
@@ -72,7 +73,8 @@ def compare(first: Path, second: Path, seed: int = 0) -> Comparison:
     Folders are matched by data set, split, model and backend; two records are compared as they
     are. Raises ReportError where a source is none, or nothing is comparable.
     """
-    one, other = sides(first), sides(second)
+    sources = [results_of(source) for source in (first, second)]
+    one, other = map(sides_of, sources)
     if first.is_file() and second.is_file():
         pairs, alone = [(one[0], other[0])], list[str]()
     else:
@@ -89,20 +91,22 @@ def compare(first: Path, second: Path, seed: int = 0) -> Comparison:
     if not found:
         why = f": {refused[0]}" if refused else ""
         raise ReportError(f"nothing in {first} and {second} can be compared{why}")
-    return Comparison(tuple(adjusted(found)), tuple(refused))
+    left_out = [text for one in sources for text in one.left_out()]
+    return Comparison(tuple(adjusted(found)), tuple(refused), tuple(left_out))
 
 
-def sides(source: Path) -> list[Side]:
-    """Return everything in a result folder, or the one run of a record."""
-    if source.is_file():
-        results = read_results(source.parent.parent)
-        runs = [run for run in results.runs if run.file == source.stem]
-        if source.parent.name != RUNS or not runs:
-            raise ReportError(f"{source}: expected a record FOLDER/runs/NAME.json of a run")
-        results = Results(results.folder, runs, results.timings, [])
-    else:
-        results = read_results(source)
-    return sides_of(results)
+def results_of(source: Path) -> Results:
+    """Return what a result folder holds, or the one run of a record. Raises ReportError."""
+    if not source.is_file():
+        return read_results(source)
+    results = read_results(source.parent.parent)
+    runs = [run for run in results.runs if run.file == source.stem]
+    if source.parent.name != RUNS or not runs:
+        path = f"{RUNS}/{source.name}"
+        why = [f": {one.reason}" for one in results.unreadable if one.path == path]
+        expected = f"expected a record FOLDER/{RUNS}/NAME.json of a run"
+        raise ReportError(f"{source}{why[0] if why else ': ' + expected}")
+    return Results(results.folder, runs, results.timings, [])
 
 
 def sides_of(results: Results) -> list[Side]:

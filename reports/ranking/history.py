@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 from reports.errors import ReportError
 from reports.load import Results, Run, Timing, read_results
 from reports.machines import machine_label
-from reports.ranking.compare import Difference, adjusted, compared_sides, sides_of
+from reports.ranking.compare import Difference, Side, adjusted, compared_sides, sides_of
 from reports.selection import made_by
 
 LEVEL = 0.05
@@ -74,6 +74,7 @@ class History:
     changes: tuple[Change, ...]
     drifts: tuple[Drift, ...]
     refused: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
 
 def history(folders: Sequence[Path], seed: int = 0) -> History:
@@ -82,7 +83,7 @@ def history(folders: Sequence[Path], seed: int = 0) -> History:
     Raises ReportError where a folder is none, or there is nothing to compare with.
     """
     read = [read_results(folder) for folder in folders]
-    states = sorted((state for one in read for state in _states(one)), key=_age)
+    states = sorted(_states(read), key=_age)
     found, refused = list[tuple[str, str, Difference]](), list[str]()
     for before, after in pairwise(states):
         for made in _between(before, after, seed):
@@ -96,32 +97,44 @@ def history(folders: Sequence[Path], seed: int = 0) -> History:
         Change(before, after, one) for (before, after, _), one in zip(found, fair, strict=True)
     ]
     names = tuple(_name(state) for state in states)
-    return History(names, tuple(changes), drifts, tuple(dict.fromkeys(refused)))
+    left_out = tuple(text for one in read for text in one.left_out())
+    return History(names, tuple(changes), drifts, tuple(dict.fromkeys(refused)), left_out)
 
 
-def _states(results: Results) -> Iterator[Results]:
-    """Yield the runs of every state of code and packages by themselves."""
-    groups: dict[tuple[str, str], list[Run]] = {}
-    for run in results.runs:
-        if run.status == "ok":
-            groups.setdefault(made_by(run), []).append(run)
-    for runs in groups.values():
-        yield Results(results.folder, runs, [], [])
+State = list[Results]
+"""The runs of one state of code and packages, one part for each folder that has some."""
 
 
-def _age(state: Results) -> str:
-    return min(run.created_utc for run in state.runs)
+def _states(read: Sequence[Results]) -> list[State]:
+    """Return the states in these folders; a copy of a record is the same record."""
+    groups: dict[tuple[str, str], dict[str, tuple[Path, Run]]] = {}
+    for results in read:
+        for run in results.runs:
+            if run.status == "ok":
+                groups.setdefault(made_by(run), {}).setdefault(run.file, (results.folder, run))
+    return [_by_folder(list(found.values())) for found in groups.values()]
 
 
-def _name(state: Results) -> str:
-    return f"code {state.runs[0].key.code_hash[:12]}, {_age(state)[:16]}"
+def _by_folder(found: Sequence[tuple[Path, Run]]) -> State:
+    folders = dict.fromkeys(folder for folder, _ in found)
+    return [Results(at, [run for folder, run in found if folder == at], [], []) for at in folders]
 
 
-def _between(
-    before: Results, after: Results, seed: int
-) -> Iterator[tuple[str, str, Difference] | str]:
-    earlier = {side.name: side for side in sides_of(before)}
-    for side in sides_of(after):
+def _age(state: State) -> str:
+    return min(run.created_utc for part in state for run in part.runs)
+
+
+def _name(state: State) -> str:
+    return f"code {state[0].runs[0].key.code_hash[:12]}, {_age(state)[:16]}"
+
+
+def _sides(state: State) -> list[Side]:
+    return [side for part in state for side in sides_of(part)]
+
+
+def _between(before: State, after: State, seed: int) -> Iterator[tuple[str, str, Difference] | str]:
+    earlier = {side.name: side for side in _sides(before)}
+    for side in _sides(after):
         if side.name not in earlier:
             continue
         for rows in ("NLoS", "LoS"):

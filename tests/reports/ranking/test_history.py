@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from test_overview_compare import folder_of
 
 from bench.cli.history import command
 from bench.errors import BenchError
+from reports import ReportError
+from reports.ranking.compare import compare
 from reports.ranking.history import Drift, expected_us, history
 
 
@@ -80,3 +83,25 @@ def test_the_command_and_its_bad_input(tmp_path: Path) -> None:
         call(command, folders[:1], catch_exceptions=False)
     with pytest.raises(BenchError, match="no results folder"):
         call(command, ["absent"], catch_exceptions=False)
+
+
+def test_a_copy_of_a_folder_is_no_second_version(tmp_path: Path) -> None:
+    [folder] = versions(tmp_path, 0.1)
+    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
+    with pytest.raises(ReportError, match="one version only"):
+        history([folder, copy])
+
+
+def test_records_that_are_not_believed_are_named(tmp_path: Path) -> None:
+    before, after = versions(tmp_path, 0.1, 0.2)
+    record = next((after / "runs").glob("*.json"))
+    (after / "runs" / "edited.json").write_text(record.read_text().replace("0.07", "0.01"))
+    (after / "runs" / "renamed.json").write_text(record.read_text())
+    for found in (history([before, after]), compare(before, after)):
+        assert len(found.left_out) == 2
+        assert "edited or damaged" in found.left_out[0]
+        assert "it was renamed" in found.left_out[1]
+    shown = CliRunner().invoke(command, [str(before), str(after)]).stdout
+    assert "Files left out: 2" in shown
+    with pytest.raises(ReportError, match="edited or damaged"):
+        compare(before, after / "runs" / "edited.json")
