@@ -19,6 +19,8 @@ from reports.ranking.paired import Paired
 from reports.ranking.predictions import compared
 from reports.ranking.ranks import Ranking, rank
 
+SIDE_BY_SIDE = "side by side"
+
 _INTRODUCTION = (
     "Ranging error that remains after mitigation and what each model costs, one table per data "
     "set and split. Models that share a letter cannot be told apart on these links."
@@ -132,26 +134,30 @@ def _over_all(boards: Sequence[Ranked]) -> Document:
 def _columns(one: Ranked) -> list[Measure]:
     known = {measure.column.header: measure for measure in (*accuracy_measures(), *cost_measures())}
     front = _front(one.board.entries)
-    return [
-        rank_column(one.ranking),
-        *KEYS,
-        replace(known["NLoS MAE (m)"], better=None),
+    shown = [
+        known["NLoS MAE (m)"],
         ties_column(one.ranking),
-        replace(known["LoS MAE (m)"], better=None),
+        known["LoS MAE (m)"],
         _harm_or_r2(one.board, known),
-        replace(known["Latency, batch 1 (µs)"], better=None),
-        replace(known["File (kB)"], better=None),
+        known["Latency, batch 1 (µs)"],
+        known["File (kB)"],
         Measure(
             Column("Front", number=False), lambda entry: Figure(Cell(front.get(entry.name, "")))
         ),
     ]
+    return [rank_column(one.ranking), *KEYS, *map(_side_by_side, shown)]
+
+
+def _side_by_side(measure: Measure) -> Measure:
+    """Return the column without a mark for the best, beside as many others as a screen takes."""
+    return replace(measure, better=None, column=replace(measure.column, group=SIDE_BY_SIDE))
 
 
 def _harm_or_r2(board: Board, known: Mapping[str, Measure]) -> Measure:
     """Return the column on harm; R2, which the details have too, where no row is line of sight."""
     if has_los(board):
         return Measure(Column(HEADER, number=False), harmed(board))
-    return replace(known["NLoS R²"], better=None)
+    return known["NLoS R²"]
 
 
 def _front(entries: Sequence[Entry]) -> dict[str, str]:
