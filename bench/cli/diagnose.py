@@ -85,12 +85,14 @@ def command(
 
 def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
-    from bench.discrepancy.report.document import describe
+    from bench.discrepancy.report.document import describe, law_lines
 
     say(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
             say(line.replace("**", ""))
+    for line in law_lines(diagnosis.law) if diagnosis.law else ():
+        say(line.replace("**", ""))
     seen = diagnosis.confirmed
     if diagnosis.uncovered:
         say(f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart")

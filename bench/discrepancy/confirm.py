@@ -105,14 +105,18 @@ def _mae(ensemble: Ensemble, seed: int) -> Estimate:
     return cluster_bootstrap(_misses(ensemble), ensemble.links, seed, "m")
 
 
-def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed) -> str:
-    """Return one line: what was found, and whether it serves on the sealed links."""
+def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str = "") -> str:
+    """Return one line: what was found, and whether it serves on the sealed links.
+
+    `more` is said of what has no name.
+    """
     names = [" or ".join(v.names) for v in verdicts if v.names]
     unknown = any(isinstance(v, Unknown) for v in verdicts)
     if not names and not unknown:
         return "Nothing found that the simulator leaves out."
     said = "Left out: " + ", ".join(names) if names else "Something is there, without a name"
     said += " - and something without a name" if names and unknown else ""
+    said += more
     if not added:
         return f"{said}. Nothing was added to the simulator."
     before, after = seen.mae_before_m.value, seen.mae_after_m.value

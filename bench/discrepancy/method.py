@@ -24,6 +24,8 @@ from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
+from bench.discrepancy.law.found import FoundLaw, SetupFault
+from bench.discrepancy.law.unexplained import borne_out, proposed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
@@ -76,7 +78,8 @@ class Diagnosis:
 
     `mix` maps covariates to what differs in their mix (see `TableComparison.mix`); `uncovered` is
     the share of the recorded rows that have no simulated counterpart and took no part; `base` has
-    the radio settings that were taken from the recordings.
+    the radio settings that were taken from the recordings. `law` and `setup_fault` are said where
+    no known effect explains what is there, and sealed links bear it out.
     """
 
     source: str
@@ -90,6 +93,8 @@ class Diagnosis:
     options: Options = field(default_factory=Options)
     uncovered: float = 0.0
     base: Base = field(default_factory=Base)
+    law: FoundLaw | None = None
+    setup_fault: SetupFault | None = None
 
     @property
     def recommended(self) -> bool:
@@ -99,7 +104,9 @@ class Diagnosis:
     @property
     def headline(self) -> str:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
-        return headline(self.selection.verdicts, bool(self.added), self.confirmed)
+        said = self.setup_fault or self.law
+        more = f" ({said})" if said else ""
+        return headline(self.selection.verdicts, bool(self.added), self.confirmed, more)
 
 
 def diagnose(
@@ -129,16 +136,20 @@ def diagnose(
     journal.know(search.kinds)
     found = select_effects(search, journal)
     found = replace(found, skipped={**skipped, **found.skipped})
-    added = (*found.added, *_unnamed(search, found))
+    proposal, curve = proposed(search, found), _unnamed(search, found)
     progress("confirming on links that nothing was tuned on")
-    confirmed = confirm(comparison, rows.confirm(), added, asked.seed)
+    sealed = rows.confirm()
+    said = borne_out(comparison, sealed, found.added, proposal, asked.seed)
+    added = (*found.added, *((said.law.effect,) if said.law else curve))
+    confirmed = confirm(comparison, sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name
     lost = 1 - float(inside.mean())
     return Diagnosis(
-        recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base
-    )
+        recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
+        said.law, said.fault,
+    )  # fmt: skip
 
 
 def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Recordings) -> Options:

@@ -104,6 +104,8 @@ def _checked(effect: Effect, batch: Batch, draws: Draws) -> Batch:
     try:
         with np.errstate(all="ignore"):
             made = effect.apply(batch, draws)
+    except BenchError as problem:  # rows that the effect cannot do, said by itself
+        raise EffectError(f"effect {effect.name!r}: {problem}") from problem
     except (Exception, SystemExit) as problem:  # a plug-in must not end the program
         raise EffectError(f"effect {effect.name!r} failed: {reason(problem)}") from problem
     if not isinstance(made, Batch):

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.data.observables import unit_of
+from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.select.verdict import (
@@ -51,6 +52,8 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
         "seed": diagnosis.options.seed,
         "hidden": list(diagnosis.options.hide),
         "verdicts": [as_dict(verdict) for verdict in diagnosis.selection.verdicts],
+        "law": law_dict(diagnosis.law),
+        "setup_fault": fault_dict(diagnosis.setup_fault),
         "skipped_effects": dict(diagnosis.selection.skipped),
         "covariate_mix": {k: {"shift_std": s, "p": p} for k, (s, p) in diagnosis.mix.items()},
         "confirm": {
@@ -79,6 +82,8 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     lines += ["## What was found", ""]
     for verdict in diagnosis.selection.verdicts:
         lines += [*describe(verdict), ""]
+    if diagnosis.law is not None:
+        lines += [*law_lines(diagnosis.law), ""]
     lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
     lines += ["## Pictures", ""]
     for name, caption in figures:
@@ -114,6 +119,19 @@ def describe(verdict: Verdict) -> list[str]:
         out += [f"To progress: {verdict.separate}."]
         return out + [line for option in verdict.options for line in _option_lines(option)]
     return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict)]
+
+
+def law_lines(law: FoundLaw) -> list[str]:
+    """Return a law without a name: figures, evidence, what else it could be."""
+    return [
+        f"**{law}** (90 %).",
+        f"As an effect of the simulator: error = {law.effect.formula.shown}",
+        f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
+        *(
+            f"- not excluded: {rival.words} ({rival.behind:.1f} nats behind)"
+            for rival in law.rivals
+        ),
+    ]
 
 
 def _option_lines(option: LeftOut) -> list[str]:

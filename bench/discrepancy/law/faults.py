@@ -1,0 +1,284 @@
+"""Faults of the set-up as structures: a position, a swap of two devices, a unit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.law.forms import Named
+from bench.discrepancy.law.likelihood import fixed, iterated, linear
+from bench.discrepancy.law.material import Factor, Material
+from bench.discrepancy.law.structures import Fitted
+from bench.discrepancy.settings import LAW_DEVICE_ROWS, LAW_RATIOS, LAW_SAME_PLACE_M
+
+Floats = NDArray[np.float64]
+_FAR_END = {"tx": "rx", "rx": "tx"}
+
+
+def faults(given: Material) -> Iterator[Position | Swap | Unit]:
+    """Yield every fault of the set-up that the rows say anything about."""
+    yield from units(given)
+    if given.ends and given.devices:
+        yield from positions(given)
+        yield from swaps(given)
+
+
+@dataclass(frozen=True)
+class Position:
+    """A device stands elsewhere than the plan says; `device` "" is every device at one end."""
+
+    device: str
+    ends: tuple[str, ...]
+    axes: tuple[int, ...]
+    known: str
+    choices: int
+    form: str = "position"
+    fault: str = "position"
+
+    @property
+    def free(self) -> int:
+        """How many coordinates it fits."""
+        return len(self.axes)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The positions' columns."""
+        return tuple(f"{end}_{axis}_m" for end in self.ends for axis in self.known)
+
+    @property
+    def where(self) -> str:
+        """The device."""
+        return self.device
+
+    @property
+    def expression(self) -> str:
+        """The true distance with the device moved, minus that without."""
+        return " + ".join(self._at(end) for end in self.ends)
+
+    def _at(self, end: str) -> str:
+        """Return the expression of the rows with the device at one end."""
+        gaps = [f"{end}_{a}_m - {_FAR_END[end]}_{a}_m" for a in self.known]
+        gaps = [f"{g} + d{'xyz'[i]}" if i in self.axes else g for i, g in enumerate(gaps)]
+        far = " + ".join(f"({gap}) ** 2" for gap in gaps)
+        moved = f"(sqrt({far}) - true_range_m)"
+        return f"({end} == {json.dumps(self.device)}) * {moved}" if self.device else moved
+
+    def fitted(self, given: Material) -> Fitted:
+        """Return the shift along each axis in metres, by reweighted Gauss-Newton steps."""
+        start = np.zeros(len(self.axes))
+        fit = iterated(lambda d: self._moved(given, d), start, given.residual_m)
+        constants = [
+            (f"d{'xyz'[a]}", float(v), "m") for a, v in zip(self.axes, fit.values, strict=True)
+        ]
+        return Fitted(tuple(constants), fit)
+
+    def shift_m(self, given: Material, constants: tuple[Named, ...]) -> Floats:
+        """Return what it says of other rows."""
+        return self._moved(given, np.array([value for _, value, _ in constants]))[0]
+
+    def _moved(self, given: Material, shift: Floats) -> tuple[Floats, Floats]:
+        """Return what ranges gain [n] and its slopes [n, axes]."""
+        total = np.zeros(len(given.residual_m))
+        slopes = np.zeros((len(total), len(self.axes)))
+        for end in self.ends:
+            gap = given.ends[end] - given.ends[_FAR_END[end]]
+            gap[:, self.axes] += shift
+            far = np.maximum(np.linalg.norm(gap, axis=1), 1e-9)
+            here = given.devices[end] == self.device if self.device else np.ones(len(far), bool)
+            total += np.where(here, far - given.true_range_m, 0.0)
+            slopes += np.where(here, 1.0, 0.0)[:, None] * (gap / far[:, None])[:, self.axes]
+        return total, slopes
+
+    def words(self, shown: dict[str, str]) -> str:
+        """Return it for people."""
+        who = f"device {self.device}" if self.device else f"every {self.ends[0]}"
+        by = ", ".join(f"{shown[f'd{axis}']} along {axis}" for axis in self.axis_names)
+        return f"{who} stands elsewhere than its position says, by {by}"
+
+    @property
+    def axis_names(self) -> str:
+        """The axes, as letters."""
+        return "".join("xyz"[a] for a in self.axes)
+
+
+def positions(given: Material) -> Iterator[Position]:
+    """Yield a moved position for every device, and for all at one end together."""
+    ends = {
+        name: tuple(e for e in ("tx", "rx") if (given.devices[e] == name).any())
+        for name in sorted({*given.devices.get("tx", ()), *given.devices.get("rx", ())})
+        if set(given.devices) == {"tx", "rx"}
+    }
+    seen = {
+        n: at for n, at in ends.items() if _rows_of(given, n, at).sum() >= LAW_DEVICE_ROWS
+    }  # fmt: skip
+    flat = not any(np.ptp(given.ends[end][:, 2]) for end in given.ends)
+    for axes in ((0, 1),) if flat else ((0, 1), (0, 1, 2)):
+        for name, at in seen.items():
+            yield Position(name, at, axes, given.axes, len(seen) + 1)
+        yield Position("", ("rx",), axes, given.axes, len(seen) + 1)
+
+
+def _rows_of(given: Material, device: str, ends: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Return the rows [n] that a device takes part in."""
+    return np.asarray(np.any([given.devices[end] == device for end in ends], axis=0))
+
+
+@dataclass(frozen=True)
+class Swap:
+    """Two devices that stand still have each other's name; `places` are their positions."""
+
+    pair: tuple[str, str]
+    end: str
+    places: tuple[tuple[float, ...], tuple[float, ...]]
+    known: str
+    choices: int
+    free: int = 0
+    form: str = "swap"
+    fault: str = "swap"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names' column."""
+        return (self.end,)
+
+    @property
+    def where(self) -> str:
+        """Both devices."""
+        return " and ".join(self.pair)
+
+    @property
+    def expression(self) -> str:
+        """The distance to the other's place, minus that to the own."""
+        return " + ".join(self._of(one, k) for one, k in zip(self.pair, "qp", strict=True))
+
+    def _of(self, device: str, place: str) -> str:
+        """Return the expression of one device's rows; `place` is where it really stands."""
+        far = " + ".join(f"({_FAR_END[self.end]}_{a}_m - {place}{a}) ** 2" for a in self.known)
+        return f"({self.end} == {json.dumps(device)}) * (sqrt({far}) - true_range_m)"
+
+    def fitted(self, given: Material) -> Fitted:
+        """Return it; there is nothing to fit."""
+        constants = [
+            (f"{k}{axis}", value, "m")
+            for k, place in zip("pq", self.places, strict=True)
+            for axis, value in zip("xyz", place, strict=True)
+            if axis in self.known
+        ]
+        return Fitted(tuple(constants), fixed(self.shift_m(given, ()), given.residual_m))
+
+    def shift_m(self, given: Material, constants: tuple[Named, ...]) -> Floats:
+        """Return what it says of rows."""
+        total = np.zeros(len(given.residual_m))
+        for one, place in zip(self.pair, reversed(self.places), strict=True):
+            far = np.linalg.norm(given.ends[_FAR_END[self.end]] - np.array(place), axis=1)
+            total = np.where(given.devices[self.end] == one, far - given.true_range_m, total)
+        return total
+
+    def words(self, shown: dict[str, str]) -> str:
+        """Return it for people."""
+        return f"devices {self.pair[0]} and {self.pair[1]} ({self.end}) are swapped"
+
+
+def swaps(given: Material) -> Iterator[Swap]:
+    """Yield a swap for every two devices at one end that stand still."""
+    for end in sorted(given.devices):
+        still = _still(given, end)
+        pairs = list(combinations(sorted(still), 2))
+        for one, two in pairs:
+            yield Swap((one, two), end, (still[one], still[two]), given.axes, len(pairs))
+
+
+def _still(given: Material, end: str) -> dict[str, tuple[float, ...]]:
+    """Return the positions of the devices at one end that have just one."""
+    found = {}
+    for name in np.unique(given.devices[end].astype(str)):
+        places = given.ends[end][given.devices[end] == name]
+        middle = np.median(places, axis=0)
+        if np.abs(places - middle).max() < LAW_SAME_PLACE_M:
+            found[str(name)] = tuple(middle.tolist())
+    return found
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Another unit than metres: measured = ratio x true, plus a constant or not."""
+
+    ratio: float
+    meaning: str
+    by: int
+    offset: bool
+    names: tuple[str, str]  # text and words of the factor
+    choices: int
+    form: str = "unit"
+    fault: str = "unit"
+
+    @property
+    def free(self) -> int:
+        """How many constants it fits."""
+        return int(self.offset)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The true range."""
+        return ("true_range_m",)
+
+    @property
+    def where(self) -> str:
+        """Which device or category has the other unit, "" where all have."""
+        return self.names[1]
+
+    @property
+    def expression(self) -> str:
+        """Its expression."""
+        body = "(ratio - 1) * true_range_m" + (" + b" if self.offset else "")
+        return f"{self.names[0]} * ({body})" if self.by else body
+
+    def fitted(self, given: Material) -> Fitted:
+        """Return it with its constant fitted, if it has one."""
+        constants: list[Named] = [("ratio", self.ratio, "1")]
+        if not self.offset:
+            return Fitted(tuple(constants), fixed(self._scaled(given), given.residual_m))
+        mask = given.factors[self.by].weights[:, None]
+        found = linear(mask, given.residual_m - self._scaled(given))
+        constants.append(("b", float(found.values[0]), "m"))
+        shift = self.shift_m(given, tuple(constants))
+        return Fitted(tuple(constants), fixed(shift, given.residual_m))
+
+    def _scaled(self, given: Material) -> Floats:
+        return (self.ratio - 1) * given.true_range_m * given.factors[self.by].weights
+
+    def shift_m(self, given: Material, constants: tuple[Named, ...]) -> Floats:
+        """Return what it says of rows."""
+        more = constants[1][1] if self.offset else 0.0
+        return self._scaled(given) + more * given.factors[self.by].weights
+
+    def words(self, shown: dict[str, str]) -> str:
+        """Return it for people."""
+        who = f", where {self.names[1]}" if self.by else ""
+        more = f", plus {shown['b']}" if self.offset else ""
+        return f"{self.meaning} (measured = {self.ratio:.4g} x true range{more}){who}"
+
+
+def units(given: Material) -> Iterator[Unit]:
+    """Yield every confusion of units, of all rows and of every device or category."""
+    groups = [(i, f) for i, f in enumerate(given.factors) if i == 0 or f.group]
+    for by, factor in groups:
+        if _off(given, factor):
+            for ratio, meaning in LAW_RATIOS.items():
+                for offset in (False, True):
+                    names = (factor.text, factor.words)
+                    count = 2 * len(LAW_RATIOS) * (len(groups) if by else 1)
+                    yield Unit(ratio, meaning, by, offset, names, count)
+
+
+def _off(given: Material, factor: Factor) -> bool:
+    """Return whether measured ranges of a group are far from true ones, as in another unit."""
+    mine = factor.weights > 0
+    size = np.abs(given.residual_m[mine]) / np.maximum(given.true_range_m[mine], 1e-9)
+    least = min(abs(ratio - 1) for ratio in LAW_RATIOS) / 2
+    return bool(mine.any() and np.median(size) > least)

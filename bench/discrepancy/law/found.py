@@ -1,0 +1,116 @@
+"""What a search for laws found, as data: for the report, scores and the next measurement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.physics.effects.ranging.law import Law
+
+
+@dataclass(frozen=True)
+class LawConstant:
+    """A constant of a law: value, 90 % interval (equal where it was given, not fitted), unit."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit.replace('/', ' per ', 1)}"
+        if self.low == self.high:
+            return f"{self.value:.4g}{unit}"
+        return f"{self.value:.3g} ({self.low:.3g}..{self.high:.3g}){unit}"
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A law that the recordings do not exclude: in words, `behind` the best in nats."""
+
+    words: str
+    form: str
+    columns: tuple[str, ...]
+    behind: float
+
+
+@dataclass(frozen=True)
+class FoundLaw:
+    """A law that sealed links bear out.
+
+    `form`: constant, linear, power, inverse, inverse square, logarithm, saturation, relaxation,
+    step, periodic, rounding, or that of a fault (position, swap, unit); `columns`: what it is over;
+    `where`: the device, category or column that it is multiplied with, "" where none. `words`: the
+    law with figures and units; `nats`: its lead over no law on working links, complexity paid;
+    `gain_nats`: log-likelihood gained per row on sealed links; `nearer_m`: how much smaller
+    |recorded - simulated| is there. `rivals` are not excluded.
+    """
+
+    form: str
+    columns: tuple[str, ...]
+    where: str
+    words: str
+    looks_like: str
+    expression: str
+    constants: tuple[LawConstant, ...]
+    nats: float
+    gain_nats: Estimate
+    nearer_m: Estimate
+    rivals: tuple[Rival, ...] = ()
+
+    @property
+    def effect(self) -> Law:
+        """The law as an effect of the simulator."""
+        texts = (f"{c.name} = {c.value!r} {c.unit}" for c in self.constants)
+        return Law(self.expression, tuple(texts))
+
+    def __str__(self) -> str:
+        return f"a law without a name: {self.words}; looks like: {self.looks_like}"
+
+
+@dataclass(frozen=True)
+class SetupFault:
+    """A fault of the set-up: `kind` is position, swap, unit or time shift.
+
+    `devices` are those concerned (none: all); `size`: what it measures, e.g. the shift along x, y
+    and z in metres.
+    """
+
+    kind: str
+    devices: tuple[str, ...]
+    words: str
+    size: tuple[LawConstant, ...] = ()
+
+    def __str__(self) -> str:
+        return f"a fault of the set-up: {self.words}"
+
+
+def law_dict(law: FoundLaw | None) -> dict[str, Any] | None:
+    """Return a law as plain data."""
+    if law is None:
+        return None
+    return {
+        "words": str(law),
+        "form": law.form,
+        "columns": list(law.columns),
+        "where": law.where,
+        "looks_like": law.looks_like,
+        "expression": law.expression,
+        "constants": [vars(c) for c in law.constants],
+        "nats": law.nats,
+        "sealed_gain_nats_per_row": vars(law.gain_nats),
+        "sealed_nearer_m": vars(law.nearer_m),
+        "not_excluded": [vars(r) | {"columns": list(r.columns)} for r in law.rivals],
+    }
+
+
+def fault_dict(fault: SetupFault | None) -> dict[str, Any] | None:
+    """Return a fault of the set-up as plain data."""
+    if fault is None:
+        return None
+    size = [vars(c) for c in fault.size]
+    return {
+        "kind": fault.kind, "devices": list(fault.devices), "words": str(fault), "size": size,
+    }  # fmt: skip

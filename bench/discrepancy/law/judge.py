@@ -1,0 +1,82 @@
+"""Sealed links judge a proposed law: it is said only where it beats their noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.law.found import FoundLaw, LawConstant, Rival, SetupFault
+from bench.discrepancy.law.likelihood import log_density
+from bench.discrepancy.law.material import Floats, Material
+from bench.discrepancy.law.meaning import looks_like
+from bench.discrepancy.law.search import Candidate, Proposal
+
+
+def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
+    """Return the law with what it gains on sealed links, None where they do not bear it out."""
+    best = proposal.best
+    shift = best.structure.shift_m(sealed, best.fitted.constants)
+    gain = _gain(proposal, sealed, shift, np.zeros(len(shift)), seed)
+    if not gain.likely_above_zero:
+        return None
+    left, before = np.abs(sealed.residual_m - shift), np.abs(sealed.residual_m)
+    said = best.structure.words(shown(proposal.constants))
+    return FoundLaw(
+        best.structure.form,
+        best.structure.columns,
+        best.structure.where,
+        said if best.structure.fault else f"error = {said}",
+        looks_like(best.structure),
+        best.structure.expression,
+        proposal.constants,
+        best.nats,
+        gain,
+        cluster_bootstrap(before - left, sealed.links, seed, "m"),
+        _rivals(proposal, sealed, shift, seed),
+    )
+
+
+def _gain(proposal: Proposal, rows: Material, shift: Floats, other: Floats, seed: int) -> Estimate:
+    """Return the log-likelihood per row that one shift gains over another, over links."""
+    ours, theirs = (log_density(rows.residual_m - one, proposal.scale_m) for one in (shift, other))
+    return cluster_bootstrap(ours - theirs, rows.links, seed, "nats per row")
+
+
+def _rivals(proposal: Proposal, sealed: Material, shift: Floats, seed: int) -> tuple[Rival, ...]:
+    """Return the laws that neither working nor sealed links exclude."""
+    out = []
+    for one in proposal.tied:
+        other = one.structure.shift_m(sealed, one.fitted.constants)
+        if not _gain(proposal, sealed, shift, other, seed).above_zero:
+            out.append(_rival(one, proposal.best.nats - one.nats))
+    return tuple(out)
+
+
+def _rival(one: Candidate, behind: float) -> Rival:
+    """Return a candidate that is not excluded, in words."""
+    given = [LawConstant(n, v, v, v, unit) for n, v, unit in one.fitted.constants]
+    said = one.structure.words(shown(given))
+    words = said if one.structure.fault else f"error = {said}"
+    return Rival(words, one.structure.form, one.structure.columns, behind)
+
+
+def shown(constants: Sequence[LawConstant]) -> dict[str, str]:
+    """Return constants as texts by name."""
+    return {c.name: str(c) for c in constants}
+
+
+def setup_fault(proposal: Proposal) -> SetupFault | None:
+    """Return the fault of the set-up that a law is, None where it is none."""
+    structure = proposal.best.structure
+    if structure.form == "linear" and structure.columns == ("radial_speed_m_per_s",):
+        lag = str(proposal.constants[0])
+        words = f"ranges are later than their truth by {lag}"
+        return SetupFault("time shift", (), words, proposal.constants[:1])
+    if not structure.fault:
+        return None
+    devices = getattr(structure, "pair", (structure.where,) if structure.where else ())
+    fitted = structure.fault in ("position", "unit")
+    size = proposal.constants if fitted else ()
+    return SetupFault(structure.fault, devices, structure.words(shown(proposal.constants)), size)

@@ -1,0 +1,226 @@
+"""The rows that a law is looked for in: residuals, covariates, devices and positions."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.covariates import Covariates, covariates
+from bench.discrepancy.settings import (
+    LAW_KNOWN_SHARE,
+    LAW_LONGEST_NAME,
+    LAW_MOST_COLUMNS,
+    LAW_MOST_FACTORS,
+    LAW_SAME_PLACE_M,
+)
+from bench.physics.formula.units import column_unit, unit
+
+Floats = NDArray[np.float64]
+_AXES = "xyz"
+_WORDS = {
+    "true_range_m": "true range", "time_s": "time", "temperature_c": "temperature",
+    "reply_time_s": "reply time", "azimuth_deg": "heading", "clock_offset_ppm": "clock offset",
+    "radial_speed_m_per_s": "radial speed",
+}  # fmt: skip
+_DERIVED = {  # what follows from two positions: words, unit
+    "atan2(rx_y_m - tx_y_m, rx_x_m - tx_x_m)": ("bearing of the link", "rad"),
+    "rx_z_m - tx_z_m": ("height of rx over tx", "m"),
+}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A covariate: its text in an expression, words for people, unit, values [n] in that unit.
+
+    `reference` is a typical value, fixed once.
+    """
+
+    text: str
+    words: str
+    unit: str
+    values: Floats
+    reference: float
+
+    @property
+    def angle(self) -> bool:
+        """Whether it goes round."""
+        return self.unit in ("deg", "rad")
+
+
+@dataclass(frozen=True)
+class Factor:
+    """What a law is multiplied with: `text` in an expression ("" = all rows), weights [n]."""
+
+    text: str
+    words: str
+    unit: str
+    weights: Floats
+
+    @property
+    def group(self) -> bool:
+        """Whether it is a device or category, not a number."""
+        return self.text != "" and self.unit == "1" and bool(np.isin(self.weights, (0, 1)).all())
+
+
+@dataclass(frozen=True)
+class Material:
+    """Rows: `residual_m` [n] recorded - simulated range, link codes [n], covariates, factors.
+
+    `range_m` [n] is the simulated range; `ends` maps tx and rx to positions [n, 3], where known;
+    `devices` maps them to names [n]; `axes` are those that positions have.
+    """
+
+    residual_m: Floats
+    links: NDArray[np.intp]
+    columns: tuple[Column, ...]
+    factors: tuple[Factor, ...]
+    range_m: Floats
+    true_range_m: Floats
+    devices: dict[str, NDArray[np.object_]]
+    ends: dict[str, Floats]
+    axes: str = "xyz"
+
+    def take(self, rows: NDArray[np.intp]) -> Material:
+        """Return some rows, some of them perhaps several times."""
+        return Material(
+            self.residual_m[rows],
+            self.links[rows],
+            tuple(replace(c, values=c.values[rows]) for c in self.columns),
+            tuple(replace(f, weights=f.weights[rows]) for f in self.factors),
+            self.range_m[rows],
+            self.true_range_m[rows],
+            {end: names[rows] for end, names in self.devices.items()},
+            {end: places[rows] for end, places in self.ends.items()},
+            self.axes,
+        )
+
+
+def material(frame: pd.DataFrame, residual_m: Floats, links: NDArray[np.intp]) -> Material:
+    """Return the material of rows whose residual is known; `frame` is a recordings table."""
+    keep = np.flatnonzero(np.isfinite(residual_m))
+    frame, residual_m, links = (
+        frame.iloc[keep].reset_index(drop=True),
+        residual_m[keep],
+        links[keep],
+    )
+    known = covariates(frame)
+    true = numeric(frame, "true_range_m")
+    error = numeric(frame, "error_m")
+    error = np.where(np.isfinite(error), error, numeric(frame, "range_m") - true)
+    columns = _columns(frame, known)
+    names = {end: frame[end].astype(str).to_numpy(object) for end in ("tx", "rx") if end in frame}
+    return Material(
+        residual_m,
+        links[keep],
+        columns,
+        _factors(columns, known, len(frame)),
+        true + error - residual_m,
+        true,
+        names,
+        _positions(frame, true),
+        "".join(a for a in _AXES if f"tx_{a}_m" in frame and f"rx_{a}_m" in frame),
+    )
+
+
+def _columns(frame: pd.DataFrame, known: Covariates) -> tuple[Column, ...]:
+    """Return the numeric covariates, the usual ones first, and what follows from positions."""
+    every = dict(known.numbers)
+    if "true_range_m" in frame:
+        every = {"true_range_m": numeric(frame, "true_range_m")} | every
+    names = sorted(every, key=lambda n: (n not in _WORDS, list(every).index(n)))
+    made = [column(name, every[name]) for name in names if name.isidentifier()]
+    made += _derived(frame)
+    kept = [c for c in made if _telling(c.values)]
+    return tuple(kept[:LAW_MOST_COLUMNS])
+
+
+def column(name: str, values: Floats) -> Column:
+    """Return a column of the table as a covariate."""
+    text = column_unit(name)
+    words = _WORDS.get(name, name.removesuffix(f"_{text}").replace("_", " "))
+    return Column(name, words, text, values, _reference(values))
+
+
+def _derived(frame: pd.DataFrame) -> list[Column]:
+    """Return covariates that follow from both positions, where they are known."""
+    if not {f"{end}_{axis}_m" for end in ("tx", "rx") for axis in _AXES} <= set(frame.columns):
+        return []
+    gap = {a: numeric(frame, f"rx_{a}_m") - numeric(frame, f"tx_{a}_m") for a in _AXES}
+    values = (np.arctan2(gap["y"], gap["x"]), gap["z"])
+    return [
+        Column(text, words, unit_text, value, _reference(value))
+        for (text, (words, unit_text)), value in zip(_DERIVED.items(), values, strict=True)
+    ]
+
+
+def _reference(values: Floats) -> float:
+    """Return a typical size of values, in two digits."""
+    typical = float(np.nanmedian(np.abs(values))) if np.isfinite(values).any() else 0.0
+    return float(f"{typical:.1e}") or 1.0
+
+
+def _telling(values: Floats) -> bool:
+    """Return whether a covariate is known nearly everywhere, and not constant."""
+    known = np.isfinite(values)
+    return bool(known.mean() >= LAW_KNOWN_SHARE and np.ptp(values[known]) > 0)
+
+
+def _factors(columns: tuple[Column, ...], known: Covariates, rows: int) -> tuple[Factor, ...]:
+    """Return what a law may be multiplied with: nothing, devices and categories, numbers."""
+    groups = [
+        Factor(text, words, "1", mask.astype(np.float64))
+        for name, mask in known.groups.items()
+        if (found := condition(name)) is not None
+        for text, words in [found]
+    ]
+    numbers = [
+        Factor(c.text, c.words, c.unit, np.nan_to_num(c.values)) for c in columns if not c.angle
+    ]
+    few = [*numbers, *groups][: LAW_MOST_FACTORS - 1]
+    return (Factor("", "", "1", np.ones(rows)), *few)
+
+
+def condition(group: str) -> tuple[str, str] | None:
+    """Return the expression and words of a covariate group, None where none can be written.
+
+    `rx=a2` is `(rx == "a2")`; only what a simulator knows of its rows can be written.
+    """
+    name, _, value = group.partition("=")
+    if len(value) > LAW_LONGEST_NAME or not value.isprintable():
+        return None
+    if name in ("tx", "rx", "environment"):
+        return f"({name} == {json.dumps(value)})", f"{name} is {value}"
+    if name == "obstacle":
+        return f"(obstacles == {json.dumps(value)})", f"behind {value}"
+    if name == "los" and value in ("True", "False"):
+        return f"(los {'>' if value == 'True' else '<'} 0.5)", f"line of sight: {value}"
+    ends = value.split("->")
+    if name != "pair" or len(ends) != 2:
+        return None
+    both = " * ".join(
+        f"({end} == {json.dumps(one)})" for end, one in zip(("tx", "rx"), ends, strict=True)
+    )
+    return f"({both})", f"tx is {ends[0]} and rx is {ends[1]}"
+
+
+def _positions(frame: pd.DataFrame, true_m: Floats) -> dict[str, Floats]:
+    """Return positions of both ends [n, 3], where known; {} where true ranges contradict them."""
+    if not {f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xy"} <= set(frame.columns):
+        return {}
+    ends = {
+        end: np.stack([np.nan_to_num(numeric(frame, f"{end}_{a}_m")) for a in _AXES], axis=1)
+        for end in ("tx", "rx")
+    }
+    between = np.linalg.norm(ends["tx"] - ends["rx"], axis=1)
+    agree = float(np.median(np.abs(between - true_m))) < LAW_SAME_PLACE_M
+    return ends if agree else {}
+
+
+def base_values(of: Column) -> Floats:
+    """Return a column's values in base units: angles in radians."""
+    return of.values * unit(of.unit).factor

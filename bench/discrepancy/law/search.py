@@ -1,0 +1,128 @@
+"""The search: every structure fitted on working links, ranked by what it gains and costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.law.faults import faults
+from bench.discrepancy.law.found import LawConstant
+from bench.discrepancy.law.likelihood import effective_share, unmoved
+from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.rounding import roundings
+from bench.discrepancy.law.screen import promising
+from bench.discrepancy.law.structures import Fitted, Structure, cost
+from bench.discrepancy.settings import (
+    INTERVAL_LEVEL,
+    LAW_DRAWS,
+    LAW_FEWEST_ROWS,
+    LAW_NATS,
+    LAW_TIED_NATS,
+)
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A fitted structure with its lead over no law in nats, complexity paid."""
+
+    structure: Structure
+    fitted: Fitted
+    nats: float
+
+    @property
+    def kind(self) -> tuple[str, tuple[str, ...], str]:
+        """What it says apart from figures and a constant beside it."""
+        return self.structure.form, self.structure.columns, self.structure.where
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What working links say: the best law, its constants with intervals, and those not excluded.
+
+    `scale_m` is the scatter of what is left.
+    """
+
+    best: Candidate
+    constants: tuple[LawConstant, ...]
+    tied: tuple[Candidate, ...]
+    scale_m: float
+
+
+def propose(given: Material, seed: int) -> Proposal | None:
+    """Return the law that working links speak for, None where none is worth its complexity."""
+    ranked = ranking(given)
+    if not ranked or ranked[0].nats < LAW_NATS:
+        return None
+    best = _preferred(ranked)
+    tied = [one for one in ranked if one is not best and best.nats - one.nats < LAW_TIED_NATS]
+    constants = intervals(given, best, seed)
+    return Proposal(best, constants, _distinct(best, tied), best.fitted.fit.scale_m)
+
+
+def ranking(given: Material) -> list[Candidate]:
+    """Return every structure worth fitting, best first; offsets of links counted as one row each.
+
+    How far rows of a link say the same is judged by what the best law leaves.
+    """
+    if len(given.residual_m) < LAW_FEWEST_ROWS:
+        return []
+    laws: list[Structure] = [
+        *promising(given, float(len(given.residual_m))), *faults(given), *roundings(given)
+    ]  # fmt: skip
+    fits = [(law, law.fitted(given)) for law in laws]
+    none = unmoved(given.residual_m).likelihood
+    first = max(fits, key=lambda pair: pair[1].fit.likelihood - cost(pair[0], 2.0))
+    share = effective_share(given.residual_m - first[1].fit.shift_m, given.links)
+    rows = share * len(given.residual_m)
+    made = [
+        Candidate(law, one, share * (one.fit.likelihood - none) - cost(law, rows))
+        for law, one in fits
+    ]
+    return sorted(made, key=lambda one: -one.nats)
+
+
+def _preferred(ranked: list[Candidate]) -> Candidate:
+    """Return the best; a fault of the set-up that does about as well goes first.
+
+    One device that stands elsewhere is as good as a law of the bearing for its rows alone.
+    """
+    near = [one for one in ranked if ranked[0].nats - one.nats < LAW_TIED_NATS]
+    return next((one for one in near if one.structure.fault), ranked[0])
+
+
+def _distinct(best: Candidate, tied: list[Candidate]) -> tuple[Candidate, ...]:
+    """Return candidates that say another thing than the best and each other."""
+    kinds = {best.kind: best}
+    for one in tied:
+        kinds.setdefault(one.kind, one)
+    return tuple(one for one in kinds.values() if one is not best)
+
+
+def intervals(given: Material, best: Candidate, seed: int) -> tuple[LawConstant, ...]:
+    """Return the constants with 90 % intervals from links drawn again."""
+    drawn = _drawn(given, best.structure, seed)
+    out = []
+    for name, value, unit in best.fitted.constants:
+        found = np.array([draw[name] for draw in drawn])
+        if name == "phase":  # goes round: beside its value
+            found = value + np.angle(np.exp(1j * (found - value)))
+        tails = (50 - 50 * INTERVAL_LEVEL, 50 + 50 * INTERVAL_LEVEL)
+        low, high = np.percentile(found, tails)
+        out.append(LawConstant(name, value, min(float(low), value), max(float(high), value), unit))
+    return tuple(out)
+
+
+def _drawn(given: Material, structure: Structure, seed: int) -> list[dict[str, float]]:
+    """Return the constants of the structure fitted to links drawn again."""
+    rng = np.random.default_rng(seed)
+    rows = [np.flatnonzero(given.links == link) for link in np.unique(given.links)]
+    out = []
+    for _ in range(LAW_DRAWS):
+        picked = rng.integers(0, len(rows), len(rows))
+        again = given.take(np.concatenate([rows[i] for i in picked]))
+        out.append({name: value for name, value, _ in structure.fitted(again).constants})
+    return out
