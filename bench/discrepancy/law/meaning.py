@@ -32,6 +32,7 @@ _FORM = {
     "relaxation": "settling after the start: warm-up",
     "step": "two regimes",
     "periodic": "something that repeats",
+    "parabola": "something with a turning point, as a crystal's frequency has in temperature",
     "rounding": "a coarse register or print-out",
     "position": "a plan that is wrong, or an anchor that was moved",
     "swap": "two labels exchanged",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.law.curve import best_curve
 from bench.discrepancy.law.faults import faults
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, unmoved
@@ -53,9 +54,12 @@ class Proposal:
 
 
 def propose(given: Material, seed: int) -> Proposal | None:
-    """Return the law that working links speak for, None where none is worth its complexity."""
-    ranked = ranking(given)
-    if not ranked or ranked[0].nats < LAW_NATS:
+    """Return the law that working links speak for.
+
+    None where none is worth its complexity, or a free curve does much better than all.
+    """
+    ranked, curve = ranking(given)
+    if not ranked or ranked[0].nats < max(LAW_NATS, curve - LAW_NATS):
         return None
     best = _preferred(ranked)
     tied = [one for one in ranked if one is not best and best.nats - one.nats < LAW_TIED_NATS]
@@ -63,13 +67,13 @@ def propose(given: Material, seed: int) -> Proposal | None:
     return Proposal(best, constants, _distinct(best, tied), best.fitted.fit.scale_m)
 
 
-def ranking(given: Material) -> list[Candidate]:
-    """Return every structure worth fitting, best first; offsets of links counted as one row each.
+def ranking(given: Material) -> tuple[list[Candidate], float]:
+    """Return every structure worth fitting, best first, and the lead of the best free curve.
 
     How far rows of a link say the same is judged by what the best law leaves.
     """
     if len(given.residual_m) < LAW_FEWEST_ROWS:
-        return []
+        return [], 0.0
     laws: list[Structure] = [
         *promising(given, float(len(given.residual_m))), *faults(given), *roundings(given)
     ]  # fmt: skip
@@ -82,7 +86,9 @@ def ranking(given: Material) -> list[Candidate]:
         Candidate(law, one, share * (one.fit.likelihood - none) - cost(law, rows))
         for law, one in fits
     ]
-    return sorted(made, key=lambda one: -one.nats)
+    curve, values = best_curve(given)
+    lead = share * (curve - none) - values / 2 * np.log(max(rows, 2.0))
+    return sorted(made, key=lambda one: -one.nats), float(lead)
 
 
 def _preferred(ranked: list[Candidate]) -> Candidate:

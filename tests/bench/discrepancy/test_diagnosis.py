@@ -21,6 +21,7 @@ from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.unnamed import Unnamed
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
+from bench.physics.effects.ranging.law import Law
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
@@ -132,8 +133,25 @@ def test_an_effect_no_known_one_explains_is_unknown_and_modelled():
         replace(recorded, frame=frame), BASE, QUICK, kinds={"clock-offset": ClockOffset}
     )
     assert isinstance(found.selection.verdicts[0], Unknown)
-    assert any(isinstance(effect, Unnamed) for effect in found.added)
     assert found.selection.names == ()
+    assert found.law.form == "parabola"
+    assert found.law.columns == ("humidity",)
+    assert found.law.constants[0].value == pytest.approx(0.3, rel=0.1)
+    assert any(isinstance(effect, Law) for effect in found.added)
+
+
+def test_a_shape_that_no_law_has_is_a_curve():
+    recorded = _recorded()
+    frame = recorded.frame.assign(humidity=np.random.default_rng(2).uniform(0, 1, 384))
+    shift = np.interp(frame["humidity"], [0, 0.2, 0.4, 0.5, 0.8, 1], [0, 0.6, -0.3, 0.8, 0.1, 0.5])
+    frame["error_m"] += shift
+    frame["range_m"] += shift
+    found = diagnose(
+        replace(recorded, frame=frame), BASE, QUICK, kinds={"clock-offset": ClockOffset}
+    )
+    assert isinstance(found.selection.verdicts[0], Unknown)
+    assert found.law is None
+    assert any(isinstance(effect, Unnamed) for effect in found.added)
 
 
 def test_a_failing_effect_is_skipped_and_named():
