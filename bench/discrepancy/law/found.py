@@ -41,7 +41,7 @@ class FoundLaw:
     """A law that sealed links bear out.
 
     `form`: constant, linear, power, inverse, inverse square, logarithm, parabola, saturation,
-    relaxation, step, periodic, rounding, or a fault: position, swap, unit; `columns`: its covariates;
+    relaxation, step, periodic, rounding, or position, swap, unit; `columns`: its covariates;
     `where`: the device, category or column that it is multiplied with, "" where none. `words`: the
     law with figures and units; `nats`: its lead over no law on working links, complexity paid;
     `gain_nats`: log-likelihood gained per row on sealed links; `nearer_m`: how much smaller

@@ -18,6 +18,8 @@ from bench.discrepancy.settings import (
     LAW_MOST_FACTORS,
     LAW_SAME_PLACE_M,
 )
+from bench.physics.formula.algebras import Numbers
+from bench.physics.formula.parse import tree, walk
 from bench.physics.formula.units import column_unit, unit
 
 Floats = NDArray[np.float64]
@@ -100,8 +102,13 @@ class Material:
         )
 
 
-def material(frame: pd.DataFrame, residual_m: Floats, links: NDArray[np.intp]) -> Material:
-    """Return the material of rows whose residual is known; `frame` is a recordings table."""
+def material(
+    frame: pd.DataFrame, residual_m: Floats, links: NDArray[np.intp], like: Material | None = None
+) -> Material:
+    """Return the material of rows whose residual is known; `frame` is a recordings table.
+
+    With `like` it has the covariates and factors of another material, in its order.
+    """
     keep = np.flatnonzero(np.isfinite(residual_m))
     frame, residual_m, links = (
         frame.iloc[keep].reset_index(drop=True),
@@ -112,13 +119,14 @@ def material(frame: pd.DataFrame, residual_m: Floats, links: NDArray[np.intp]) -
     true = numeric(frame, "true_range_m")
     error = numeric(frame, "error_m")
     error = np.where(np.isfinite(error), error, numeric(frame, "range_m") - true)
-    columns = _columns(frame, known)
+    columns = _columns(frame, known) if like is None else _same_columns(frame, like)
+    factors = _factors(columns, known, len(frame)) if like is None else _same_factors(frame, like)
     names = {end: frame[end].astype(str).to_numpy(object) for end in ("tx", "rx") if end in frame}
     return Material(
         residual_m,
         links[keep],
         columns,
-        _factors(columns, known, len(frame)),
+        factors,
         true + error - residual_m,
         true,
         names,
@@ -137,6 +145,46 @@ def _columns(frame: pd.DataFrame, known: Covariates) -> tuple[Column, ...]:
     made += _derived(frame)
     kept = [c for c in made if _telling(c.values)]
     return tuple(kept[:LAW_MOST_COLUMNS])
+
+
+def _same_columns(frame: pd.DataFrame, like: Material) -> tuple[Column, ...]:
+    """Return the covariates of another material for these rows."""
+    derived = {one.text: one.values for one in _derived(frame)}
+    return tuple(
+        replace(c, values=derived[c.text] if c.text in derived else numeric(frame, c.text))
+        for c in like.columns
+    )
+
+
+def _same_factors(frame: pd.DataFrame, like: Material) -> tuple[Factor, ...]:
+    """Return the factors of another material for these rows."""
+    rows = FrameColumns(frame)
+    first = replace(like.factors[0], weights=np.ones(len(frame)))
+    return (first, *(replace(f, weights=rows.weights(f.text)) for f in like.factors[1:]))
+
+
+@dataclass(frozen=True)
+class FrameColumns:
+    """The columns of a table, as an expression names them."""
+
+    frame: pd.DataFrame
+
+    def number(self, name: str) -> Floats:
+        """Return a numeric column [n], NaN where unknown."""
+        return numeric(self.frame, name)
+
+    def label(self, name: str, text: str) -> Floats:
+        """Return 1.0 [n] where a column of names, or any obstacle, is `text`."""
+        if name == "obstacles":
+            return np.array([text in cell for cell in self.frame[name]], np.float64)
+        return np.asarray(self.frame[name].astype(str) == text, np.float64)
+
+    def weights(self, text: str) -> Floats:
+        """Return a factor [n], a column in its own unit or a condition, 0 where unknown."""
+        if text in self.frame or not text.startswith("("):
+            return np.nan_to_num(self.number(text))
+        made = walk(tree(text), Numbers(self, {}, {}))
+        return np.nan_to_num(np.broadcast_to(made, len(self.frame)))
 
 
 def column(name: str, values: Floats) -> Column:

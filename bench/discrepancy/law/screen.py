@@ -94,31 +94,28 @@ def _removed(parts: tuple[Floats, ...], target: _Target, offset: bool) -> Floats
     squared = w**2
     to_r = [(part * r) @ w for part in parts]
     among = [[(a * b) @ squared for b in parts] for a in parts]
+    sizes = [row[i] for i, row in enumerate(among)]
     start = np.zeros(w.shape[1])
     if offset:
-        own, of_r = squared.sum(axis=0), r @ w
-        own = np.maximum(own, 1e-300)
-        means = [part @ squared for part in parts]
+        own = np.maximum(squared.sum(axis=0), 1e-300)
+        of_r, means = r @ w, [part @ squared for part in parts]
         to_r = [t - m * of_r / own for t, m in zip(to_r, means, strict=True)]
-        among = [
-            [v - a * b / own for v, b in zip(row, means, strict=True)]
-            for row, a in zip(among, means, strict=True)
-        ]
+        among = [[v - a * b / own for v, b in zip(row, means)] for row, a in zip(among, means)]  # noqa: B905
         start = of_r**2 / own
-    return start + (_one if len(parts) == 1 else _two)(among, to_r)
+    return start + (_one if len(parts) == 1 else _two)(among, to_r, sizes)
 
 
-def _one(among: list[list[Floats]], to_r: list[Floats]) -> Floats:
-    """Return what one part removes."""
-    size = among[0][0]
-    return np.where(size > LAW_ALIKE * size.max(), to_r[0] ** 2 / np.maximum(size, 1e-300), 0.0)
+def _one(among: list[list[Floats]], to_r: list[Floats], sizes: list[Floats]) -> Floats:
+    """Return what one part removes: nothing where the constant beside it says the same."""
+    fine = among[0][0] > LAW_ALIKE * sizes[0]
+    return np.where(fine, to_r[0] ** 2 / np.where(fine, among[0][0], 1.0), 0.0)
 
 
-def _two(among: list[list[Floats]], to_r: list[Floats]) -> Floats:
+def _two(among: list[list[Floats]], to_r: list[Floats], sizes: list[Floats]) -> Floats:
     """Return what two parts together remove."""
     (a, b), (_, d) = among
     p, q = to_r
     determinant = a * d - b * b
-    fine = determinant > LAW_ALIKE * a * d
+    fine = determinant > LAW_ALIKE * sizes[0] * sizes[1]
     made = (d * p * p - 2 * b * p * q + a * q * q) / np.where(fine, determinant, 1.0)
     return np.where(fine, made, 0.0)

@@ -44,8 +44,10 @@ class Candidate:
 class Proposal:
     """What working links say: the best law, its constants with intervals, and those not excluded.
 
-    `scale_m` is the scatter of what is left.
+    `scale_m` is the scatter of what is left; `given` is what it was found in.
     """
+
+    given: Material
 
     best: Candidate
     constants: tuple[LawConstant, ...]
@@ -64,7 +66,7 @@ def propose(given: Material, seed: int) -> Proposal | None:
     best = _preferred(ranked)
     tied = [one for one in ranked if one is not best and best.nats - one.nats < LAW_TIED_NATS]
     constants = intervals(given, best, seed)
-    return Proposal(best, constants, _distinct(best, tied), best.fitted.fit.scale_m)
+    return Proposal(given, best, constants, _distinct(best, tied), best.fitted.fit.scale_m)
 
 
 def ranking(given: Material) -> tuple[list[Candidate], float]:

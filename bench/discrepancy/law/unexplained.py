@@ -68,11 +68,16 @@ def _borne_out(
     return Said(law, setup_fault(proposal))
 
 
-def gathered(comparison: Comparison, views: tuple[View, ...], added: Added) -> Material | None:
-    """Return recorded - simulated ranges of all rows of views, None where ranges are not known."""
+def gathered(
+    comparison: Comparison, views: tuple[View, ...], added: Added, like: Material | None = None
+) -> Material | None:
+    """Return recorded - simulated ranges of all rows of views, None where ranges are not known.
+
+    `like`: see `material`.
+    """
     ensembles = [comparison.ensemble(view, added, LAW_MEMBERS) for view in views]
     if any(RANGE not in ensemble.names for ensemble in ensembles):
         return None
     frame = pd.concat([view.frame for view in views], ignore_index=True)
     residual = np.concatenate([ensemble.residual_of(RANGE) for ensemble in ensembles])
-    return material(frame, residual, np.concatenate([view.links for view in views]))
+    return material(frame, residual, np.concatenate([view.links for view in views]), like)
