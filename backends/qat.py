@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from backends.base import Artifact, Backend, Precision, TrainingData
 from backends.int8 import OPENER, write_artifact
@@ -22,6 +25,10 @@ if TYPE_CHECKING:
 EPOCHS = 8
 BATCH_ROWS = 256
 PACE = 0.3  # of the recipe's learning rate
+
+KEPT = 32
+_LEARNT: dict[str, Learnt] = {}
+"""By digest, the last `KEPT`: C and the runtime are given the same weights, trained once."""
 
 
 class QatBackend(Backend):
@@ -68,7 +75,7 @@ class QatBackend(Backend):
         if recipe is None:
             raise ValueError(str(self.supports(model)))
         form = exported(model.to_module(), data.cirs.shape[1], to_integer_form)
-        learnt = train_quantised(form, recipe, data, progress)
+        learnt = _learnt_once(form, recipe, data, progress)
         how = f"trained {EPOCHS} epochs further with rounded weights and activations"
         return write_artifact(learnt.graph, sample_rows(data), path, how, learnt.ranges)
 
@@ -79,6 +86,28 @@ class Learnt:
 
     graph: ModelProto
     ranges: Mapping[str, Range]
+
+
+def _learnt_once(
+    form: Exported, recipe: TrainingRecipe, data: TrainingData, progress: Progress | None
+) -> Learnt:
+    """Train once for all the backends that write the same 8-bit weights."""
+    asked = _digest(form, recipe, data)
+    if asked not in _LEARNT:
+        learnt = train_quantised(form, recipe, data, progress)
+        if len(_LEARNT) >= KEPT:
+            del _LEARNT[next(iter(_LEARNT))]
+        _LEARNT[asked] = learnt
+    return _LEARNT[asked]
+
+
+def _digest(form: Exported, recipe: TrainingRecipe, data: TrainingData) -> str:
+    """Return a hash of all that decides the training."""
+    found = hashlib.sha256(form.graph.SerializeToString(deterministic=True))
+    found.update(repr((recipe, data.seed, data.cirs.shape, data.cirs.dtype)).encode())
+    for values in (data.cirs, data.errors_m):
+        found.update(np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()
 
 
 def train_quantised(

@@ -76,7 +76,12 @@ Examples:
     type=click.Path(path_type=Path),
     help="Result folder; finished runs found there are reused.",
 )
-@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
+@click.option(
+    "--jobs",
+    type=int,
+    metavar="N",
+    help="Processes for the fits. Default: the cores where fits are long, else this process.",
+)
 @click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for the fits instead.")
 @click.option(
     "--no-wait",

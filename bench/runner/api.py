@@ -71,7 +71,7 @@ def run(
     device: str = "all",
     seeds: int = 1,
     out: str | Path = "results",
-    jobs: int = 1,
+    jobs: int | None = None,
     scheduler: str | None = None,
     observer: Observer | None = None,
     wait: bool = True,
@@ -84,7 +84,8 @@ def run(
     "link-kfold[:K]"; None takes what suits the data. Finished runs found under `out` are reused
     while nothing that determines them has changed. On devices that are named (not "all") and have
     a core, what a call takes is counted in an emulator where that is installed. `jobs` processes
-    or a Dask `scheduler` share the fits, never the timings. `wait` waits up to two minutes for a
+    (None: as many as there are cores where the fits are long) or a Dask `scheduler` share the fits,
+    never the timings. `wait` waits up to two minutes for a
     quiet machine before timing; what a busy one disturbed is not reported either way.
 
     Across data: `train` (names with commas, or several) and `test` train on some and test on
@@ -103,7 +104,8 @@ def run(
     Traceback (most recent call last):
     bench.errors.BenchError: unknown model 'remnett'; did you mean 'remnet'? ...
     """
-    watch, spread = observer or Observer(), Spread(jobs, scheduler)
+    watch = observer or Observer()
+    spread = None if jobs is None and scheduler is None else Spread(jobs or 1, scheduler)
     plan = make_plan(model, backend, device, seeds)
     plan = with_guard(plan) if guard else plan
     folder = ResultFolder(Path(out))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,7 @@ from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
 from bench.runner.records import finished_record, skipped_record, write_predictions
-from bench.runner.spread_fits import fit_ahead
+from bench.runner.spread_fits import fits_ahead
 
 if TYPE_CHECKING:
     from backends.base import Backend
@@ -59,16 +60,15 @@ def execute(
 ) -> tuple[list[RunRecord], list[Failure]]:
     """Do every run of the plan that is not done yet; one that breaks does not stop the others.
 
-    The fits are spread; nothing else is.
+    The fits are spread (None: over the cores where they are long); nothing else is.
     """
     obey()
-    if spread and spread.spreads:
-        fit_ahead(_unfinished(plan, material, folder), material, spread, watch)
     records: list[RunRecord] = []
     failures: list[Failure] = []
     total = len(plan.models) * len(plan.backends) * len(plan.seeds)
-    for model in plan.models:
-        for seed in plan.seeds:
+    with fits_ahead(_unfinished(plan, material, folder), material, spread, watch) as ahead:
+        for model, seed in product(plan.models, plan.seeds):
+            ahead.arrived(model, seed)
             for outcome in _run_group(model, seed, plan, material, folder, watch):
                 (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
                 watch.runs(len(records) + len(failures), total)

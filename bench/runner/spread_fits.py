@@ -6,16 +6,20 @@ in this process, one after another; only what a fit gives is asked of others.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench.parallel import Spread
+from bench.parallel import Spread, threads
 from bench.plugins import Plugin
 from bench.runner.fits import fit_on, is_kept, new_model, place_of, state_of, write_state
 from bench.runner.material import Material
 from bench.runner.observer import Observer
+
+MANY_ROWS = 100_000
+"""Training rows over all fits from which starting processes (3 to 5 s each) is worth it."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +32,37 @@ class Fit:
     threads: int | None
 
 
-def fit_ahead(
-    models: Sequence[tuple[Plugin, int]], material: Material, spread: Spread, watch: Observer
-) -> None:
-    """Fit models, each with a seed, on every fold, unless the cache has them.
+@dataclass
+class FitsAhead:
+    """Fits being made by other processes; `arrived` waits for those of one model and seed."""
 
-    One that fails is left out: the run meets the same failure and reports it. Raises BenchError
-    where the cluster cannot be reached.
+    _waiting: dict[int, tuple[Fit, tuple[Path, dict[str, Any]]]]
+    _done: Iterator[tuple[int, Any]]
+    _watch: Observer
+
+    def arrived(self, model: Plugin, seed: int) -> None:
+        """Keep what has been fitted until every fold of this model and seed is in the cache.
+
+        Raises BenchError where the cluster cannot be reached.
+        """
+        total = len(self._waiting)
+        while any((fit.model, fit.seed) == (model, seed) for fit, _ in self._waiting.values()):
+            at, state = next(self._done)
+            _, place = self._waiting.pop(at)
+            if state is not None:
+                write_state(*place, state)
+            self._watch.progress(f"fitting: {total} fits", 1 - len(self._waiting) / total)
+
+
+@contextmanager
+def fits_ahead(
+    models: Sequence[tuple[Plugin, int]], material: Material, spread: Spread | None, watch: Observer
+) -> Iterator[FitsAhead]:
+    """Have others fit models, each with a seed, on every fold, unless the cache has them.
+
+    The run goes on with what has arrived. A fit that fails is left out: the run meets the same
+    failure and reports it. `spread` None: as many processes as `threads()` says where the fits
+    have `MANY_ROWS` in all, none else.
     """
     folds = range(len(material.split.folds))
     missing = [
@@ -43,11 +71,21 @@ def fit_ahead(
         for fold in folds
         if (place := _missing(model, material, fold, seed)) is not None
     ]
+    spread = spread or _by_size(material, [fit for fit, _ in missing])
+    if not spread.spreads:
+        missing = []  # the run fits them itself, when it needs them
     done = spread.map(fitted, material, [fit for fit, _ in missing])
-    for count, (at, state) in enumerate(done, 1):
-        watch.progress(f"fitting: {len(missing)} fits", count / len(missing))
-        if state is not None:
-            write_state(*missing[at][1], state)
+    try:
+        yield FitsAhead(dict(enumerate(missing)), done, watch)
+    finally:
+        if isinstance(done, Generator):
+            done.close()
+
+
+def _by_size(material: Material, fits: Sequence[Fit]) -> Spread:
+    """Return all cores for long work, one process for what is done before others have started."""
+    rows = sum(len(material.split.folds[fit.fold].train) for fit in fits)
+    return Spread(threads() if rows >= MANY_ROWS else 1)
 
 
 def _missing(

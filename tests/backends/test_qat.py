@@ -136,3 +136,22 @@ def test_an_unknown_value_is_refused(fitted) -> None:
     module = exported(fitted("mlp").to_module(), 157, to_integer_form).module()
     with pytest.raises(ValueError, match="'nowhere'"):
         fake_quantised(module, {"nowhere": Range(1.0, 0)})
+
+
+def test_two_backends_with_the_same_weights_train_them_once(
+    fitted, training: TrainingData, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seeds = []
+
+    def counted(form, recipe, data, progress=None):
+        seeds.append(data.seed)
+        return train_quantised(form, recipe, data, progress)
+
+    monkeypatch.setattr("backends.qat.train_quantised", counted)
+    few = TrainingData(training.cirs[:300], training.errors_m[:300], seed=11)
+    made = [
+        QatBackend().build(fitted("mlp"), data, tmp_path / f"{number}.onnx").path.read_bytes()
+        for number, data in enumerate((few, few, replace(few, seed=12)))
+    ]
+    assert seeds == [11, 12]
+    assert made[0] == made[1] != made[2]
