@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from bench.recordings.table import Recordings as Recordings
     from bench.runner.api import run as run
     from bench.runner.diagnosis import diagnose as diagnose
+    from bench.runner.planning import plan as plan
     from bench.runner.simulation import simulate as simulate
 
 __version__ = "0.1.0"
@@ -36,6 +37,7 @@ _HOMES = {
     "BenchError": "bench.errors",
     "Recordings": "bench.recordings.table",
     "diagnose": "bench.runner.diagnosis",
+    "plan": "bench.runner.planning",
     "read": "bench.recordings.open",
     "read_recordings": "bench.recordings.io",
     "run": "bench.runner.api",

@@ -47,8 +47,8 @@ def obey() -> None:
 
 def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
     """Return `work` of every item in order. The first exception, in order, is raised."""
-    count = threads()
-    if count == 1:
+    count, items = threads(), list(items)
+    if count == 1 or len(items) < 2:
         return [work(item) for item in items]
     with ThreadPoolExecutor(count) as pool:
         return list(pool.map(work, items))

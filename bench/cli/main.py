@@ -29,6 +29,7 @@ COMMANDS = {
     "simulate": "Simulate recordings from a simulator's TOML and a geometry.",
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
+    "plan": "Say which measurement tells apart what a diagnosis cannot.",
     "challenge": "Hide physics from the diagnosis and score what it says.",
     "reproduce": "Redo the paper's tables and figures on any recordings.",
     "plugin": "Start a plug-in package of your own.",

@@ -27,6 +27,7 @@ from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.unexplained import borne_out, proposed
 from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
@@ -46,7 +47,7 @@ from bench.discrepancy.select.stepwise import (
     witnessed_by_links,
 )
 from bench.discrepancy.select.verdict import Unknown
-from bench.discrepancy.settings import MARGIN_NATS, MOST_ROUNDS
+from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.physics.base import Base
 from bench.physics.effect import Effect, describe
 from bench.physics.simulator import Simulator
@@ -79,7 +80,8 @@ class Diagnosis:
     `mix` maps covariates to what differs in their mix (see `TableComparison.mix`); `uncovered` is
     the share of the recorded rows that have no simulated counterpart and took no part; `base` has
     the radio settings that were taken from the recordings. `law` and `setup_fault` are said where
-    no known effect explains what is there, and sealed links bear it out.
+    no known effect explains what is there, and sealed links bear it out. `evidence` has working
+    rows to go on from.
     """
 
     source: str
@@ -95,6 +97,7 @@ class Diagnosis:
     base: Base = field(default_factory=Base)
     law: FoundLaw | None = None
     setup_fault: SetupFault | None = None
+    evidence: Evidence | None = None
 
     @property
     def recommended(self) -> bool:
@@ -146,9 +149,10 @@ def diagnose(
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name
     lost = 1 - float(inside.mean())
+    kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        said.law, said.fault,
+        said.law, said.fault, kept,
     )  # fmt: skip
 
 

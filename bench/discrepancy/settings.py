@@ -262,6 +262,10 @@ FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies 
 
 FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
 
+# --- What is kept beside the report (report/evidence) --------------------------------------------
+EVIDENCE_ROWS: Final = 400  # of the working links [cost]
+EVIDENCE_MEMBERS: Final = 8  # whose mean stands for the simulator [cost]
+
 # --- Memory (changes nothing but time) -----------------------------------------------------------
 KEPT_REPLICATES: Final = 24  # detected replicates that are remembered
 KEPT_PATH_REPLICATES: Final = 256  # of those from paths alone, which are small

@@ -47,7 +47,7 @@ class Base:
 
     channel: int = parameter(2, "DW1000 channel", 1, 7, "1, 2, 3, 4, 5 or 7")
     prf_mhz: int = parameter(64, "MHz", 16, 64, "pulse repetition: 16 or 64")
-    tx_power_dbm: float = parameter(-14.3, "dBm", -50, 10, "radiated power, antennas included")
+    tx_power_dbm: float = parameter(-14.3, "dBm", -50, 10, "radiated, where rows do not tell")
     preamble_symbols: float = parameter(1024, "symbols", 16, 4096, "accumulated without AGC")
     keep_count: int = parameter(1, "0 or 1", 0, 1, "take preamble_count from the rows")
     noise_per_symbol: float = parameter(4.5, "counts", 0.01, 100, "std of |noise| of one symbol")
@@ -77,7 +77,9 @@ class Base:
         centre = CENTRE_GHZ[self.channel]
         turns = rows.true_range_m / wavelength_m(centre)
         loss = decibel((4 * np.pi * turns) ** 2)
-        gain = amplitude(self.tx_power_dbm - loss) * np.exp(-2j * np.pi * (turns % 1.0))
+        gain = amplitude(rows.number("tx_power_dbm", self.tx_power_dbm) - loss) * np.exp(
+            -2j * np.pi * (turns % 1.0)
+        )
         one = (len(rows), 1)
         return Batch(
             rows=rows,

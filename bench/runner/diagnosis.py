@@ -26,6 +26,7 @@ from bench.provenance import (
 from bench.recordings.io import CSV_SUFFIXES, PARQUET_SUFFIXES
 from bench.recordings.open import Table, read
 from bench.recordings.table import Recordings
+from bench.runner.diagnosis_inputs import write_inputs
 from bench.runner.observer import Observer
 
 CODE = ("bench/discrepancy", "bench/physics", "bench/recordings")
@@ -78,6 +79,7 @@ def diagnose(
     with spreading(spread):
         found = method.diagnose(table, against, options, watch.stage, journal=kept)
     watch.note(f"report: {write_report(found, Path(out))}")
+    write_inputs(Path(out), recorded, simulated, environment, table, against, found.base)
     kept.clear()
     return found
 

@@ -9,7 +9,9 @@ from typing import Any
 from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
+from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
+from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -33,6 +35,8 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
     figures = draw(diagnosis, folder)
     if diagnosis.simulator is not None:
         write_atomically(folder / "simulator.toml", to_toml(diagnosis.simulator))
+    if diagnosis.evidence is not None:
+        write_evidence(diagnosis.evidence, folder)
     write_atomically(folder / "diagnosis.json", json.dumps(summary(diagnosis), indent=1) + "\n")
     path = folder / "report.md"
     write_atomically(path, plain(markdown(diagnosis, figures)))
@@ -54,6 +58,7 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdicts": [as_dict(verdict) for verdict in diagnosis.selection.verdicts],
         "law": law_dict(diagnosis.law),
         "setup_fault": fault_dict(diagnosis.setup_fault),
+        "tried": [_tried(turn) for turn in diagnosis.selection.rounds],
         "skipped_effects": dict(diagnosis.selection.skipped),
         "covariate_mix": {k: {"shift_std": s, "p": p} for k, (s, p) in diagnosis.mix.items()},
         "confirm": {
@@ -73,6 +78,15 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "simulator_toml": None if diagnosis.simulator is None else to_toml(diagnosis.simulator),
     }
+
+
+def _tried(turn: Round) -> list[dict[str, Any]]:
+    """Return what competed in a round as plain data, best first."""
+    every = turn.explanation.contenders if turn.explanation else ()
+    return [
+        {"effect": c.effect.name, "values": dict(vars(c.effect)), "gain_nats": c.gain.value}
+        for c in every
+    ]
 
 
 def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:

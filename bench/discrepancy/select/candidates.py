@@ -141,8 +141,8 @@ def crossed(there: Explanation, back: Explanation, seed: int) -> Explanation:
     One that did not get so far on the way back counts there as no gain.
     """
     base, nuisance = there.base.beside(back.base), there.nuisance.beside(back.nuisance)
-    again = {c.effect.name: c.tally for c in back.contenders}
-    tallies = [c.tally.beside(again.get(c.effect.name, back.base)) for c in there.contenders]
+    again = {c.name: c.tally for c in back.contenders}  # maybe in another of its forms
+    tallies = [c.tally.beside(again.get(c.name, back.base)) for c in there.contenders]
     contenders = [
         Contender(c.effect, made, gain_interval(base, made, seed))
         for c, made in zip(there.contenders, tallies, strict=True)

@@ -123,6 +123,7 @@ def _option(option: LeftOut) -> dict[str, Any]:
     """Return one named effect as plain data."""
     return {
         "effect": option.effect.name,
+        "values": dict(vars(option.effect)),
         "parameters": [vars(p) for p in option.parameters],
         "gain": vars(option.gain),
         "share_of_removable": option.share,

@@ -1,0 +1,102 @@
+"""What a diagnosis leaves open, read back from its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.errors import BenchError
+from bench.files import read_json
+from bench.physics.effect import Effect
+from bench.physics.simulator import Simulator
+from bench.physics.toml_file import from_toml
+from bench.planning.settings import NEAR_SHARE
+from bench.planning.world import Added
+from bench.plugins import load
+
+REPORT, INPUTS = "diagnosis.json", "inputs.json"
+
+
+@dataclass(frozen=True)
+class Question:
+    """Explanations that the recordings cannot tell apart, none where nothing known explains it.
+
+    `rest` are the effects that are named beside it; `near` those that did nearly as well.
+    """
+
+    words: str
+    options: Added
+    rest: Added
+    near: Added = ()
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a diagnosis leaves open, and the simulator that it was about."""
+
+    headline: str
+    questions: tuple[Question, ...]
+    simulator: Simulator
+
+
+def read_questions(folder: Path) -> Asked:
+    """Read what a diagnosis leaves open. Raises BenchError where there is none, or damaged."""
+    path = folder / REPORT
+    if not path.is_file():
+        raise BenchError(f"{folder}: no diagnosis there; expected a folder of `bench diagnose -o`")
+    report, inputs = read_json(path), read_json(folder / INPUTS)
+    try:
+        verdicts = list(report["verdicts"])
+        made = [_options(verdict) for verdict in verdicts]
+        asked = tuple(_questions(verdicts, made, report["tried"]))
+        simulator = from_toml(inputs["simulator_toml"], str(folder / INPUTS))
+        return Asked(str(report["headline"]), asked, simulator)
+    except (KeyError, TypeError, AttributeError, ValueError) as problem:
+        raise BenchError(
+            f"{path}: not a diagnosis that can be planned from ({type(problem).__name__}: "
+            f"{problem}); run `bench diagnose -o {folder}` again"
+        ) from problem
+
+
+def _questions(
+    verdicts: Sequence[Mapping[str, Any]], made: Sequence[Added], tried: Sequence[Any]
+) -> list[Question]:
+    """Return a question for each verdict that leaves one open."""
+    out = []
+    for number, (verdict, options) in enumerate(zip(verdicts, made, strict=True)):
+        others = [one for at, one in enumerate(made) if at != number and one]
+        names = {effect.name for effect in options}
+        rest = tuple(one[0] for one in others if one[0].name not in names)
+        if verdict["verdict"] == "ambiguous" and len(options) > 1:
+            words = " or ".join(effect.physics for effect in options)
+            out.append(Question(words, options, rest, _near(options, (*rest, *options), tried)))
+        elif verdict["verdict"] == "unknown":
+            out.append(Question("what no known effect explains", options, rest))
+    return out
+
+
+def _near(options: Added, have: Added, tried: Sequence[Any]) -> Added:
+    """Return what else gained nearly as much in the round that named these options.
+
+    A diagnosis of more rows may prefer one of them.
+    """
+    names = {effect.name for effect in options}
+    turn = next((turn for turn in tried if turn and turn[0]["effect"] in names), ())
+    least = NEAR_SHARE * max((one["gain_nats"] for one in turn), default=0.0)
+    near = [_effect(one) for one in turn if one["gain_nats"] > max(least, 0.0)]
+    known = {effect.physics for effect in have}
+    return tuple(effect for effect in near if effect.physics not in known)
+
+
+def _options(verdict: Mapping[str, Any]) -> Added:
+    """Return the effects that a verdict names, as they were fitted."""
+    return tuple(_effect(option) for option in verdict.get("options", ()))
+
+
+def _effect(option: Mapping[str, Any]) -> Effect:
+    made = load("effects", option["effect"]).from_values(dict(option["values"]))
+    if not isinstance(made, Effect):
+        raise BenchError(f"effect {option['effect']!r}: the plug-in is no Effect")
+    return made
