@@ -65,8 +65,8 @@ def _print(answer: Answer) -> None:
     title = f"{answer.question}: measurements, best first (SIMULATED expectation)"
     columns = (
         "measurement",
-        "nats per link, all pairs",
-        "for the pair it tells best",
+        "nats per link",
+        "of the pair it tells best",
         "links for 95 %",
     )
     rows = [_ranked(answer, worth) for worth in answer.worth[:SHOWN]]

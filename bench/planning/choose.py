@@ -18,7 +18,8 @@ class Worth:
     """What one measurement alone brings, in nats per link.
 
     `nats` counts all pairs of explanations together, each up to `LINK_NATS`; `least_nats` and
-    `most_nats` are those of the pairs it helps least and most, `best` names the latter; `links` are how many settle every pair (None: more than are counted).
+    `most_nats` are those of the pairs it helps least and most, `best` names the latter; `links`
+    are how many settle every pair (None: more than are counted).
     """
 
     place: int
