@@ -7,7 +7,7 @@ third party declares its own.
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
@@ -99,13 +99,26 @@ def source_path(module: str) -> Path:
 
 
 def plugins(group: Group) -> list[Plugin]:
-    """Return every plug-in of a group, ours first, then by name. A name of ours stays ours."""
+    """Return every plug-in of a group, ours first, then as found. A name of ours stays ours.
+
+    One whose name differs from an earlier one's in case alone is there, but cannot be used.
+    """
     found: dict[str, Plugin] = {}
     for entry in entries(f"bench.{group}"):
         plugin = Plugin(group, entry.name, entry.target, entry.distribution, entry.fault)
         if plugin.built_in or entry.name not in found:
             found[entry.name] = plugin
-    return sorted(found.values(), key=lambda plugin: not plugin.built_in)
+    ordered = sorted(found.values(), key=lambda plugin: not plugin.built_in)
+    first = {plugin.name.casefold(): plugin for plugin in reversed(ordered)}
+    return [_told_apart(plugin, first[plugin.name.casefold()]) for plugin in ordered]
+
+
+def _told_apart(plugin: Plugin, first: Plugin) -> Plugin:
+    """Return the plug-in, at fault where its name is another's but for case."""
+    if plugin is first or plugin.fault is not None:
+        return plugin
+    fault = f"its name is {first.name!r} of {first.distribution} but for case; expected another"
+    return replace(plugin, fault=fault)
 
 
 def find(group: Group, name: str) -> Plugin:

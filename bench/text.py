@@ -19,12 +19,25 @@ def plain(text: str) -> str:
     >>> plain("a\x1b[31mb")
     'a\\x1b[31mb'
     """
-    return _STRANGE.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    return _STRANGE.sub(_escape, text)
+
+
+def _escape(found: re.Match[str]) -> str:
+    return found[0].encode("unicode_escape").decode()
 
 
 def one_line(text: str) -> str:
     """Return text as `plain` gives it, its lines and tabs joined by spaces."""
     return " ".join(plain(text).split())
+
+
+def named(name: object) -> str:
+    r"""Return a file, folder or column as it is named, line ends and tabs as visible escapes too.
+
+    >>> named("a\nb")
+    'a\\nb'
+    """
+    return _STRANGE.sub(_escape, str(name)).translate({9: r"\t", 10: r"\n"})
 
 
 def unmarked(text: str) -> str:

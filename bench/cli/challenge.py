@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from bench.cli.console import say
+from bench.text import named
 
 EPILOG = """\b
 Examples:
@@ -71,4 +72,4 @@ def command(
         say(json.dumps(made.scores, indent=1))
     else:
         say("\n".join(made.lines))
-        say(f"report: {made.report}", err=True)
+        say(f"report: {named(made.report)}", err=True)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from bench.cli.console import print_table, say
 from bench.results import Interval
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.runner import RunSet
@@ -26,13 +27,13 @@ def print_curve(outcome: RunSet) -> None:
         for point in sorted(points, key=lambda one: (one.model, one.backend, one.seed, one.links))
     ]
     title = (
-        f"Learning curve on {points[0].data}: {points[0].draws} draws of links; mean over draws, "
-        "Student's 95 % interval, before mitigation in brackets"
+        f"Learning curve on {named(points[0].data)}: {points[0].draws} draws of links; mean over "
+        "draws, Student's 95 % interval, before mitigation in brackets"
     )
     print_table(title, ("model", "backend", "links", "NLoS MAE (m)", "LoS MAE (m)"), rows)
     for run in (one for one in outcome.runs if one.status == "skipped"):
         say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    say(f"Results are in {outcome.folder}/")
+    say(f"Results are in {named(outcome.folder)}/")
 
 
 def _figure(left: Interval | None, raw_m: float | None) -> str:

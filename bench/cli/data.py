@@ -13,6 +13,7 @@ import click
 
 from bench.cli.console import busy, console, say
 from bench.errors import BenchError, foreign
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.recordings import Recordings
@@ -126,7 +127,7 @@ def info(name_or_path: str, plot: Path | None, as_json: bool) -> None:
     _print_facts(found, source)
     _print_errors(found)
     if plot:
-        say(f"picture: {plot}")
+        say(f"picture: {named(plot)}")
 
 
 def _print_facts(found: Description, source: Source | None) -> None:
@@ -138,7 +139,7 @@ def _print_facts(found: Description, source: Source | None) -> None:
     shown = console()
     mark = ("  SIMULATED", "bold yellow") if found.simulated else ""
     title = f"  {source.title}" if source else ""
-    shown.print(Text.assemble((found.source, "bold"), mark, title))
+    shown.print(Text.assemble((named(found.source), "bold"), mark, title))
     cir = "none"
     if found.cir_samples is not None:
         cir = f"{found.cir_samples} samples of {found.sample_period_ns:.4f} ns"
@@ -152,7 +153,7 @@ def _print_facts(found: Description, source: Source | None) -> None:
         "columns": ", ".join(found.columns),
     }
     for name, value in facts.items():
-        shown.print(f"{name:<12} {value}", soft_wrap=True)
+        shown.print(f"{name:<12} {named(value)}", soft_wrap=True)
 
 
 def _print_errors(found: Description) -> None:

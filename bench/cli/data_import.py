@@ -10,6 +10,7 @@ import numpy as np
 
 from bench.cli.console import say
 from bench.errors import BenchError
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.recordings.logs.read import Imported, LogOptions
@@ -42,7 +43,7 @@ def import_one(source: str, out: Path, options: LogOptions) -> Imported:
 def print_imported(imported: Imported, out: Path, as_json: bool) -> None:
     """Print what was written, how it was read, and on stderr what looks wrong."""
     for line in imported.warnings:
-        say(f"warning: {line}", err=True)
+        say(f"warning: {named(line)}", err=True)
     if as_json:
         say(json.dumps(_summary(imported, out), indent=1))
         return
@@ -50,9 +51,9 @@ def print_imported(imported: Imported, out: Path, as_json: bool) -> None:
 
     recordings = imported.recordings
     for line in imported.notes:
-        say(f"  {line}")
+        say(f"  {named(line)}")
     dropped = f"; dropped: {describe(recordings.dropped)}" if recordings.dropped else ""
-    say(f"{out}: {len(recordings)} rows of {recordings.label}{dropped}")
+    say(f"{named(out)}: {len(recordings)} rows of {named(recordings.label)}{dropped}")
     links = recordings.frame["link"].nunique() if "link" in recordings.frame else "no"
     mae_m = np.abs(recordings.errors_m()).mean()
     say(f"  {links} links, mean |range error| {mae_m:.3f} m")

@@ -85,6 +85,7 @@ def command(
 
 def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
+    from bench.discrepancy.compare.calibration import auc_doubt
     from bench.discrepancy.report.document import describe, law_lines
 
     say(diagnosis.headline)
@@ -100,7 +101,7 @@ def _print(diagnosis: Diagnosis) -> None:
         f"confirm links ({seen.links}): |recorded - simulated| mean {seen.mae_before_m} -> "
         f"{seen.mae_after_m}, median {seen.median_before_m} -> {seen.median_after_m}, "
         f"90th percentile {seen.high_before_m} -> {seen.high_after_m}; "
-        f"AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}"
+        f"AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}{auc_doubt(seen.links)}"
     )
     for name, reason in diagnosis.selection.skipped.items():
         say(f"skipped {name}: {reason}")

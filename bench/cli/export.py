@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from bench.errors import BenchError
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.export import Chosen, Exported
@@ -106,8 +107,8 @@ def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
         names = {"folder": str(exported.folder), "files": list(exported.files)}
         print_json({**names, "arena_bytes": exported.arena_bytes, "agreement": told})
         return
-    say(f"{chosen.model} on {chosen.backend}, trained on {chosen.data}")
-    say(f"{exported.folder}: {', '.join(exported.files)}")
+    say(f"{chosen.model} on {chosen.backend}, trained on {named(chosen.data)}")
+    say(f"{named(exported.folder)}: {', '.join(exported.files)}")
     if exported.arena_bytes is not None:
         say(f"RAM for activations: {exported.arena_bytes} bytes")
     if found:

@@ -16,6 +16,7 @@ from bench.cli.console import busy, console, say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError, unknown_name
 from bench.files import atomic_path, check_output, write_atomically
+from bench.text import named
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,7 +87,7 @@ def command(
         raise BenchError(str(problem)) from problem
     written = _write(results, whole, short, out, pictures) if out else []
     for path in (*pictures, *written):
-        say(f"wrote {path}", err=as_json or out is None)
+        say(f"wrote {named(path)}", err=as_json or out is None)
     if as_json:
         say(json.dumps(_jsonable(_content(results, whole)), indent=1, sort_keys=True))
     elif out is None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from bench.cli.console import say
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.scaffold.package import Kind
@@ -70,9 +71,9 @@ def new(name: str, kind: Kind, parent: Path, as_json: bool) -> None:
 
 
 def _explain(name: str, kind: Kind, folder: Path, files: Sequence[str]) -> None:
-    say(f"wrote {folder}:")
+    say(f"wrote {named(folder)}:")
     for path in files:
         say(f"  {path}")
-    quoted = shlex.quote(str(folder))
-    say(f'next: pip install -e "{folder}[dev]" && pytest {quoted}')
+    shown, quoted = named(folder), named(shlex.quote(str(folder)))
+    say(f'next: pip install -e "{shown}[dev]" && pytest {quoted}')
     say(f"then: {THEN[kind].format(name=name)}")

@@ -11,6 +11,7 @@ import click
 from bench.cli.console import console, print_json, say
 from bench.errors import BenchError
 from bench.files import atomic_path, write_atomically
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.reproduce.api import Reproduction
@@ -44,8 +45,12 @@ Examples:
     type=click.Path(path_type=Path),
     help="Result folder; runs and sweep points found there are reused.",
 )
-@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for sweeps.")
-@click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for sweeps instead.")
+@click.option(
+    "--jobs", default=1, show_default=True, metavar="N", help="Processes for fits and sweeps."
+)
+@click.option(
+    "--scheduler", metavar="tcp://..", help="A Dask scheduler for fits and sweeps instead."
+)
 @click.option(
     "--device",
     default="cortex-a53",
@@ -149,4 +154,4 @@ def _tell(done: Reproduction, pages: list[Path], as_json: bool) -> None:
         print_document(outcome_page(read_outcome(path), pictured=False), console())
     for name, why in done.impossible:
         say(f"not possible: {name}: {why}")
-    say(f"Pages and pictures are in {done.folder}/; start at {pages[-1]}")
+    say(f"Pages and pictures are in {named(done.folder)}/; start at {named(pages[-1])}")

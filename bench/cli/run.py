@@ -141,6 +141,8 @@ def command(
         print_intervals(outcome, intervals)
     if outcome.failures:
         raise _failed(outcome)
+    if all(run.status == "skipped" for run in outcome.runs):
+        raise _skipped(outcome)
 
 
 def _check(context: click.Context, plot: Path | None) -> None:
@@ -159,6 +161,11 @@ def _check(context: click.Context, plot: Path | None) -> None:
 
 def _was_said(context: click.Context, name: str) -> bool:
     return context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+
+
+def _skipped(outcome: RunSet) -> BenchError:
+    reasons = dict.fromkeys(f"{r.key.model} on {r.key.backend}: {r.reason}" for r in outcome.runs)
+    return BenchError(f"nothing ran, every pair was skipped; {'; '.join(reasons)}")
 
 
 def _failed(outcome: RunSet) -> BenchError:

@@ -15,6 +15,7 @@ from rich.table import Table
 from bench.cli.console import console, say
 from bench.results import Estimate, Interval, RunRecord, TimingRecord
 from bench.runner.observer import Observer
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.runner import RunSet
@@ -108,13 +109,13 @@ def print_summary(outcome: RunSet) -> None:
         shown.print(_device_table(outcome.estimates(done[0])))
     for run in (one for one in outcome.runs if one.status == "skipped"):
         say(f"skipped: {run.key.model} on {run.key.backend}: {run.reason}")
-    where = "" if outcome.folder == Path("results") else f" --results {outcome.folder}"
-    say(f"Results are in {outcome.folder}/; a leaderboard of them: bench leaderboard{where}")
+    where = "" if outcome.folder == Path("results") else f" --results {named(outcome.folder)}"
+    say(f"Results are in {named(outcome.folder)}/; a leaderboard of them: bench leaderboard{where}")
 
 
 def _title(run: RunRecord) -> str:
     kind = "SIMULATED data" if run.simulated else "recordings"
-    lines = [f"\n{kind} {run.key.data}, split {run.key.split}"]
+    lines = [f"\n{kind} {named(run.key.data)}, split {named(run.key.split)}"]
     for name, score in (("NLoS", run.nlos), ("LoS", run.los)):
         if score is not None:
             lines.append(

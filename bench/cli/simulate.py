@@ -10,6 +10,7 @@ import click
 
 from bench.cli.console import say
 from bench.errors import BenchError
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.runner.simulation import Simulation
@@ -77,7 +78,7 @@ def _report(made: Simulation, as_json: bool) -> None:
         say(json.dumps(facts, indent=1))
         return
     say(
-        f"{made.file}: {made.rows} SIMULATED rows by {made.simulator.name!r}, seed "
+        f"{named(made.file)}: {made.rows} SIMULATED rows by {made.simulator.name!r}, seed "
         f"{made.simulator.seed}; error {made.mean_error_m:+.3f} m in the mean, MAE "
         f"{made.mae_m:.3f} m; {facts['rows_per_s']:.0f} rows/s"
     )

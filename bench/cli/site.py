@@ -12,6 +12,7 @@ from bench.cli.console import busy, say
 from bench.cli.estimates import estimator
 from bench.errors import BenchError
 from bench.files import write_atomically
+from bench.text import named
 
 if TYPE_CHECKING:
     from reports.site import Page
@@ -73,7 +74,7 @@ def command(
     made = f"Made by bench site, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
     path = out / "index.html"
     write_atomically(path, render(data, pages, made))
-    say(f"wrote {path} ({path.stat().st_size / 1e6:.2f} MB)")
+    say(f"wrote {named(path)} ({path.stat().st_size / 1e6:.2f} MB)")
 
 
 def _page(path: Path) -> Page:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from bench.cli.console import print_table, say
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.results import Score
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="Result folder; finished runs found there are reused.",
 )
+@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
+@click.option("--scheduler", metavar="tcp://..", help="A Dask scheduler for the fits instead.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw it to a .png, .svg or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Print the matrix as JSON.")
 def command(
@@ -42,6 +45,8 @@ def command(
     data: str | None,
     seed: int,
     out: Path,
+    jobs: int,
+    scheduler: str | None,
     plot: Path | None,
     as_json: bool,
 ) -> None:
@@ -59,7 +64,10 @@ def command(
         check_picture_name(plot)
     named = None if data is None else [name.strip() for name in data.split(",") if name.strip()]
     with RunView(quiet=as_json) as view:
-        matrix = transfer(model, backend, named, seed=seed, out=out, observer=view)
+        matrix = transfer(
+            model, backend, named, seed=seed, out=out, jobs=jobs, scheduler=scheduler,
+            observer=view,
+        )  # fmt: skip
     if plot is not None:
         from bench.runner.transfer_picture import save_matrix
 
@@ -69,7 +77,7 @@ def command(
         return
     _print(matrix)
     if plot is not None:
-        say(f"picture: {plot}")
+        say(f"picture: {named(plot)}")
 
 
 def _print(matrix: TransferMatrix) -> None:

@@ -67,6 +67,7 @@ STRIKING_RICHER: Final = 3  # times as many for what strikes links at random: fe
 AUC_LEAVES: Final = 8  # of the trees that tell recorded from simulated rows [convention]
 AUC_TREES: Final = 40
 AUC_FOLDS: Final = 4
+FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test [derived]
 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
 HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]

@@ -108,7 +108,9 @@ class Context:
         Raises BenchError where one fails, naming the first that did.
         """
         plan = make_plan(model, backend, "all", seeds)
-        found, failures = execute(plan, material or self.material, self.results, self.watch)
+        found, failures = execute(
+            plan, material or self.material, self.results, self.watch, self.spread
+        )
         if failures:
             raise BenchError(str(failures[0]))
         return found
@@ -116,7 +118,7 @@ class Context:
     def tried(self, model: str, backend: str) -> tuple[list[RunRecord], list[str]]:
         """Return the records of these runs, and a line for each that failed."""
         plan = make_plan(model, backend, "all", 1)
-        found, failures = execute(plan, self.material, self.results, self.watch)
+        found, failures = execute(plan, self.material, self.results, self.watch, self.spread)
         return found, [str(one) for one in failures]
 
     def predictions(self, run: RunRecord) -> pd.DataFrame:

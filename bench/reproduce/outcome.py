@@ -23,7 +23,8 @@ class Row:
     """One line of a comparison: ours with its interval, the paper's figure or None.
 
     `label` names the row (one entry per label column of the table). Difference = ours - paper is
-    computed where both are numbers, never stored. `digits` None takes the table's.
+    computed where both are numbers, never stored. `digits` None takes the table's. `of_data`: it
+    describes the recordings, uncorrected, and no method.
     """
 
     label: tuple[str, ...]
@@ -33,6 +34,7 @@ class Row:
     paper: float | None = None
     note: str = ""
     digits: int | None = None
+    of_data: bool = False
 
 
 @dataclass(frozen=True)

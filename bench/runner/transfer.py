@@ -8,6 +8,7 @@ from itertools import product
 from pathlib import Path
 
 from bench.errors import BenchError
+from bench.parallel import Spread
 from bench.plugins import plugins
 from bench.recordings.open import Table
 from bench.recordings.sources.base import open_source
@@ -81,22 +82,25 @@ def transfer(
     *,
     seed: int = 0,
     out: str | Path = "results",
+    jobs: int = 1,
+    scheduler: str | None = None,
     observer: Observer | None = None,
 ) -> TransferMatrix:
     """Train one model on each of several data sets and test it on each other.
 
     `data`: data sets, recordings files or simulators' TOML files; None takes all that are here.
-    On the diagonal stand folds of whole links. Runs are written under `out` and reused. Raises
-    BenchError for unknown names, several models, and fewer than two data sets.
+    On the diagonal stand folds of whole links. Runs are written under `out` and reused. `jobs`
+    processes or a Dask `scheduler` share the fits of a cell. Raises BenchError for unknown names,
+    several models, and fewer than two data sets.
     """
-    watch = observer or Observer()
+    watch, spread = observer or Observer(), Spread(jobs, scheduler)
     plan = replace(make_plan(model, backend, "host", 1), seeds=(seed,))
     if len(plan.models) != 1 or len(plan.backends) != 1:
         raise BenchError("a transfer matrix is of one model on one backend; expected one of each")
     folder = ResultFolder(Path(out))
     folder.check_writable()
     tables = _opened(here() if data is None else data, watch)
-    cells = list(_cells(tables, plan, folder, watch))
+    cells = list(_cells(tables, plan, folder, watch, spread))
     return TransferMatrix(plan.models[0].name, plan.backends[0].name, tuple(tables), cells)
 
 
@@ -114,13 +118,17 @@ def _opened(data: Sequence[Table], watch: Observer) -> dict[str, Recordings]:
 
 
 def _cells(
-    tables: Mapping[str, Recordings], plan: Plan, folder: ResultFolder, watch: Observer
+    tables: Mapping[str, Recordings],
+    plan: Plan,
+    folder: ResultFolder,
+    watch: Observer,
+    spread: Spread,
 ) -> Iterator[Cell]:
     """Yield every cell, row by row; the last row is trained on all others at once."""
     pairs = [*product(tables, tables), *((OTHERS, test) for test in tables if len(tables) > 2)]
     for number, (train, test) in enumerate(pairs):
         watch.runs(number, len(pairs))
-        yield _cell(train, test, tables, plan, folder, watch)
+        yield _cell(train, test, tables, plan, folder, watch, spread)
     watch.runs(len(pairs), len(pairs))
 
 
@@ -131,12 +139,13 @@ def _cell(
     plan: Plan,
     folder: ResultFolder,
     watch: Observer,
+    spread: Spread,
 ) -> Cell:
     names = [name for name in tables if name != test] if train == OTHERS else [train]
     simulated = any(tables[name].simulated for name in names)
     try:
         material, able = _material(names, test, tables, plan)
-        records, failures = execute(able, material, folder, watch)
+        records, failures = execute(able, material, folder, watch, spread)
         found = _figures(records[0] if records else failures[0])
     except BenchError as problem:
         found = None, None, str(problem)

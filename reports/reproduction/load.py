@@ -32,7 +32,10 @@ Value = Figured | int | float | str | None
 
 @dataclass(frozen=True)
 class RowFile:
-    """One figure of ours and the paper's, None where either has none."""
+    """One figure of ours and the paper's, None where either has none.
+
+    `of_data`: it describes the recordings, and no method.
+    """
 
     label: tuple[str, ...]
     quantity: str
@@ -41,6 +44,7 @@ class RowFile:
     paper: Number
     note: str
     digits: int | None = None
+    of_data: bool = False
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,6 @@ from reports.reproduction.load import Figured, OutcomeFile, RowFile
 
 LOWER_IS_BETTER = ("MAE", "σ", "error")
 HIGHER_IS_BETTER = ("R²",)
-NOT_OURS = ("none", "raw", "before")
-"""Labels and quantities that describe the data and not a method."""
 
 
 def worse(outcomes: Sequence[OutcomeFile]) -> list[str]:
@@ -28,7 +26,7 @@ def _worse_by(row: RowFile) -> float | None:
     """Return by how much ours is worse (negative: better), None where that has no meaning."""
     ours = row.ours.value if isinstance(row.ours, Figured) else row.ours
     words = {word for part in (*row.label, row.quantity) for word in part.split()}
-    if row.paper is None or not isinstance(ours, int | float) or words & set(NOT_OURS):
+    if row.paper is None or row.of_data or not isinstance(ours, int | float):
         return None
     if words & set(LOWER_IS_BETTER):
         return ours - row.paper

@@ -2,10 +2,11 @@
 
     KILLS=1000 python -m pytest -q -s tests/benchmarks/test_kills.py --override-ini addopts=""
 
-`run`, `diagnose`, `simulate` and `reproduce` share the kills. Every kill is a SIGKILL of a whole
-process group at a moment drawn from the length of an undisturbed run. After some kills the command
-is let finish, its results compared with the undisturbed ones, and all is deleted but its caches.
-A kill that comes after the end is not counted.
+`run`, `diagnose`, `simulate` and `reproduce` share the kills. A kill is a SIGKILL of a whole process
+group at a moment drawn (with a seed) from the length of an undisturbed run. After some kills the
+command is let finish, its results compared with those of an undisturbed `python -m bench`, and all
+is deleted. Commands that are killed are forks of a process that has imported what they need (see
+`fork_server`), so that every kill falls on work. A kill that comes after the end is not counted.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ import json
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -27,11 +27,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from fork_server import OWN, ForkServer
 
 KILLS = int(os.environ.get("KILLS", "40"))
-BETWEEN = 5  # kills before the command is let finish
+BETWEEN = 5  # kills, at most, before the command is let finish
 PASSING = {"created_utc", "host", "fit_s", "samples_us", "seconds", "rows_per_s", "timings"}
 PASSING |= {"training", "sha256", "seal", "content_sha256", "rows_per_second"}
+PASSING |= {"elapsed_s", "longest_s"}
 
 
 @dataclass(frozen=True)
@@ -82,8 +84,9 @@ def simulated(folder: Path) -> str:
 
 
 def texts(folder: Path) -> str:
-    """Digest the TOML and the pages of a diagnosis."""
-    found = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.suffix == ".toml"]
+    """Digest the TOML, the JSON and the page of a diagnosis."""
+    kinds = (".toml", ".json", ".md")
+    found = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.suffix in kinds]
     assert found
     return hashlib.sha256(b"".join(found)).hexdigest()
 
@@ -105,71 +108,74 @@ def commands(made: Path) -> dict[str, Killed]:
 
 
 def start(words: list[str], out: Path, cache: Path) -> subprocess.Popen[bytes]:
-    own = {"BENCH_CACHE": str(cache), "BENCH_WAIT_S": "0", "OMP_NUM_THREADS": "1"}
     return subprocess.Popen(
         [sys.executable, "-m", "bench", *(word.replace("OUT", str(out)) for word in words)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
-        env={**os.environ, **own},
-        start_new_session=True,
+        env={**os.environ, **OWN, "BENCH_CACHE": str(cache)},
     )
 
 
-def finish(words: list[str], out: Path, cache: Path) -> float:
-    """Let a command end; return how long it took."""
-    begin = time.monotonic()
-    process = start(words, out, cache)
+def finish(process: subprocess.Popen[bytes]) -> None:
+    """Let a command end well."""
     _, said = process.communicate()
     assert process.returncode == 0, said.decode()[-2000:]
-    return time.monotonic() - begin
 
 
 def leftovers(folder: Path) -> list[Path]:
     return [path for path in folder.rglob("*") if ".part" in path.name]
 
 
-def kill(words: list[str], out: Path, cache: Path, after_s: float) -> bool:
-    """Kill a command some time after its start; False where it had ended by itself."""
-    process = start(words, out, cache)
-    try:
-        process.wait(timeout=after_s)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
-    return process.returncode < 0
+@pytest.fixture
+def server() -> Iterator[ForkServer]:
+    made = ForkServer()
+    yield made
+    made.close()
 
 
 @pytest.mark.parametrize("name", ["run", "diagnose", "simulate", "reproduce"])
-def test_kills_end_in_the_results_of_an_undisturbed_run(name: str, tmp_path: Path) -> None:
+def test_kills_end_in_the_results_of_an_undisturbed_run(
+    name: str, server: ForkServer, tmp_path: Path
+) -> None:
     killed = commands(tmp_path)[name]
-    took_s = finish(killed.words, tmp_path / "whole", tmp_path / "cache-whole")
+    finish(start(killed.words, tmp_path / "whole", tmp_path / "cache-whole"))
     expected = killed.digest(tmp_path / "whole")
-    rng, done, rounds = random.Random(name), 0, 0
+    server.learn(killed.words, tmp_path / "learnt", tmp_path / "cache-learnt")
+    took_s = server.run(killed.words, tmp_path / "fork", tmp_path / "cache-fork").seconds
+    assert killed.digest(tmp_path / "fork") == expected
+    rng, done, rounds, begin = random.Random(name), 0, 0, time.monotonic()
     while done < KILLS // 4:
-        out, cache = tmp_path / f"out{rounds}", tmp_path / f"cache{rounds}"
-        for moment in _moments(rng, took_s):
-            done += kill(killed.words, out, cache, moment)
-        finish(killed.words, out, cache)
-        assert killed.digest(out) == expected
-        assert not leftovers(out)
-        shutil.rmtree(out)
-        shutil.rmtree(cache, ignore_errors=True)
+        done += _round(killed, expected, server, took_s, rng, tmp_path)
         rounds += 1
-    print(f"\n{name}: {done} kills in {rounds} rounds, all with equal results", end="")
+    seconds = time.monotonic() - begin
+    print(f"\n{name} ({took_s:.1f} s): {done} kills in {rounds} rounds and {seconds:.0f} s, "
+          "all with equal results", end="", flush=True)  # fmt: skip
 
 
-def _moments(rng: random.Random, took_s: float) -> Iterator[float]:
-    """Yield moments to kill at: most of them after the imports, when something is being done."""
+def _round(
+    killed: Killed, expected: str, server: ForkServer, took_s: float, rng: random.Random, made: Path
+) -> int:
+    """Kill a command a few times, let it finish, compare; return how many kills met it at work."""
+    out, cache, done = made / "out", made / "cache", 0
     for _ in range(BETWEEN):
-        yield took_s * (rng.random() if rng.random() < 0.3 else rng.uniform(0.3, 1.0))
+        ended = server.run(killed.words, out, cache, took_s * rng.random())
+        assert ended.code in (0, -9), ended.said
+        done += ended.code != 0
+        if ended.code == 0:
+            break
+    ended = server.run(killed.words, out, cache)
+    assert ended.code == 0, ended.said
+    assert killed.digest(out) == expected
+    assert not leftovers(out)
+    shutil.rmtree(out)
+    shutil.rmtree(cache, ignore_errors=True)
+    return done
 
 
 def test_two_processes_in_one_folder_give_the_numbers_of_one(tmp_path: Path) -> None:
     killed = commands(tmp_path)["run"]
-    finish(killed.words, tmp_path / "whole", tmp_path / "cache-whole")
-    both = [start(killed.words, tmp_path / "both", tmp_path / "cache") for _ in range(2)]
-    for process in both:
-        _, said = process.communicate()
-        assert process.returncode == 0, said.decode()[-2000:]
+    finish(start(killed.words, tmp_path / "whole", tmp_path / "cache-whole"))
+    for process in [start(killed.words, tmp_path / "both", tmp_path / "cache") for _ in range(2)]:
+        finish(process)
     assert records(tmp_path / "both") == records(tmp_path / "whole")
     assert not leftovers(tmp_path / "both")

@@ -193,12 +193,15 @@ def test_where_we_are_worse_stands_first() -> None:
     assert text.index("## Where we do worse than the paper") < text.index("## Optimisation")
 
 
+def test_what_describes_the_data_says_so_and_no_label_is_known_by_name() -> None:
+    assert len(worse_lines(row(label=["none"]))) == 1
+    assert worse_lines(row(label=["none"], of_data=True)) == []
+
+
 def test_what_is_better_or_no_merit_is_not_called_worse() -> None:
     rows = [
         row(paper=0.08),
-        row(label=["none"]),
-        row(quantity="σ before"),
-        row(label=["NLoS", "raw"]),
+        row(label=["REMnet before"], of_data=True),
         row(quantity="NLoS rows", ours=10, paper=5),
         row(quantity="R²", ours=0.7, paper=0.5),
         row(ours="yes"),

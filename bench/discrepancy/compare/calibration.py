@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.settings import AUC_FOLDS, AUC_LEAVES, AUC_TREES
+from bench.discrepancy.settings import AUC_FOLDS, AUC_LEAVES, AUC_TREES, FEWEST_AUC_LINKS
 
 
 def separability(ensemble: Ensemble, seed: int) -> float:
@@ -27,6 +27,12 @@ def separability(ensemble: Ensemble, seed: int) -> float:
         model, X, y, groups=groups, cv=GroupKFold(min(AUC_FOLDS, links)), method="predict_proba"
     )
     return float(roc_auc_score(y, guess[:, 1]))
+
+
+def auc_doubt(links: int) -> str:
+    """Return, to stand after an AUC, that so few links cannot tell; empty where they can."""
+    few = f" ({links} links: too few to tell, an AUC far from 0.5 is no finding)"
+    return few if links < FEWEST_AUC_LINKS else ""
 
 
 def rank_distance(ensemble: Ensemble) -> float:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from bench.discrepancy.compare.calibration import auc_doubt
 from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
@@ -196,7 +197,8 @@ def _confirm_lines(diagnosis: Diagnosis) -> list[str]:
         f"| {seen.mae_after_m} |",
         f"| its median | {seen.median_before_m} | {seen.median_after_m} |",
         f"| its 90th percentile | {seen.high_before_m} | {seen.high_after_m} |",
-        f"| recorded told from simulated, AUC (0.5 = cannot) | {seen.auc_before:.3f} "
+        f"| recorded told from simulated, AUC (0.5 = cannot){auc_doubt(seen.links)} "
+        f"| {seen.auc_before:.3f} "
         f"| {seen.auc_after:.3f} |",
         f"| ensemble ranks, distance from uniform | {seen.ranks_before:.3f} "
         f"| {seen.ranks_after:.3f} |",

@@ -40,7 +40,8 @@ def find_dialect(path: Path, spec: str | None = None) -> Dialect:
 
     `spec` is the delimiter and, if it is not a point, the decimal mark: `;,` or `tab,` or `;`.
     Lines that are blank or begin with # before the header are skipped. Raises BenchError for an
-    empty or binary file, a header without names, and marks that make no sense.
+    empty or binary file, a header without names, marks that make no sense, and lines of so unequal
+    numbers of fields that the delimiter cannot be told.
     """
     given = None if spec is None else parse_marks(spec)
     lines, encoding = _sample(path)
@@ -49,6 +50,8 @@ def find_dialect(path: Path, spec: str | None = None) -> Dialect:
         raise BenchError(f"{path}: empty; expected a header line and one line per range")
     lines = [line for line in lines[skip:] if line.strip()]
     delimiter = given[0] if given else _delimiter(lines)
+    if not given:
+        _refuse_ragged(path, lines, delimiter)
     rows = [_split(line, delimiter) for line in lines]
     if all(_is_number(field) for field in rows[0]):
         raise BenchError(
@@ -98,6 +101,21 @@ def _delimiter(lines: Sequence[str]) -> str:
     columns = [len(line.split()) for line in lines]
     usual = Counter(columns).most_common(1)[0]
     return " " if columns[0] > 1 and usual[0] == columns[0] else ","
+
+
+def _refuse_ragged(path: Path, lines: Sequence[str], delimiter: str) -> None:
+    """Raise BenchError where the header is cut by a mark that most lines are not cut alike by."""
+    if len(_split(lines[0], delimiter)) > 1:
+        return
+    for mark in DELIMITERS:
+        width = len(_split(lines[0], mark))
+        ragged = [line for line in lines if len(_split(line, mark)) != width]
+        if width > 1 and ragged:
+            raise BenchError(
+                f"{path}: {mark!r} cuts the header into {width} fields, but {len(ragged)} of "
+                f"{len(lines) - 1} lines into other numbers, the first: {ragged[0][:60]!r}; mend "
+                f"those lines, or name delimiter and decimal mark, as in --csv {mark + ',.'!r}"
+            )
 
 
 def _split(line: str, delimiter: str) -> list[str]:

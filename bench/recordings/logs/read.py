@@ -14,6 +14,7 @@ from bench.recordings.clean import clean
 from bench.recordings.csv_table import read_text_table, with_lists
 from bench.recordings.logs.dialect import Dialect, find_dialect
 from bench.recordings.logs.links import MISSING, make_links
+from bench.recordings.logs.letters import in_our_letters
 from bench.recordings.logs.mapping import Mapped, apply_maps, parse_maps
 from bench.recordings.logs.registers import add_registers
 from bench.recordings.logs.suspicions import suspicions
@@ -52,8 +53,9 @@ def read_logs(path: Path, options: LogOptions | None = None) -> Imported:
     """Read a text table, or every text table under a folder, all of one form.
 
     From a folder each row also gets `file` (its path in the folder, without ending) and `folder`;
-    `--from-name` adds the named groups of a regular expression found in that path. Then mapping
-    and units, registers, links, and the rules of `bench.recordings.clean`.
+    `--from-name` adds the named groups of a regular expression found in that path. Then names
+    that differ from ours in case alone, mapping and units, registers, links, and the rules of
+    `bench.recordings.clean`.
 
     Raises BenchError, naming file and column: no such file, no table, files of different form, a
     bad option, or mostly unusable rows (with the likely cause where one is seen).
@@ -62,6 +64,7 @@ def read_logs(path: Path, options: LogOptions | None = None) -> Imported:
     maps = parse_maps(options.maps)
     frame, dialect = _read_all(path, options)
     name = str(path)
+    frame, respelt = in_our_letters(frame, {*(one.source for one in maps), *options.link})
     frame = apply_maps(frame, maps, name, dialect.decimal)
     frame = with_lists(_cir_points(frame, dialect), path)
     frame, notes = add_registers(frame, name)
@@ -73,7 +76,7 @@ def read_logs(path: Path, options: LogOptions | None = None) -> Imported:
     read = _cleaned(frame, name, warnings)
     stem = path.name if path.is_dir() else path.name.partition(".")[0]
     recordings = Recordings(read[0], source=stem, dropped=read[1])
-    return Imported(recordings, [str(dialect), *_mapped_notes(maps), *notes], warnings)
+    return Imported(recordings, [str(dialect), *_mapped_notes(maps), *respelt, *notes], warnings)
 
 
 def _cleaned(

@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 FARTHEST_M = 300.0  # beyond what UWB radios reach
 LIKELY_DBM = (-130.0, -20.0)
 TOLERANCE = 0.2  # how near a ratio must be to a unit's
+ABSURD_M = (1e-3, 1e6)  # medians outside are no range in any unit taken for metres
 RATIOS = {1000.0: "millimetres", 100.0: "centimetres", 3.2808: "feet"}
 
 
@@ -38,7 +39,10 @@ def _lengths(frame: pd.DataFrame) -> Iterator[str]:
     columns = ("range_m", "true_range_m")
     medians = {c: float(np.median(v)) for c in columns if len(v := _numbers(frame, c))}
     far = [column for column, median in medians.items() if median > FARTHEST_M]
-    if len(far) == 2:
+    absurd = {c: m for c, m in medians.items() if m > 0 and not ABSURD_M[0] < m < ABSURD_M[1]}
+    if absurd:
+        yield from _absurd(absurd)
+    elif len(far) == 2:
         yield (
             f"range_m and true_range_m: median {medians['range_m']:.0f} and "
             f"{medians['true_range_m']:.0f} m; probably millimetres (or centimetres) taken for "
@@ -50,6 +54,16 @@ def _lengths(frame: pd.DataFrame) -> Iterator[str]:
         yield (
             f"error_m: median magnitude {np.median(np.abs(errors)):.0f} m; probably millimetres "
             "taken for metres: give the unit, as in --map error=COLUMN:mm"
+        )
+
+
+def _absurd(medians: dict[str, float]) -> Iterator[str]:
+    """Yield lengths that are none of a radio's whatever common unit they are in."""
+    for column, median in medians.items():
+        name = column.removesuffix("_m")
+        yield (
+            f"{column}: median {median:.3g} m, which no UWB range is; probably a wrong unit: "
+            f"expected one such as m, cm or mm, as in --map {name}=COLUMN:mm"
         )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bench.reproduce import paper
 from bench.reproduce.build import make_outcome
 from bench.reproduce.context import Context
@@ -43,10 +45,10 @@ def _floor(found: list[RunRecord]) -> list[Row]:
             _row("none", "-", "NLoS MAE", "m", scored.nlos.raw_mae_m, printed, "nlos_mae_m")
         )
         sigma = _row("none", "-", "NLoS σ", "m", scored.nlos.raw_sigma_m, printed, "nlos_sigma_m")
-        rows.append(Row(**{**vars(sigma), "note": note}))
+        rows.append(replace(sigma, note=note))
     if scored.los is not None:
         rows.append(_row("none", "-", "LoS MAE", "m", scored.los.raw_mae_m, printed, "los_mae_m"))
-    return rows
+    return [replace(row, of_data=True) for row in rows]
 
 
 def _rows(record: RunRecord) -> list[Row]:

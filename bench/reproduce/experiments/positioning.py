@@ -114,11 +114,12 @@ def _rows(condition: str, tag: Tag, setup: NDArray[np.intp]) -> Iterator[Row]:
             label = (condition, kind, solver)
             known = printed if solver == "Gauss-Newton" else {}
             _, away, converged = tag.fixes(kind, solver)
+            ranged, position = over_links(_mean, off, setup), over_links(_mean, away, setup)
+            raw = kind == RAW
+            yield Row(label, "range MAE", "m", ranged, known.get("range_mae_m"), of_data=raw)
             yield Row(
-                label, "range MAE", "m", over_links(_mean, off, setup), known.get("range_mae_m")
+                label, "position MAE", "m", position, known.get("position_mae_m"), of_data=raw
             )
-            position = over_links(_mean, away, setup)
-            yield Row(label, "position MAE", "m", position, known.get("position_mae_m"))
             yield Row(label, "converged", "", float(converged.mean()))
 
 

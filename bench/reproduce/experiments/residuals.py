@@ -59,7 +59,8 @@ def _rows(name: str, values: Floats, links: pd.Series) -> list[Row]:
     made = []
     for quantity, (unit, statistic) in _statistics().items():
         ours = over_links(statistic, values, links, resamples=RESAMPLES)
-        made.append(Row((name,), quantity, unit, ours, printed.get(quantity)))
+        known = printed.get(quantity)
+        made.append(Row((name,), quantity, unit, ours, known, of_data=name == "before"))
     return made
 
 

@@ -56,7 +56,10 @@ def _rows(context: Context, record: RunRecord, room: str, trained: int) -> list[
             ("LoS MAE", "m", record.los.mae_m, "los_mae_m"),
             ("LoS R²", "", record.los.r2, "los_r2"),
         ]
-    return [Row((room,), name, unit, value, printed.get(key)) for name, unit, value, key in figures]
+    return [
+        Row((room,), name, unit, value, printed.get(key), of_data=key.endswith("_before_m"))
+        for name, unit, value, key in figures
+    ]
 
 
 def _nlos(context: Context, record: RunRecord) -> list[tuple[str, str, Value, str]]:

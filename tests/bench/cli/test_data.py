@@ -158,3 +158,13 @@ def test_fetch_says_where_what_came_is_not_the_data_set(monkeypatch) -> None:
     monkeypatch.delenv("BENCH_DATA", raising=False)
     with pytest.raises(BenchError, match=r"not as expected: dataset\.pkl not found"):
         _run("fetch", "deepuwb")
+
+
+def test_line_ends_and_tabs_in_names_are_shown_and_not_printed(tmp_path: Path) -> None:
+    path = tmp_path / "two\nlines\tand a tab.parquet"
+    write_recordings(make_recordings(rows=24, source="so\nurce"), path)
+    shown = _run("info", path)
+    assert r"so\nurce" in shown.output
+    again = _run("import", path, "-o", tmp_path / "o\tut\n.parquet")
+    assert again.exit_code == 0
+    assert r"o\tut\n.parquet: 24 rows of so\nurce" in again.output

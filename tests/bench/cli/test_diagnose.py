@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 from bench.cli.main import main
 from bench.discrepancy.select import candidates as explain
+from bench.discrepancy.settings import FEWEST_AUC_LINKS
 from bench.physics.base import Base
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -210,7 +212,8 @@ def test_printed_for_people_it_says_verdict_confirmation_and_what_was_skipped(ca
     code, printed, _ = call(recorded())
     assert code == 0
     assert "temperature-drift" in printed
-    assert "confirm links" in printed
+    links = int(re.search(r"confirm links \((\d+)\)", printed)[1])
+    assert ("too few to tell" in printed) == (links < FEWEST_AUC_LINKS)
     assert "skipped broken" in printed
 
 

@@ -293,6 +293,7 @@ loud = theirs:Loud
 gone = no_such_module:Model
 names = theirs_names:Model
 odd target = not a target!
+None = theirs:Loud
 no equals sign
 [bench.datasets]
 quits-data = theirs:Quits
@@ -325,6 +326,7 @@ def test_broken_plug_ins_are_listed_with_their_reason_and_break_no_other() -> No
         "odd target": "expected module:object",
         "no equals sign": "is no 'name = module:object'",
         "binary": "is not UTF-8",
+        "None": "its name is 'none' of uwb-bench but for case",
     }.items():
         assert said in found[name], name
     assert found["loud"] is None

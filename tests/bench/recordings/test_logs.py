@@ -288,3 +288,36 @@ def test_a_folder_of_different_forms_is_refused(tmp_path: Path) -> None:
         read_logs(tmp_path)
     with pytest.raises(BenchError, match="no text tables; expected files ending in"):
         read_logs(_put(tmp_path / "sub" / "x.md", "").parent)
+
+
+def test_names_that_differ_in_case_alone_are_ours_and_said(tmp_path: Path) -> None:
+    text = "RANGE_M,True_Range_m,CIR,LOS,Link,Note\n5.1,5.0,1 2 9,1,a,x\n5.2,5.0,1 3 9,0,b,y\n"
+    read = read_logs(_put(tmp_path / "log.csv", text))
+    frame = read.recordings.frame
+    assert frame["cir"][1].tolist() == [1, 3, 9]
+    assert frame["los"].tolist() == [True, False]
+    assert {"range_m", "true_range_m", "link", "Note"} <= set(frame)
+    assert "cir from 'CIR', whose name differs in case alone" in read.notes
+
+
+def test_case_is_left_where_two_would_be_one_or_the_user_named_it(tmp_path: Path) -> None:
+    text = "range_m,true_range_m,Link,LINK,TX,cir_0,CIR_1\n5.1,5.0,a,b,c,1,2\n5.2,5.0,a,b,d,1,2\n"
+    path = _put(tmp_path / "log.csv", text.replace("cir_0", "CIR_0"))
+    read = read_logs(path, LogOptions(maps=("environment=TX",)))
+    assert {"Link", "LINK", "environment", "cir"} <= set(read.recordings.frame)
+    assert sum("case alone" in note for note in read.notes) == 1  # one CIR, not its samples
+
+
+def test_ragged_lines_are_named_with_the_option_that_helps(tmp_path: Path) -> None:
+    text = "range_m;true_range_m;link\n5,1;5,0;a\n5,2;5,0\n5,3;5,0;b;c\n"
+    with pytest.raises(BenchError, match=r"2 of 3 lines.*first: '5,2;5,0'.*--csv ';,'"):
+        read_logs(_put(tmp_path / "log.csv", text))
+
+
+def test_lengths_no_radio_ever_reaches_name_the_unit_as_the_cause(tmp_path: Path) -> None:
+    path = _put(tmp_path / "log.csv", PLAIN)
+    far = LogOptions(maps=("range=range_m:parsec,true_range=true_range_m:parsec",))
+    with pytest.raises(BenchError, match=r"range_m: median 1\.\de\+17 m.*probably a wrong unit"):
+        read_logs(path, far)
+    near = LogOptions(maps=("range=range_m:um,true_range=true_range_m:um",))
+    assert any("probably a wrong unit" in line for line in read_logs(path, near).warnings)
