@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ["BENCH_WAIT_S"] = "0"  # the tests themselves keep the machine busy
+
+TOGETHER = ("tests/backends/",)  # folders whose fixtures cost more than their tests
+FIRST = (*TOGETHER, "tests/fuzz/", "tests/bench/cli/test_plugin.py")  # long ones, or one waits
 
 
 @pytest.fixture(autouse=True)
@@ -23,3 +27,22 @@ def real_data() -> Path:
     if not named or not Path(named).is_dir():
         pytest.skip("real recordings not present: set BENCH_DATA to their folder")
     return Path(named)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes long, so that two processes end at about the same time."""
+    items.sort(key=lambda item: not item.nodeid.startswith(FIRST))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Keep the tests of a file in one process: what they share is then made once."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            folder = next((one for one in TOGETHER if nodeid.startswith(one)), "")
+            return folder or nodeid.partition("::")[0]
+
+    config.option.loadscopereorder = False
+    return ByFile(config, log)

@@ -62,10 +62,10 @@ def command(
 
     if plot is not None:
         check_picture_name(plot)
-    named = None if data is None else [name.strip() for name in data.split(",") if name.strip()]
+    sets = None if data is None else [name.strip() for name in data.split(",") if name.strip()]
     with RunView(quiet=as_json) as view:
         matrix = transfer(
-            model, backend, named, seed=seed, out=out, jobs=jobs, scheduler=scheduler,
+            model, backend, sets, seed=seed, out=out, jobs=jobs, scheduler=scheduler,
             observer=view,
         )  # fmt: skip
     if plot is not None:

@@ -114,7 +114,7 @@ def _refuse_ragged(path: Path, lines: Sequence[str], delimiter: str) -> None:
             raise BenchError(
                 f"{path}: {mark!r} cuts the header into {width} fields, but {len(ragged)} of "
                 f"{len(lines) - 1} lines into other numbers, the first: {ragged[0][:60]!r}; mend "
-                f"those lines, or name delimiter and decimal mark, as in --csv {mark + ',.'!r}"
+                f"those lines, or name delimiter and decimal mark, as in --csv {mark + ','!r}"
             )
 
 

@@ -13,8 +13,8 @@ from bench.errors import BenchError
 from bench.recordings.clean import clean
 from bench.recordings.csv_table import read_text_table, with_lists
 from bench.recordings.logs.dialect import Dialect, find_dialect
-from bench.recordings.logs.links import MISSING, make_links
 from bench.recordings.logs.letters import in_our_letters
+from bench.recordings.logs.links import MISSING, make_links
 from bench.recordings.logs.mapping import Mapped, apply_maps, parse_maps
 from bench.recordings.logs.registers import add_registers
 from bench.recordings.logs.suspicions import suspicions

@@ -28,7 +28,7 @@ def test_an_impossible_level_of_intervals_is_refused_before_any_work(
 def test_a_run_of_which_every_pair_was_skipped_fails_with_the_reasons(tmp_path: Path) -> None:
     write_recordings(make_recordings(rows=24), tmp_path / "t.parquet")
     words = ["--model", "none", "--backend", "int8", "--data", str(tmp_path / "t.parquet")]
-    with pytest.raises(BenchError, match="every pair was skipped; none on int8: .*no weights"):
+    with pytest.raises(BenchError, match=r"every pair was skipped; none on int8: .*no weights"):
         CliRunner().invoke(
             command, [*words, "--out", str(tmp_path / "out")], catch_exceptions=False
         )

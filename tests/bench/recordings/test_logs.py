@@ -317,7 +317,7 @@ def test_ragged_lines_are_named_with_the_option_that_helps(tmp_path: Path) -> No
 def test_lengths_no_radio_ever_reaches_name_the_unit_as_the_cause(tmp_path: Path) -> None:
     path = _put(tmp_path / "log.csv", PLAIN)
     far = LogOptions(maps=("range=range_m:parsec,true_range=true_range_m:parsec",))
-    with pytest.raises(BenchError, match=r"range_m: median 1\.\de\+17 m.*probably a wrong unit"):
+    with pytest.raises(BenchError, match=r"range_m: median 1\.\d+e\+17 m.*probably a wrong unit"):
         read_logs(path, far)
     near = LogOptions(maps=("range=range_m:um,true_range=true_range_m:um",))
     assert any("probably a wrong unit" in line for line in read_logs(path, near).warnings)

@@ -115,19 +115,19 @@ def test_all_that_is_here_but_untested_readers(monkeypatch: pytest.MonkeyPatch) 
 
 def test_the_commands_print_and_draw(files: list[str], tmp_path: Path) -> None:
     out, plot = tmp_path / "out", tmp_path / "plot.png"
-    told = _bench("transfer", "--model", "constant", "--data", ",".join(files), "--out", out,
+    told = _bench("transfer", "--model", "none", "--data", ",".join(files), "--out", out,
                   "--plot", plot)  # fmt: skip
     assert "NLoS rows: MAE left in m (before)" in told
     assert plot.stat().st_size > 10_000
-    matrix = json.loads(_bench("transfer", "--model", "constant", "--data", ",".join(files),
+    matrix = json.loads(_bench("transfer", "--model", "none", "--data", ",".join(files),
                                "--out", out, "--json"))  # fmt: skip
     assert [cell["train"] for cell in matrix["cells"]] == [files[0]] * 2 + [files[1]] * 2
     curve = tmp_path / "curve.svg"
-    told = _bench("run", "--model", "constant", "--backend", "fp32", "--data", files[0], "--links",
+    told = _bench("run", "--model", "none", "--backend", "fp32", "--data", files[0], "--links",
                   6, "--draws", 2, "--out", out, "--plot", curve)  # fmt: skip
     assert "Learning curve on" in told
     assert curve.exists()
-    again = _bench("run", "--model", "constant", "--backend", "fp32", "--data", files[0],
+    again = _bench("run", "--model", "none", "--backend", "fp32", "--data", files[0],
                    "--links", 6, "--draws", 2, "--out", out, "--json")  # fmt: skip
     printed = json.loads(again)
     assert [point["links"] for point in printed["curve"]] == [6]
