@@ -73,7 +73,9 @@ def _draw_one(ax: Axes, points: Sequence[CurvePoint], kind: str, label: str, num
     low = np.array([one.value if one.low is None else one.low for one in figures])
     high = np.array([one.value if one.high is None else one.high for one in figures])
     colour = COLOURS[number % len(COLOURS)]
+    # equal draws leave a bar of no length, which rounding may turn round
+    bars = np.maximum([values - low, high - values], 0.0)
     ax.errorbar(
-        places, values, [values - low, high - values], color=colour, marker="o", markersize=4,
+        places, values, bars, color=colour, marker="o", markersize=4,
         capsize=2, linewidth=1.5, label=label,
     )  # fmt: skip

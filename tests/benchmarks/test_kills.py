@@ -5,8 +5,9 @@
 `run`, `diagnose`, `simulate` and `reproduce` share the kills. A kill is a SIGKILL of a whole
 process group at a moment drawn (with a seed) from the length of an undisturbed run. After some
 kills the command is let finish, its results compared with those of an undisturbed `python -m
-bench`, and all is deleted. Commands that are killed are forks of a process that has imported what they need (see
-`fork_server`), so that every kill falls on work. A kill that comes after the end is not counted.
+bench`, and all is deleted. Commands that are killed are forks of a process that has imported what
+they need (see `fork_server`), so that every kill falls on work. A kill that comes after the end is
+not counted.
 """
 
 from __future__ import annotations
