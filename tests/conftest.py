@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,17 @@ FIRST = (*TOGETHER, "tests/fuzz/", "tests/bench/cli/test_plugin.py")  # long one
 @pytest.fixture(autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BENCH_CACHE", str(tmp_path_factory.mktemp("cache")))
+    _read_translations_once()
+
+
+def _read_translations_once() -> None:
+    """Have torch keep its ONNX translations: it reads 500 anew per export, half of a small one."""
+    module = sys.modules.get("torch.onnx._internal.exporter._registration")
+    registry = getattr(module, "ONNXRegistry", None)
+    if registry is not None and "from_torchlib" in vars(registry):
+        read = registry.from_torchlib
+        if not hasattr(read, "cache_info"):
+            registry.from_torchlib = staticmethod(cache(read))
 
 
 @pytest.fixture(scope="session")

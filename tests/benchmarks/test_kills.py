@@ -61,6 +61,18 @@ def table(path: Path) -> Path:
     return path
 
 
+def drift(path: Path) -> Path:
+    """Write 64 ranges over 16 links that grow with the temperature: few effects can be tried."""
+    rng = np.random.default_rng(2)
+    link = np.arange(64) % 16
+    frame = pd.DataFrame({"link": [f"l{k}" for k in link], "true_range_m": 2.0 + link})
+    frame["temperature_c"] = rng.uniform(0, 50, 16)[link]
+    error_m = 0.008 * frame["temperature_c"] + rng.normal(0, 0.03, 64)
+    frame["range_m"] = frame["true_range_m"] + error_m
+    frame.to_parquet(path)
+    return path
+
+
 def records(folder: Path) -> str:
     """Digest every run record and prediction, without what names time or machine."""
     found = {}
@@ -94,15 +106,15 @@ def texts(folder: Path) -> str:
 
 def commands(made: Path) -> dict[str, Killed]:
     """Return the four commands; `OUT` stands for the folder or file they write."""
-    data = str(table(made / "t.parquet"))
-    run = ["run", "--model", "none,constant", "--backend", "fp32,graph", "--split", "link-kfold:2"]
-    diagnose = ["diagnose", "--recorded", data, "--paths-only", "--observe", "error_m"]
-    reproduce = ["reproduce", "residuals", "--data", data, "--split", "link-kfold:2", "--quick"]
+    data, warm = str(table(made / "t.parquet")), str(drift(made / "w.parquet"))
+    run = ["run", "--model", "none", "--backend", "fp32,graph", "--split", "link-kfold:2"]
+    diagnose = ["diagnose", "--recorded", warm, "--paths-only", "--observe", "error_m"]
+    reproduce = ["reproduce", "residuals,pca", "--data", data, "--split", "link-kfold:2", "--quick"]
     return {
         "run": Killed([*run, "--data", data, "--seeds", "2", "--out", "OUT"], records),
         "diagnose": Killed([*diagnose, "-o", "OUT"], texts),
         "simulate": Killed(
-            ["simulate", "rooms", "--rooms", "-n", "3000", "-o", "OUT/s.parquet"], simulated
+            ["simulate", "rooms", "--rooms", "-n", "1000", "-o", "OUT/s.parquet"], simulated
         ),
         "reproduce": Killed([*reproduce, "--out", "OUT"], records),
     }
