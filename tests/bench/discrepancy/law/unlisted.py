@@ -52,7 +52,8 @@ def rows(rng: np.random.Generator, places: int = 40, again: int = 3) -> pd.DataF
         frame[f"tx_{name}_m"] = spots[place, axis]
         frame[f"rx_{name}_m"] = ANCHORS[anchor, axis]
     frame["true_range_m"] = np.linalg.norm(spots[place] - ANCHORS[anchor], axis=1)
-    frame["time_s"] = place * 45.0 + rng.uniform(0, 40, len(frame))
+    turn = np.arange(len(frame)) % (again * len(ANCHORS))
+    frame["time_s"] = place * 45.0 + 2 * turn + rng.uniform(0, 1.5, len(frame))
     frame["temperature_c"] = 22 + 6 * np.sin(place / 9.0) + rng.normal(0, 0.2, len(frame))
     frame["reply_time_s"] = rng.choice([3e-4, 8e-4, 2e-3], len(frame))
     frame["azimuth_deg"] = rng.uniform(0, 360, places)[place]

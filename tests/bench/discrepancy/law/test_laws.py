@@ -1,0 +1,130 @@
+"""Laws and faults that no library effect is are found by form, size and name; noise has none."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pandas as pd
+import pytest
+from unlisted import CASES, Case, tables
+
+from bench.discrepancy.law.found import FoundLaw, SetupFault, fault_dict, law_dict
+from bench.discrepancy.law.judge import judged, setup_fault
+from bench.discrepancy.law.material import Material, condition, material
+from bench.discrepancy.law.search import propose
+from bench.physics import Base, Simulator, from_toml, to_toml
+from bench.physics.effects.ranging.law import Law
+
+QUICK = (
+    "scale -1.2 %", "warm-up", "step in time", "one tag squared", "rounded down",
+    "anchor off 0.5 m", "anchors 0 and 1 swapped", "one anchor in feet",
+)  # fmt: skip
+
+
+def material_of(case: Case | None, seed: int) -> tuple[pd.DataFrame, np.ndarray, np.ndarray]:
+    """Return recorded rows, recorded - simulated ranges in metres, and which links are sealed."""
+    recorded, simulated = tables(case, seed)
+    mean = simulated["error_m"].to_numpy().reshape(-1, len(recorded)).mean(axis=0)
+    codes = pd.factorize(recorded["link"])[0]
+    sealed = np.random.default_rng(seed).permutation(codes.max() + 1)[: codes.max() // 4]
+    return recorded, recorded["error_m"].to_numpy() - mean, np.isin(codes, sealed)
+
+
+def part(given: tuple, keep: np.ndarray, like: Material | None = None) -> Material:
+    """Return some of the rows as the material of a search."""
+    recorded, residual, _ = given
+    codes = pd.factorize(recorded["link"])[0]
+    frame = recorded[keep].reset_index(drop=True)
+    return material(frame, residual[keep], codes[keep], like)
+
+
+def answer(case: Case | None, seed: int) -> tuple[FoundLaw | None, SetupFault | None]:
+    """Return what the search says of a case, judged on its sealed links."""
+    given = material_of(case, seed)
+    proposal = propose(part(given, ~given[2]), seed)
+    if proposal is None:
+        return None, None
+    law = judged(proposal, part(given, given[2], proposal.given), seed)
+    return law, setup_fault(proposal) if law else None
+
+
+@lru_cache
+def of_name(name: str) -> tuple[int, Case, FoundLaw | None, SetupFault | None]:
+    """Return a case by name, with its number and what the search says of it."""
+    number, case = next((i, c) for i, c in enumerate(CASES) if c.name == name)
+    return number, case, *answer(case, number)
+
+
+def is_right(case: Case, law: FoundLaw | None) -> bool:
+    """Return whether a law has the form and the covariate that was hidden."""
+    named = law is not None and law.form in case.forms
+    return named and (not case.columns or set(law.columns) <= set(case.columns))
+
+
+def errors_of(case: Case, law: FoundLaw) -> list[float]:
+    """Return the relative errors of the constants that were hidden."""
+    found = {constant.name: constant.value for constant in law.constants}
+    return [abs(found[name] - true) / abs(true) for name, true in case.constants.items()]
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_hidden_law_is_found(name: str) -> None:
+    _, case, law, fault = of_name(name)
+    assert law is not None
+    assert is_right(case, law), str(law)
+    assert max(errors_of(case, law), default=0.0) < 0.1
+    assert (fault.kind if fault else "") == case.fault
+    assert not fault or fault.devices == case.devices or case.fault == "unit"
+    assert law.gain_nats.low > 0
+    assert from_toml(to_toml(Simulator(Base(), (law.effect,)))).effects == (law.effect,)
+    assert json.loads(json.dumps([law_dict(law), fault_dict(fault)]))[0]["form"] == law.form
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_noise_has_no_law(seed: int) -> None:
+    assert answer(None, 100 + seed) == (None, None)
+
+
+def test_a_law_that_sealed_links_do_not_bear_out_is_not_said() -> None:
+    case = next(c for c in CASES if c.name == "scale -1.2 %")
+    given = material_of(case, 1)
+    proposal = propose(part(given, ~given[2]), 1)
+    assert proposal is not None
+    sealed = part(given, given[2], proposal.given)
+    assert judged(proposal, sealed, 1) is not None
+    noise = replace(sealed, residual_m=np.random.default_rng(2).normal(0, 0.03, len(sealed.links)))
+    assert judged(proposal, noise, 1) is None
+
+
+def test_the_effect_gives_what_the_law_says() -> None:
+    for name in ("anchor off 0.5 m", "anchors 0 and 1 swapped", "one tag squared", "warm-up"):
+        number, case, law, _ = of_name(name)
+        assert law is not None
+        frame = tables(case, number)[0].drop(columns=["range_m", "error_m"])
+        bare, lawful = (
+            Simulator(Base(), effects).simulate(frame).frame["range_m"].to_numpy()
+            for effects in ((), (law.effect,))
+        )
+        off = (lawful - bare) - case.hidden(frame)
+        assert np.abs(off).max() < 0.05
+
+
+def test_only_groups_that_a_simulator_knows_are_written_down() -> None:
+    assert condition('rx=a"2') == ('(rx == "a\\"2")', 'rx is a"2')
+    assert condition("pair=t1->a2")[0] == '((tx == "t1") * (rx == "a2"))'
+    assert condition("obstacle=wall")[0] == '(obstacles == "wall")'
+    assert condition("los=False")[0] == "(los < 0.5)"
+    assert condition("firmware=2") is None
+    assert condition("rx=" + "a" * 41) is None
+    for text in ("rx=a'2", 'rx=a"2', "rx=a\\2", "environment=hall (north)"):
+        Law(f"{condition(text)[0]} * true_range_m")
+
+
+def test_words_have_units_and_intervals() -> None:
+    _, _, law, _ = of_name("scale -1.2 %")
+    assert law is not None
+    assert str(law).startswith("a law without a name: error = -0.012 (-0.01")
+    assert "m per m of true range; looks like: a clock or unit scale" in str(law)
