@@ -25,7 +25,7 @@ from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.law.found import FoundLaw, SetupFault
-from bench.discrepancy.law.unexplained import borne_out, proposed
+from bench.discrepancy.law.unexplained import borne_out, named_fault, proposed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
@@ -152,7 +152,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        said.law, said.fault, kept,
+        said.law, said.fault or named_fault(found), kept,
     )  # fmt: skip
 
 

@@ -117,7 +117,8 @@ class Effect(ABC):
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
-    and for how hard, where it does.
+    and for how hard, where it does. `setup_fault`: the kind of fault of the set-up that it is, such
+    as a time shift: nothing of the radio, but of how it was measured.
     """
 
     name: ClassVar[str]
@@ -137,6 +138,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[tuple[str, ...], ...]] = ()
     strikes: ClassVar[tuple[str, str] | None] = None
     values_unit: ClassVar[str] = ""
+    setup_fault: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

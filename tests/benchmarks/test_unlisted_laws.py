@@ -1,6 +1,6 @@
 """Counts over all unlisted laws and faults of the set-up, and how often noise has a law.
 
-    python -m pytest tests/benchmarks/test_unlisted_laws.py -s
+python -m pytest tests/benchmarks/test_unlisted_laws.py -s
 """
 
 from __future__ import annotations

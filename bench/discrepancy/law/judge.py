@@ -27,7 +27,7 @@ def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
         best.structure.form,
         best.structure.columns,
         best.structure.where,
-        said if best.structure.fault else f"error = {said}",
+        said,
         looks_like(best.structure),
         best.structure.expression,
         proposal.constants,
@@ -57,8 +57,7 @@ def _rivals(proposal: Proposal, sealed: Material, shift: Floats, seed: int) -> t
 def _rival(one: Candidate, behind: float) -> Rival:
     """Return a candidate that is not excluded, in words."""
     given = [LawConstant(n, v, v, v, unit) for n, v, unit in one.fitted.constants]
-    said = one.structure.words(shown(given))
-    words = said if one.structure.fault else f"error = {said}"
+    words = one.structure.words(shown(given))
     return Rival(words, one.structure.form, one.structure.columns, behind)
 
 

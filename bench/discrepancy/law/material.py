@@ -20,7 +20,7 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.formula.algebras import Numbers
 from bench.physics.formula.parse import tree, walk
-from bench.physics.formula.units import column_unit, unit
+from bench.physics.formula.units import column_unit, stem, unit
 
 Floats = NDArray[np.float64]
 _AXES = "xyz"
@@ -190,7 +190,7 @@ class FrameColumns:
 def column(name: str, values: Floats) -> Column:
     """Return a column of the table as a covariate."""
     text = column_unit(name)
-    words = _WORDS.get(name, name.removesuffix(f"_{text}").replace("_", " "))
+    words = _WORDS.get(name, stem(name).replace("_", " "))
     return Column(name, words, text, values, _reference(values))
 
 

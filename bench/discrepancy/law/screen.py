@@ -43,7 +43,7 @@ def promising(given: Material, rows: float) -> list[GridLaw]:
         scored = list(_scored(given, _Target(target, weights), rows))
         scored.sort(key=lambda one: -one[0])
         for _, law in scored[:LAW_REFINED]:
-            chosen.setdefault((law.shape.name, law.at, law.by, law.offset), law)
+            chosen.setdefault((law.shape.text, law.at, law.by, law.offset), law)
     return [_bracketed(given, law) for law in chosen.values()]
 
 

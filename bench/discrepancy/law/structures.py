@@ -68,7 +68,7 @@ class Structure(Protocol):
         """Return what it says of other rows [n], in metres."""
 
     def words(self, shown: dict[str, str]) -> str:
-        """Return it for people, its constants as `shown` by name."""
+        """Return it as a sentence for people, its constants as `shown` by name."""
 
 
 def cost(structure: Structure, rows: float) -> float:
@@ -180,6 +180,10 @@ class GridLaw:
         said = self.shape.words.format(x=self.names[1], **shown)
         said += f" plus {shown['b']}" if self.offset else ""
         if not self.by:
-            return said
+            return f"error = {said}"
         group = self.names[2].startswith("(")
-        return f"{said}, where {self.names[3]}" if group else f"({said}) x {self.names[3]}"
+        return f"error = {said}, where {self.names[3]}" if group else self._times(said)
+
+    def _times(self, said: str) -> str:
+        """Return a product with a covariate for people."""
+        return f"error = ({said}) x {self.names[3]}"

@@ -9,13 +9,13 @@ import pandas as pd
 
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.law.found import FoundLaw, SetupFault
+from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.state import Search, Selection
-from bench.discrepancy.select.verdict import Unknown
+from bench.discrepancy.select.verdict import LeftOut, Unknown
 from bench.discrepancy.settings import LAW_MEMBERS
 from bench.errors import BenchError
 
@@ -66,6 +66,19 @@ def _borne_out(
     except BenchError:
         return Said()
     return Said(law, setup_fault(proposal))
+
+
+def named_fault(found: Selection) -> SetupFault | None:
+    """Return the fault of the set-up that a named effect of the library is, None without one."""
+    for verdict in found.verdicts:
+        kind = type(verdict.effect).setup_fault if isinstance(verdict, LeftOut) else ""
+        if kind and isinstance(verdict, LeftOut):
+            sizes = [
+                LawConstant(p.name, p.value, p.low, p.high, p.unit) for p in verdict.parameters
+            ]
+            said = ", ".join(f"{size.name} = {size}" for size in sizes)
+            return SetupFault(kind, (), f"{kind} ({said})", tuple(sizes))
+    return None
 
 
 def gathered(

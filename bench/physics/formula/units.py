@@ -67,6 +67,11 @@ def column_unit(column: str) -> str:
     return next((text for end, text in _ENDS.items() if column.endswith(end)), "1")
 
 
+def stem(column: str) -> str:
+    """Return a column's name without the unit that it ends in."""
+    return next((column.removesuffix(end) for end in _ENDS if column.endswith(end)), column)
+
+
 def over(top: str, *below: str) -> str:
     """Return a unit divided by others, as text: m over degC is `m/degC`."""
     for text in below:

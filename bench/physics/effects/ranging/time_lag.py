@@ -27,6 +27,7 @@ class TimeLag(Effect):
     source = "kinematics: range(t + lag) - range(t) = lag x d(range)/dt to first order"
     signature = "error proportional to radial speed; sign flips with the direction; CIR unchanged"
     control = "rows at rest"
+    setup_fault = "time shift"
     needs = (("radial_speed_m_per_s",),)
 
     lag_s: float = parameter(0, "s", -2, 2, "range measured later than its truth", null=0)
