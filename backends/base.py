@@ -7,12 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from zoo.base import MitigationModel, Progress
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel, Progress
+
 
 Floats = NDArray[np.float32]
 Precision = Literal["fp32", "fp16", "int8"]

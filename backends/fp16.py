@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from onnx import ModelProto, TensorProto, helper, numpy_helper
 from backends.base import Artifact, Backend, Floats, Precision, TrainingData
 from backends.cost import row_values
 from backends.weights import no_weights, weight_names
-from zoo.base import MitigationModel, Progress
+
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel, Progress
 
 FEWEST_VALUES = 16  # below this, the operator that widens them again costs more than it saves
 

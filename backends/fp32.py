@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from backends.base import Artifact, Backend, Precision, TrainingData
-from zoo.base import MitigationModel, Progress
+
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel, Progress
 
 
 class Fp32Backend(Backend):

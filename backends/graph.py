@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from backends.base import Artifact, Backend, Precision, TrainingData
-from zoo.base import MitigationModel, Progress
 
 if TYPE_CHECKING:
     from onnx import ModelProto
+
+    from zoo.base import MitigationModel, Progress
 
 
 class GraphBackend(Backend):

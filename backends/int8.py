@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from backends.base import Artifact, Backend, Floats, Precision, TrainingData
 from backends.weights import no_weights
-from zoo.base import MitigationModel, Progress
 
 if TYPE_CHECKING:
     from onnx import ModelProto
 
     from backends.quantise import Range
+    from zoo.base import MitigationModel, Progress
 
 
 OPENER = "backends.ort:open_optimised"

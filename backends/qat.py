@@ -13,7 +13,6 @@ import numpy as np
 from backends.base import Artifact, Backend, Precision, TrainingData
 from backends.int8 import OPENER, write_artifact
 from backends.weights import no_weights
-from zoo.base import MitigationModel, Progress, TrainingRecipe
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from backends.export import Exported
     from backends.quantise import Range
+    from zoo.base import MitigationModel, Progress, TrainingRecipe
 
 EPOCHS = 8
 BATCH_ROWS = 256

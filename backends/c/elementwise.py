@@ -112,6 +112,12 @@ def filled(reading: Reading, shape: Shape, value: float) -> Ref:
     return y
 
 
+def leaky_relu(reading: Reading, node: Node) -> Value:
+    """LeakyRelu: x, or alpha x below zero."""
+    slope = float(node.get("alpha", 0.01))
+    return apply(reading, "leaky_relu", [reading.values[node.inputs[0]], slope])
+
+
 def power(reading: Reading, node: Node) -> Value:
     """Pow with one of the exponents that are products or roots."""
     exponent = float(reading.array(node.inputs[1]).item())

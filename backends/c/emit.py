@@ -21,7 +21,7 @@ from backends.c.operators import Convolution, Loop, Operator, Pool, Program, Tre
 from backends.c.plan import Edge, Plan, plan
 from backends.c.text import block, identifiers, indented, number, table
 
-Source = Literal["fp32", "int8"]
+Source = Literal["fp32", "fp16", "int8"]
 Requantise = Literal["float", "fixed"]
 _KINDS = {"floats": "float", "bytes": "uint8_t"}
 CIR = "cir"  # the input that is never unknown
@@ -40,30 +40,33 @@ class CSource:
 def generate(onnx_path: Path, precision: Source, requantise: Requantise = "float") -> CSource:
     """Return the C of an ONNX file; the same bytes for the same file.
 
-    `precision` "fp32" takes a float file (weights in half precision are widened), "int8" one with
-    8-bit markers; `requantise` "fixed" leaves out all floats between 8-bit layers. Raises
-    ValueError, naming the file and the operator, for what C cannot be written for.
+    `precision` "fp32" takes a float file (weights in half precision are widened), "fp16" the same
+    and keeps weights in 16 bits that are the same in them, "int8" one with 8-bit markers;
+    `requantise` "fixed" leaves out all floats between 8-bit layers. Raises ValueError, naming the
+    file and the operator, for what C cannot be written for.
     """
-    return write_program(_program(onnx_path, precision), requantise)
+    return write_program(_program(onnx_path, precision), requantise, precision == "fp16")
 
 
 def _program(path: Path, precision: Source) -> Program:
     from backends.c.read_float import read_float
 
-    if precision == "fp32":
+    if precision != "int8":
         return read_float(path)
     from backends.c.read_integer import read_integer
 
     return read_integer(path)
 
 
-def write_program(program: Program, requantise: Requantise = "float") -> CSource:
+def write_program(
+    program: Program, requantise: Requantise = "float", halves: bool = False
+) -> CSource:
     """Return operators as C."""
     laid = plan(program)
     names = _input_names(program)
     layers = []
     for position, operator in enumerate(program.operators):
-        context = Context(program, laid, names, position, requantise)
+        context = Context(program, laid, names, position, requantise, halves)
         layer = write_layer(operator, context)
         layer.body = [*_edges(laid, position, program), *layer.body]
         layers.append(layer)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from backends.base import Artifact, Backend, CannotTakeError, Precision, TrainingData
 from backends.int8 import Int8Backend
 from backends.qat import QatBackend
-from zoo.base import MitigationModel, Progress
+
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel, Progress
 
 
 class CInt8Backend(Backend):

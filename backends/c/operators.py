@@ -118,7 +118,11 @@ class Convolution:
 
 @dataclass(frozen=True)
 class Pool:
-    """Maximum or mean over `kernel` steps: x [steps, c] -> y [steps, c], float or 8-bit maxima."""
+    """Maximum or mean over `kernel` steps: x [steps, c] -> y [steps, c], float or 8-bit maxima.
+
+    `before` steps of the first window lie before x, and the last may end behind it: neither counts
+    for a maximum. A mean divides by `kernel` where `padded`, else by the steps that are there.
+    """
 
     x: Ref
     y: Ref
@@ -126,6 +130,8 @@ class Pool:
     kernel: int
     stride: int
     dtype: Dtype = "f32"
+    before: int = 0
+    padded: bool = True
     kind: str = "pool"
 
 

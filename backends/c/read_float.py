@@ -8,7 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from backends.c import shaping
-from backends.c.elementwise import apply, clip, function, power, reduce, reduction, several
+from backends.c.elementwise import (
+    apply,
+    clip,
+    function,
+    leaky_relu,
+    power,
+    reduce,
+    reduction,
+    several,
+)
 from backends.c.fuse import fused
 from backends.c.operators import Array, Convolution, Pool, Program, Ref
 from backends.c.reading import (
@@ -22,7 +31,14 @@ from backends.c.reading import (
     read,
 )
 from backends.c.trees import tree_ensemble
-from backends.c.views import contiguous_strides, covers, is_contiguous, reshaped, rows_layout
+from backends.c.views import (
+    contiguous_strides,
+    covers,
+    is_contiguous,
+    reshaped,
+    rows_layout,
+    transposed,
+)
 
 
 def read_float(path: Path) -> Program:
@@ -87,6 +103,9 @@ class Geometry:
         return count
 
 
+UNPADDED = Geometry(1, 1, 1, (0, 0))
+
+
 def conv_input(reading: Reading, maps: Ref, geometry: Geometry) -> Ref:
     """Return maps [1, c, w] as rows [w, c] in a buffer that may have edges, copied if need be."""
     if len(maps.shape) != 3 or maps.shape[0] != 1:
@@ -126,6 +145,10 @@ def _weights(reading: Reading, node: Node) -> tuple[Array, Array]:
 def _activated(reading: Reading, node: Node, value: Ref) -> Value:
     """Return a fused layer's activation. Raises UnknownOperatorError for one that is not known."""
     found = str(node.get("activation", ""))
+    if found == "LeakyRelu":
+        return apply(
+            reading, "leaky_relu", [value, float(node.get("activation_params", [0.01])[0])]
+        )
     if found not in ("", "Relu", "Sigmoid", "Tanh"):
         raise UnknownOperatorError(node.operator, f"with {found}")
     return apply(reading, found.lower(), [value]) if found else value
@@ -193,25 +216,40 @@ def global_mean(reading: Reading, node: Node) -> Value:
     return reduce(reading, reading.ref(node.inputs[0]), [2], "mean")
 
 
-def pool(how: str) -> Handler:
-    """Return the handler of MaxPool or AveragePool along time."""
+def pool(how: str, last: bool = False) -> Handler:
+    """Return the handler of MaxPool or AveragePool along time, channels before or after it."""
 
     def handler(reading: Reading, node: Node) -> Value:
         kernel = [int(size) for size in node.attributes["kernel_shape"]]
         geometry = Geometry.of(node, (1, 1, *kernel))
-        if any(geometry.pads) or geometry.dilation != 1 or node.get("ceil_mode", 0):
-            raise UnknownOperatorError(node.operator, "with padding")
-        x = conv_input(reading, reading.ref(node.inputs[0]), geometry)
+        if geometry.dilation != 1 or node.get("ceil_mode", 0):
+            raise UnknownOperatorError(node.operator, "with gaps or rounded up")
+        maps = reading.ref(node.inputs[0])
+        x = conv_input(reading, swapped(maps) if last else maps, UNPADDED)
         dtype = reading.dtype(x)
         if how == "mean" and dtype == "u8":
             raise UnknownOperatorError(node.operator, "of 8-bit values")
         y = conv_output(reading, x, geometry, x.shape[1], dtype)
         reading.operators.append(
-            Pool(x, y, "max" if how == "max" else "mean", kernel[0], geometry.stride, dtype)
+            Pool(
+                x,
+                y,
+                "max" if how == "max" else "mean",
+                geometry.kernel,
+                geometry.stride,
+                dtype,
+                geometry.pads[0],
+                bool(node.get("count_include_pad", 0)),
+            )
         )
-        return as_maps(y)
+        return swapped(as_maps(y)) if last else as_maps(y)
 
     return handler
+
+
+def swapped(maps: Ref) -> Ref:
+    """Return maps with time and channels in the other order."""
+    return transposed(maps, (0, 2, 1))
 
 
 def batch_norm(reading: Reading, node: Node) -> Value:
@@ -260,6 +298,7 @@ FLOAT: Mapping[str, Handler] = {
     "IsNaN": function("is_nan", 1),
     "Greater": function("greater", 2),
     "GreaterOrEqual": function("greater_equal", 2),
+    "LeakyRelu": leaky_relu,
     "Less": function("less", 2),
     "LessOrEqual": function("less_equal", 2),
     "Log": function("log", 1),
@@ -269,6 +308,7 @@ FLOAT: Mapping[str, Handler] = {
     "Min": several("min"),
     "Mul": function("multiply", 2),
     "Neg": function("negate", 1),
+    "PRelu": function("leaky_relu", 2),
     "Pow": power,
     "Reciprocal": function("reciprocal", 1),
     "ReduceMax": reduction("max"),

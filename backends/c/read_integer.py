@@ -12,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from onnx import TensorProto, helper
 
 from backends.c.fuse import fused
 from backends.c.operators import (
@@ -22,14 +21,23 @@ from backends.c.operators import (
     IntegerConvolution,
     IntegerMean,
     IntegerMultiply,
-    Lookup,
     Program,
     Quantise,
     Ref,
     Scale,
     Shape,
 )
-from backends.c.read_float import FLOAT, Geometry, as_maps, conv_input, conv_output, dense_input
+from backends.c.read_float import (
+    FLOAT,
+    UNPADDED,
+    Geometry,
+    as_maps,
+    conv_input,
+    conv_output,
+    dense_input,
+    pool,
+    swapped,
+)
 from backends.c.reading import (
     Flattened,
     Handler,
@@ -41,6 +49,7 @@ from backends.c.reading import (
     load_checked,
     read,
 )
+from backends.c.tables import concat, lookup, of_constant, scale
 from backends.c.views import broadcast, is_contiguous, reshaped, strides_like
 
 
@@ -57,17 +66,6 @@ def read_integer(path: Path) -> Program:
     except ValueError as problem:
         text = str(problem)
         raise ValueError(text if str(path) in text else f"{path}: {text}") from problem
-
-
-def scale(reading: Reading, node: Node, first: int) -> Scale:
-    """Return the scale and zero point at two places of a node's inputs, one for all values."""
-    factor = reading.array(node.inputs[first])
-    zero = np.zeros((), np.uint8)
-    if node.given(first + 1):
-        zero = reading.array(node.inputs[first + 1])
-    if factor.size != 1 or zero.dtype != np.uint8 or not factor.item() > 0:
-        raise UnknownOperatorError(node.operator, "of values that are not unsigned 8 bits")
-    return Scale(float(factor.item()), int(zero.item()))
 
 
 def quantise(reading: Reading, node: Node) -> Value:
@@ -97,8 +95,7 @@ def _widened(reading: Reading, node: Node) -> Array:
     shape = [1] * values.ndim
     if factor.size > 1:
         shape[axis] = -1
-    widened: Array = (values - zero.reshape(shape)) * factor.reshape(shape)
-    return widened.astype(np.float32)
+    return np.asarray((values - zero.reshape(shape)) * factor.reshape(shape), np.float32)
 
 
 def _like(reading: Reading, ref: Ref) -> Ref:
@@ -112,7 +109,7 @@ def convolution(reading: Reading, node: Node) -> Value:
     geometry = Geometry.of(node, weight.shape)
     maps = reading.ref(node.inputs[0])
     last = bool(node.get("channels_last", 0))
-    maps = _swapped(maps) if last else maps
+    maps = swapped(maps) if last else maps
     x_scale, y_scale = scale(reading, node, 1), scale(reading, node, 6)
     x = conv_input(reading, maps, geometry)
     y = conv_output(reading, x, geometry, weight.shape[0], "u8")
@@ -131,13 +128,7 @@ def convolution(reading: Reading, node: Node) -> Value:
             geometry.pads,
         )
     )
-    return _swapped(as_maps(y)) if last else as_maps(y)
-
-
-def _swapped(maps: Ref) -> Ref:
-    from backends.c.views import transposed
-
-    return transposed(maps, (0, 2, 1))
+    return swapped(as_maps(y)) if last else as_maps(y)
 
 
 def _signed(reading: Reading, node: Node, place: int) -> Array:
@@ -172,14 +163,30 @@ def gemm(reading: Reading, node: Node) -> Value:
         raise UnknownOperatorError(node.operator, "of a transposed or scaled input")
     weight = _signed(reading, node, 3)
     weight = weight if node.get("transB", 0) else weight.T
-    x_scale = scale(reading, node, 1)
     y_scale = scale(reading, node, 7) if node.given(7) else None
+    bias = reading.array(node.inputs[6]) if node.given(6) else np.zeros(len(weight), np.int32)
+    return _dense(reading, node, weight, bias, y_scale)
+
+
+def matmul(reading: Reading, node: Node) -> Value:
+    """QLinearMatMul by constants [in, out]."""
+    weight = _signed(reading, node, 3)
+    if weight.ndim != 2:
+        raise UnknownOperatorError(node.operator, f"by constants of shape {weight.shape}")
+    bias = np.zeros(weight.shape[1], np.int32)
+    return _dense(reading, node, weight.T, bias, scale(reading, node, 6))
+
+
+def _dense(
+    reading: Reading, node: Node, weight: Array, bias: Array, y_scale: Scale | None
+) -> Value:
+    """Return x [.., in] times int8 weight [out, in]; a float where `y_scale` is None."""
+    x_scale = scale(reading, node, 1)
     x, order = dense_input(reading, node.inputs[0])
     if x.shape[-1] != weight.shape[1]:
         raise ValueError(f"a dense layer {weight.shape} for {x.shape[-1]} values")
     outs = len(weight)
     y = reading.new((x.shape[0], outs), "f32" if y_scale is None else "u8")
-    bias = reading.array(node.inputs[6]) if node.given(6) else np.zeros(outs, np.int32)
     reading.operators.append(
         IntegerConvolution(
             x,
@@ -197,6 +204,8 @@ def gemm(reading: Reading, node: Node) -> Value:
 
 def add(reading: Reading, node: Node) -> Value:
     """QLinearAdd."""
+    if (made := of_constant(reading, node)) is not None:
+        return made
     a, b, y = _pair(reading, node)
     a_scale, b_scale, y_scale = (scale(reading, node, place) for place in (1, 4, 6))
     reading.operators.append(IntegerAdd(a, b, y, a_scale, b_scale, y_scale))
@@ -205,6 +214,8 @@ def add(reading: Reading, node: Node) -> Value:
 
 def multiply(reading: Reading, node: Node) -> Value:
     """QLinearMul, of a gate repeated in stretches too."""
+    if (made := of_constant(reading, node)) is not None:
+        return made
     a_scale, b_scale, y_scale = (scale(reading, node, place) for place in (1, 4, 6))
     gated = _in_stretches(reading, node)
     a, b, y = gated or _pair(reading, node)
@@ -240,7 +251,7 @@ def mean(reading: Reading, node: Node) -> Value:
     """QLinearGlobalAveragePool over time."""
     maps = reading.ref(node.inputs[0])
     last = bool(node.get("channels_last", 0))
-    x = conv_input(reading, _swapped(maps) if last else maps, Geometry(1, 1, 1, (0, 0)))
+    x = conv_input(reading, swapped(maps) if last else maps, UNPADDED)
     channels = x.shape[1]
     y = reading.new((1, 1, channels) if last else (1, channels, 1), "u8")
     x_scale, y_scale = (scale(reading, node, place) for place in (1, 3))
@@ -248,45 +259,17 @@ def mean(reading: Reading, node: Node) -> Value:
     return y
 
 
-def lookup(reading: Reading, node: Node) -> Value:
-    """Return any function of one 8-bit value as a table, asked of the runtime itself."""
-    scale(reading, node, 1), scale(reading, node, 3)
-    x = reading.ref(node.inputs[0])
-    y = _like(reading, x)
-    reading.operators.append(Lookup(x, y, _table(reading, node)))
-    return y
-
-
-def _table(reading: Reading, node: Node) -> Array:
-    from backends.ort import run_feeds
-
-    constants = [reading.array(name) for name in node.inputs[1:]]
-    names = [f"c{index}" for index in range(len(constants))]
-    made = helper.make_node(
-        node.operator, ["x", *names], ["y"], domain="com.microsoft", **node.attributes
-    )
-    tensors = [helper.np_dtype_to_tensor_dtype(c.dtype) for c in constants]
-    stored = [
-        helper.make_tensor(name, kind, c.shape, c.tobytes(), raw=True)
-        for name, kind, c in zip(names, tensors, constants, strict=True)
-    ]
-    ends = [helper.make_tensor_value_info(n, TensorProto.UINT8, [256]) for n in ("x", "y")]
-    graph = helper.make_graph([made], "g", [ends[0]], [ends[1]], stored)
-    versions = [helper.make_opsetid("", 20), helper.make_opsetid("com.microsoft", 1)]
-    model = helper.make_model(graph, opset_imports=versions, ir_version=8)
-    [table] = run_feeds(model, {"x": np.arange(256, dtype=np.uint8)})
-    return table
-
-
 INTEGER: Mapping[str, Handler] = {
     **FLOAT,
     "DequantizeLinear": dequantise,
-    "NhwcMaxPool": FLOAT["MaxPool"],
+    "NhwcMaxPool": pool("max", last=True),
     "QGemm": gemm,
     "QLinearAdd": add,
+    "QLinearConcat": concat,
     "QLinearConv": convolution,
     "QLinearGlobalAveragePool": mean,
     "QLinearLeakyRelu": lookup,
+    "QLinearMatMul": matmul,
     "QLinearMul": multiply,
     "QLinearSigmoid": lookup,
     "QuantizeLinear": quantise,

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from zoo.base import MitigationModel
+if TYPE_CHECKING:
+    from zoo.base import MitigationModel
 
 
 def why_no_c(model: MitigationModel) -> str | None:

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.base import Artifact, TrainingData
+from backends.graph_file import load_graph
+from backends.inputs import graph_inputs
 from bench.errors import BenchError
 from bench.files import read_json
 from bench.plugins import find
@@ -98,7 +100,7 @@ def from_fit(
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
     fold = material.split.folds[0]
     rows = np.sort(np.concatenate([fold.test_nlos, fold.test_los]))
-    X = rows_for(material, find("models", model).load().reads)
+    X = rows_for(material, [one.name for one in graph_inputs(load_graph(artifact.path))])
     spread = np.linspace(0, len(rows) - 1, min(len(rows), MOST_ROWS)).astype(int)
     simulated = bool(material.recordings.simulated)
     cirs = np.ascontiguousarray(X[rows[spread]])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from bench.runner.records import now_utc
 
 if TYPE_CHECKING:
     from backends.base import Artifact
+    from backends.c.emit import Requantise
 
 Floats = NDArray[np.float32]
 ROWS = 32
@@ -104,11 +105,11 @@ def c_files(artifact: Artifact, float_unit: bool) -> dict[str, str]:
 
     Raises BenchError naming the operator that C cannot be written for.
     """
-    precision: Literal["fp32", "int8"] = "int8" if artifact.precision == "int8" else "fp32"
     from backends.c.emit import generate
 
+    how: Requantise = "float" if float_unit else "fixed"
     try:
-        return dict(generate(artifact.path, precision, "float" if float_unit else "fixed").files)
+        return dict(generate(artifact.path, artifact.precision, how).files)
     except ValueError as problem:
         raise BenchError(f"no C for this file: {problem}") from problem
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from backends.c.kernels.layer import Context, Layer
-from backends.c.operators import Convolution
-from backends.c.text import block, floats, indented, table
+from backends.c.operators import Array, Convolution
+from backends.c.text import block, floats, indented, integers, table
 
 LANES = (16, 8, 4, 1)
 
@@ -26,24 +28,34 @@ class Kernel:
     hop: int
     relu: bool
     most_steps: int
+    half: bool = False
 
     @property
     def name(self) -> str:
         """Return the C name."""
         shape = f"{self.taps}x{self.span}_{self.outs}_hop{self.hop}_by{self.most_steps}"
         reach = f"_reach{self.reach}" if self.taps > 1 else ""
-        return f"uwb_conv_{shape}{reach}{'_relu' if self.relu else ''}"
+        ends = f"{'_relu' if self.relu else ''}{'_half' if self.half else ''}"
+        return f"uwb_conv_{shape}{reach}{ends}"
+
+    @property
+    def lanes(self) -> tuple[int, ...]:
+        """Return the vector widths it is written for: weights of 16 bits are widened singly."""
+        return (1,) if self.half else tuple(n for n in LANES if self.outs % n == 0)
 
 
 def write(layer: Convolution, context: Context) -> Layer:
     """Return a float convolution or dense layer as C."""
-    kernel = _kernel(layer)
+    kernel = _kernel(layer, context.halves and are_halves(layer.weight))
     made = Layer(layer.kind)
     weight, bias = context.name("weight"), context.name("bias")
     made.tables = [
-        table(weight, "float", floats(layer.weight)),
+        halves(weight, layer.weight)
+        if kernel.half
+        else table(weight, "float", floats(layer.weight)),
         table(bias, "float", floats(layer.bias)),
     ]
+    made.helpers |= {"half"} if kernel.half else set()
     first = -layer.pads[0] * layer.x.shape[1]
     x, y = context.pointer(layer.x, made), context.pointer(layer.y, made)
     steps = layer.y.shape[0]
@@ -52,7 +64,19 @@ def write(layer: Convolution, context: Context) -> Layer:
     return made
 
 
-def _kernel(layer: Convolution) -> Kernel:
+def are_halves(values: Array) -> bool:
+    """Tell whether all numbers are finite and the same in 16 bits."""
+    with np.errstate(over="ignore"):
+        narrow = values.astype(np.float16)
+    return bool(np.isfinite(narrow).all() and np.array_equal(narrow.astype(np.float32), values))
+
+
+def halves(name: str, values: Array) -> str:
+    """Return a table of numbers as the bits of float16."""
+    return table(name, "uint16_t", integers(values.astype(np.float16).view(np.uint16)))
+
+
+def _kernel(layer: Convolution, half: bool) -> Kernel:
     taps, channels, outs = layer.weight.shape
     joined = layer.dilation == 1
     return Kernel(
@@ -63,11 +87,13 @@ def _kernel(layer: Convolution) -> Kernel:
         hop=layer.stride * channels,
         relu=layer.relu,
         most_steps=max(n for n in (1, 2, 4, 8) if n <= layer.y.shape[0]),
+        half=half,
     )
 
 
 def _function(kernel: Kernel) -> list[str]:
-    head = f"static void {kernel.name}(const float *x, const float *w, const float *b, float *y,"
+    kind = "uint16_t" if kernel.half else "float"
+    head = f"static void {kernel.name}(const float *x, const {kind} *w, const float *b, float *y,"
     lines = [head, "                       int steps)", "{"]
     if kernel.outs == 1:
         return [*lines, *indented(_dot(kernel)), "}"]
@@ -77,7 +103,7 @@ def _function(kernel: Kernel) -> list[str]:
 def _by_lanes(kernel: Kernel) -> list[str]:
     """Return the body for every vector width that divides the outputs, the widest first."""
     lines: list[str] = []
-    for lanes in [n for n in LANES if kernel.outs % n == 0]:
+    for lanes in kernel.lanes:
         if lanes > 1:
             lines.append(f"#{'elif' if lines else 'if'} UWB_LANES >= {lanes}")
         elif lines:
@@ -119,7 +145,8 @@ def _outputs(kernel: Kernel, lanes: int, vectors: int, steps: int) -> list[str]:
 
 def _tile_body(kernel: Kernel, lanes: int, vectors: int, steps: int) -> list[str]:
     kind = f"uwb_f{lanes}" if lanes > 1 else "float"
-    lines = [f"const float *p = x + t * {kernel.hop};", "const float *q = w + o;"]
+    weights = "uint16_t" if kernel.half else "float"
+    lines = [f"const float *p = x + t * {kernel.hop};", f"const {weights} *q = w + o;"]
     for s in range(steps):
         for v in range(vectors):
             start = _load("b", f"o + {v * lanes}", lanes) if s == 0 else f"a0{v}"
@@ -134,7 +161,9 @@ def _tile_body(kernel: Kernel, lanes: int, vectors: int, steps: int) -> list[str
 
 def _sums(kernel: Kernel, lanes: int, vectors: int, steps: int) -> list[str]:
     kind = f"const uwb_f{lanes}" if lanes > 1 else "const float"
-    body = [f"{kind} w{v} = {_load('q', str(v * lanes), lanes)};" for v in range(vectors)]
+    loads = [_load("q", str(v * lanes), lanes) for v in range(vectors)]
+    loads = [f"uwb_half({load})" for load in loads] if kernel.half else loads
+    body = [f"{kind} w{v} = {load};" for v, load in enumerate(loads)]
     for s in range(steps):
         body.append(f"const float x{s} = p[{s * kernel.hop}];")
     for s in range(steps):
@@ -163,9 +192,12 @@ def _dot(kernel: Kernel) -> list[str]:
     """Return one output as eight running sums, the same ones at every vector width."""
     whole = kernel.span // 8 * 8
     body = ["float total = b[0];", f"const float *p = x + t * {kernel.hop};"]
-    body += ["const float *q = w;"]
-    inner = _dot_sums(whole)
-    inner += [f"total += p[{i}] * q[{i}];" for i in range(whole, kernel.span)]
+    weights = "uint16_t" if kernel.half else "float"
+    body += [f"const {weights} *q = w;"]
+    inner = _dot_sums(whole, kernel.half)
+    inner += [
+        f"total += p[{i}] * {_weight(str(i), kernel.half)};" for i in range(whole, kernel.span)
+    ]
     if kernel.taps > 1:
         inner += [f"p += {kernel.reach};", f"q += {kernel.span};"]
         inner = block(f"for (int k = 0; k < {kernel.taps}; k++)", inner)
@@ -173,17 +205,23 @@ def _dot(kernel: Kernel) -> list[str]:
     return block("for (int t = 0; t < steps; t++)", body)
 
 
-def _dot_sums(whole: int) -> list[str]:
+def _weight(place: str, half: bool) -> str:
+    return f"uwb_half(q[{place}])" if half else f"q[{place}]"
+
+
+def _dot_sums(whole: int, half: bool) -> list[str]:
     """Return sums over the first `whole` products: vectors, or eight floats by name."""
     if not whole:
         return []
     add = "total += ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));"
     eight = [f"float s{n} = 0.0f;" for n in range(8)]
-    inner = [f"s{n} += p[i + {n}] * q[i + {n}];" for n in range(8)]
+    inner = [f"s{n} += p[i + {n}] * {_weight(f'i + {n}', half)};" for n in range(8)]
+    plain = [*eight, *block(f"for (int i = 0; i < {whole}; i += 8)", inner), add]
+    if half:
+        return block("", plain)
     vector = ["uwb_f8 s = UWB_LOAD8(p) * UWB_LOAD8(q);"]
     vector += block(
         f"for (int i = 8; i < {whole}; i += 8)", ["s += UWB_LOAD8(p + i) * UWB_LOAD8(q + i);"]
     )
     vector.append("total += ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));")
-    plain = [*eight, *block(f"for (int i = 0; i < {whole}; i += 8)", inner), add]
     return ["#if UWB_LANES >= 8", *block("", vector), "#else", *block("", plain), "#endif"]

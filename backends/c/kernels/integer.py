@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from backends.c.kernels import integer_convolution
-from backends.c.kernels.fixed import fixed
+from backends.c.kernels.fixed import fixed, is_quick
 from backends.c.kernels.layer import Context, Layer, index, merged
 from backends.c.kernels.loops import nested
 from backends.c.operators import (
@@ -127,7 +127,7 @@ def _product(op: IntegerMultiply, a: str, b: str, context: Context, made: Layer)
     ratio = ratio / np.float32(op.y_scale.scale)
     product = f"({_less(a, op.a_scale.zero)}) * ({_less(b, op.b_scale.zero)})"
     if context.requantise == "fixed":
-        return scaled(product, float(ratio), op.y_scale.zero, context, made)
+        return scaled(product, 255 * 255, float(ratio), op.y_scale.zero, context, made)
     made.helpers.add("nearest")
     plus = f" + {number(op.y_scale.zero)}" if op.y_scale.zero else ""  # before it is rounded
     return f"uwb_nearest((float)({product}) * {number(float(ratio))}{plus})"
@@ -137,13 +137,15 @@ def _less(value: str, zero: int) -> str:
     return f"{value} - {zero}" if zero else value
 
 
-def scaled(value: str, ratio: float, zero: int, context: Context, made: Layer) -> str:
-    """Return C for zero + round(integer x ratio)."""
+def scaled(value: str, most: int, ratio: float, zero: int, context: Context, made: Layer) -> str:
+    """Return C for zero + round(integer x ratio), the integer at most `most`."""
     plus = f"{zero} + " if zero else ""
     if context.requantise == "fixed":
-        made.helpers.add("scaled")
         [whole], shift = fixed([ratio])
-        return f"{plus}uwb_scaled({value}, {whole}, {shift})"
+        quick = is_quick(np.array(most), np.array(ratio), shift)
+        helper = "scaled_quick" if quick else "scaled"
+        made.helpers.add(helper)
+        return f"{plus}uwb_{helper}({value}, {whole}, {shift})"
     made.helpers.add("nearest")
     return f"{plus}uwb_nearest((float)({value}) * {number(ratio)})"
 
@@ -153,7 +155,7 @@ def _mean(op: IntegerMean, context: Context, made: Layer) -> list[str]:
     count = np.float32(steps)
     ratio = np.float32(op.x_scale.scale) / (np.float32(op.y_scale.scale) * count)
     made.helpers.add("narrow")
-    value = scaled("sum", float(ratio), op.y_scale.zero, context, made)
+    value = scaled("sum", 255 * steps, float(ratio), op.y_scale.zero, context, made)
     add = block(f"for (int t = 0; t < {steps}; t++)", [f"sum += x[t * {channels} + c];"])
     body = [f"int32_t sum = {-steps * op.x_scale.zero};", *add, f"y[c] = uwb_narrow({value});"]
     return [
@@ -185,6 +187,8 @@ def helpers() -> dict[str, list[str]]:
         "rounded": _rounded(),
         "scaled": _scaled(),
         "scaled_far": _scaled_far(),
+        "scaled_quick": _scaled_quick("scaled"),
+        "scaled_quick_far": _scaled_quick("scaled_far"),
         "fused": [
             "#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)",
             "#define uwb_fused(a, b, c) __builtin_fmaf((a), (b), (c))",
@@ -197,8 +201,13 @@ def helpers() -> dict[str, list[str]]:
 
 def needed(names: set[str]) -> set[str]:
     """Return names of helpers with those that they call."""
-    more = {"quantise": {"nearest", "narrow"}, "scaled": {"rounded"}}
-    names = names | ({"scaled"} if "scaled_far" in names else set())
+    more = {
+        "quantise": {"nearest", "narrow"},
+        "scaled": {"rounded"},
+        "scaled_far": {"scaled", "rounded"},
+        "scaled_quick": {"scaled", "rounded"},
+        "scaled_quick_far": {"scaled_far", "scaled", "rounded"},
+    }
     return names.union(*(more.get(name, set()) for name in names))
 
 
@@ -233,6 +242,26 @@ def _scaled_far() -> list[str]:
             *block("if (t > most || t < -most)", ["return t < 0 ? -2048 : 2048;"]),
             "return uwb_scaled(n, factor, shift);",
         ],
+    )
+
+
+def _scaled_quick(exact: str) -> list[str]:
+    """Return the same for a Cortex-M0+, which multiplies 32 bits to 32 alone: 20 bits first.
+
+    That is wrong by less than 1/256 (see `is_quick`); closer to a half, it is done exactly.
+    """
+    name = exact.removeprefix("scaled")
+    quick = [
+        "const int32_t f = factor >> 11, half = 1 << (shift - 24), near = half >> 7;",
+        "const uint32_t low = (((uint32_t)n & 0xfffu) * (uint32_t)f) >> 12;",
+        "const int32_t v = (n >> 12) * f + (int32_t)low + half;",
+        *block(
+            "if (((v + near) & (half + half - 1)) >= near + near)", ["return v >> (shift - 23);"]
+        ),
+    ]
+    return block(
+        f"static inline int32_t uwb_scaled_quick{name}(int32_t n, int32_t factor, int shift)",
+        ["#ifdef __ARM_ARCH_6M__", *quick, "#endif", f"return uwb_{exact}(n, factor, shift);"],
     )
 
 

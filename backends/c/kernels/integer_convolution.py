@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends.c.kernels.fixed import fixed
+from backends.c.kernels.fixed import fixed, is_quick
 from backends.c.kernels.layer import Context, Layer
 from backends.c.operators import Array, IntegerConvolution
 from backends.c.text import block, floats, integers, table
@@ -16,8 +16,11 @@ NEAR = 1 << 11  # up to here 19 bits of fraction have room beside them
 
 _HELPERS = {
     "float": {"nearest", "narrow"},
+    "float_far": {"quantise"},
     "fixed": {"scaled", "narrow"},
     "fixed_far": {"scaled_far", "narrow"},
+    "fixed_quick": {"scaled_quick", "narrow"},
+    "fixed_quick_far": {"scaled_quick_far", "narrow"},
     "result": set[str](),
 }
 
@@ -68,8 +71,7 @@ def write(layer: IntegerConvolution, context: Context) -> Layer:
 
 
 def _check(layer: IntegerConvolution) -> None:
-    sums = _largest_sums(layer)
-    if sums.max() >= 1 << 31 or (sums * layer.multiplier).max() >= MOST:
+    if _largest_sums(layer).max() >= 1 << 31:
         raise ValueError("a layer whose sums do not fit 32 bits")
 
 
@@ -94,8 +96,10 @@ def _kernel(layer: IntegerConvolution, context: Context) -> Kernel:
     outs, taps, channels = layer.weight.shape
     joined = layer.dilation == 1
     ending = "result" if layer.zero is None else context.requantise
-    if ending == "fixed" and (_largest_sums(layer) * layer.multiplier).max() >= NEAR:
-        ending = "fixed_far"
+    if ending == "fixed":
+        ending = _fixed_ending(layer)
+    elif ending == "float" and (_largest_sums(layer) * layer.multiplier).max() >= MOST:
+        ending = "float_far"
     return Kernel(
         taps=1 if joined else taps,
         span=taps * channels if joined else channels,
@@ -105,6 +109,13 @@ def _kernel(layer: IntegerConvolution, context: Context) -> Kernel:
         ending=ending,
         steps=min(layer.y.shape[0], 2),
     )
+
+
+def _fixed_ending(layer: IntegerConvolution) -> str:
+    sums, ratios = _largest_sums(layer), layer.multiplier.astype(np.float64)
+    _, shift = fixed(layer.multiplier.tolist())
+    far = bool((sums * ratios).max() >= NEAR)
+    return f"fixed{'_quick' * is_quick(sums, ratios, shift)}{'_far' * far}"
 
 
 def _function(kernel: Kernel) -> list[str]:
@@ -147,6 +158,8 @@ def _ending(kernel: Kernel, total: str, factor: str) -> str:
     if "fixed" in kernel.ending:
         scaled = "uwb_scaled" + kernel.ending.removeprefix("fixed")
         return f"uwb_narrow(zero + {scaled}({total}, {factor}, shift))"
+    if kernel.ending == "float_far":
+        return f"uwb_quantise((float){total} * {factor}, zero)"
     return f"uwb_narrow(zero + uwb_nearest((float){total} * {factor}))"
 
 

@@ -26,13 +26,17 @@ class Layer:
 
 @dataclass(frozen=True)
 class Context:
-    """The program, the plan, the C names of its inputs, the layer's number, how 8 bits are made."""
+    """The program, the plan, the C names of its inputs, the layer's number, how 8 bits are made.
+
+    `halves`: weights that are the same in 16 bits are kept so.
+    """
 
     program: Program
     plan: Plan
     names: dict[int, str]
     number: int
     requantise: str = "float"
+    halves: bool = False
 
     def pointer(self, ref: Ref, layer: Layer) -> str:
         """Return C for the address of a ref's first element; notes where it is an input."""

@@ -92,6 +92,7 @@ def _special(name: str, v: list[str]) -> str:
         "abs": lambda: f"{v[0]} < 0.0f ? -{v[0]} : {v[0]}",
         "is_nan": lambda: f"{v[0]} != {v[0]} ? 1.0f : 0.0f",
         "relu": lambda: f"{v[0]} > 0.0f ? {v[0]} : 0.0f",
+        "leaky_relu": lambda: f"{v[0]} > 0.0f ? {v[0]} : {v[0]} * {v[1]}",
         "max": lambda: f"{v[0]} > {v[1]} ? {v[0]} : {v[1]}",
         "min": lambda: f"{v[0]} < {v[1]} ? {v[0]} : {v[1]}",
         "where": lambda: f"{v[0]} > 0.5f ? {v[1]} : {v[2]}",

@@ -64,7 +64,14 @@ def helpers(names: Iterable[str]) -> list[str]:
     wanted = set(names)
     for name in tuple(wanted):
         wanted |= set(_NEEDS.get(name, ()))
-    known = {"exp": _exp, "sqrt": _sqrt, "log": _log, "sigmoid": _sigmoid, "tanh": _tanh}
+    known = {
+        "exp": _exp,
+        "half": _half,
+        "sqrt": _sqrt,
+        "log": _log,
+        "sigmoid": _sigmoid,
+        "tanh": _tanh,
+    }
     return [line for name, write in known.items() if name in wanted for line in ["", *write()]]
 
 
@@ -105,6 +112,22 @@ def _exp() -> list[str]:
             "return p * uwb_float((uint32_t)((int32_t)n + 127) << 23);",
         ],
     )
+
+
+def _half() -> list[str]:
+    """Return a finite float16 as a float32, exact: by an instruction, or 2^112 times its bits."""
+    quick = [
+        "float x = uwb_float(n);",
+        '__asm__("vcvtb.f32.f16 %0, %1" : "=t"(x) : "t"(x));',
+        "return x;",
+    ]
+    plain = [
+        "const float x = uwb_float((uint32_t)(n & 0x7fffu) << 13) * 5.19229686e+33f;",
+        "return (n & 0x8000u) ? -x : x;",
+    ]
+    unit = "#if defined(__GNUC__) && defined(__ARM_FP) && (__ARM_FP & 2) && defined(__thumb__)"
+    body = [unit, *quick, "#else", *plain, "#endif"]
+    return block("static inline float uwb_half(uint16_t n)", body)
 
 
 def _log() -> list[str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import ctypes
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from backends.c.compile import FLAGS, NATIVE, missing_compiler
+from backends.c.compile import FLAGS, NATIVE, QUICK, compile_shared, missing_compiler
 from backends.c.emit import generate
+from backends.c.kernels.prelude import bits, helpers
 from backends.c.run import load
 from backends.ort import open_optimised
 
@@ -60,11 +62,29 @@ def test_8_bit_c_after_features_is_the_runtime_nearly_always(built, test_rows) -
     assert np.mean(found == expected) >= 0.999
 
 
-@pytest.mark.parametrize("model", ["remnet", "svm"])
-def test_half_precision_weights_are_widened(model, built, test_rows) -> None:
-    path = built(model, "fp16").path
-    found = load(generate(path, "fp32"))(test_rows[0])
+def test_half_precision_weights_stay_16_bits_and_are_widened_when_read(built, test_rows) -> None:
+    path = built("remnet", "fp16").path
+    whole, kept = generate(path, "fp32"), generate(path, "fp16")
+    assert "static const uint16_t uwb_weight_" in kept.files["uwb_predict.c"]
+    assert len(kept.files["uwb_predict.c"]) < 0.8 * len(whole.files["uwb_predict.c"])
+    found = load(kept)(test_rows[0])
+    assert np.array_equal(found, load(whole)(test_rows[0]))
     assert np.abs(found - open_optimised(path)(test_rows[0])).max() < 1e-5
+
+
+def test_every_16_bit_number_is_widened_exactly(tmp_path: Path) -> None:
+    """The generic way; a Cortex-M4F's own instruction is IEEE 754's."""
+    heads = ["#include <stdint.h>", "#include <string.h>", *bits(), *helpers({"half"})]
+    loop = "for (int i = 0; i < n; i++) { x[i] = uwb_half(h[i]); }"
+    text = "\n".join([*heads, f"void widen(const uint16_t *h, float *x, int n) {{ {loop} }}"])
+    library = ctypes.CDLL(str(compile_shared({"half.c": text}, tmp_path, QUICK)))
+    numbers = np.arange(1 << 16, dtype=np.uint16)
+    halves = numbers[np.isfinite(numbers.view(np.float16))]
+    found = np.zeros(len(halves), np.float32)
+    library.widen(
+        halves.ctypes.data_as(ctypes.c_void_p), found.ctypes.data_as(ctypes.c_void_p), len(halves)
+    )
+    assert np.array_equal(found, halves.view(np.float16).astype(np.float32))
 
 
 @pytest.mark.parametrize("model", ["remnet", "mlp"])
@@ -138,3 +158,42 @@ def test_every_pair_of_8_bit_values_is_the_runtimes(operator, tmp_path: Path) ->
     fixed = load(generate(saved(model, tmp_path), "int8", "fixed"))(rows)
     assert np.mean(fixed == expected) > 0.999
     assert np.abs(fixed - expected).max() <= 1
+
+
+def test_8_bit_layers_that_stand_between_are_the_runtimes(tmp_path: Path) -> None:
+    """QLinearMatMul, sums and products with one constant, and parts of different scales joined."""
+    from onnx import helper
+    from onnx_models import model_of, saved
+
+    rng = np.random.default_rng(7)
+    floats = {"s": 0.02, "t": 0.05, "u": 0.3, "v": 0.7, "k": 0.011}
+    zeros = {"z": 128, "tz": 120, "uz": 3, "vz": 99, "kz": 1, "c": 200}
+    tensors = [(n, np.array(v, np.float32)) for n, v in floats.items()]
+    tensors += [(n, np.array(v, np.uint8)) for n, v in zeros.items()]
+    tensors += [
+        ("w", rng.integers(-127, 128, (4, 6)).astype(np.int8)),
+        ("ws", rng.uniform(0.001, 0.01, 6).astype(np.float32)),
+        ("wz", np.zeros(6, np.int8)),
+        ("axes", np.array([1], np.int64)),
+    ]
+    own = {"domain": "com.microsoft"}
+    nodes = [
+        helper.make_node("QuantizeLinear", ["x", "s", "z"], ["a"]),
+        helper.make_node("QLinearMatMul", ["a", "s", "z", "w", "ws", "wz", "t", "tz"], ["m"]),
+        helper.make_node("QLinearMul", ["m", "t", "tz", "c", "k", "kz", "u", "uz"], ["p"], **own),
+        helper.make_node("QLinearAdd", ["c", "k", "kz", "p", "u", "uz", "v", "vz"], ["q"], **own),
+        helper.make_node(
+            "QLinearConcat", ["v", "vz", "q", "v", "vz", "a", "s", "z"], ["j"], axis=1, **own
+        ),
+        helper.make_node("DequantizeLinear", ["j", "v", "vz"], ["d"]),
+        helper.make_node("ReduceSum", ["d", "axes"], ["y"], keepdims=0),
+    ]
+    model = model_of(nodes, [("x", 4)], tensors)
+    model.opset_import.append(helper.make_opsetid("com.microsoft", 1))
+    path = saved(model, tmp_path)
+    rows = rng.normal(size=(2000, 4)).astype(np.float32)
+    expected = open_optimised(path)(rows)
+    assert len(np.unique(expected)) > 20
+    for how in ("float", "fixed"):
+        found = load(generate(path, "int8", how), QUICK)(rows)
+        assert np.abs(found - expected).max() < 1e-4  # the last sum is of floats

@@ -128,15 +128,22 @@ def test_odd_convolutions_and_pools_are_the_runtimes(tmp_path: Path) -> None:
         ("v", rng.normal(size=(5, 6, 3)).astype(np.float32)),
         ("b", rng.normal(size=5).astype(np.float32)),
         ("u", rng.normal(size=(35, 1)).astype(np.float32)),
+        ("slope", rng.normal(size=(6, 1)).astype(np.float32)),
         ("one", np.array([1], np.int64)),
         ("flat", np.array([-1, 35], np.int64)),
     ]
     nodes = [
         helper.make_node("Unsqueeze", ["x", "one"], ["a"]),
         helper.make_node("Conv", ["a", "w"], ["c"], pads=[2, 2], dilations=[2]),
-        helper.make_node("Tanh", ["c"], ["d"]),
+        helper.make_node("LeakyRelu", ["c"], ["l"], alpha=0.3),
+        helper.make_node("MaxPool", ["l"], ["m"], kernel_shape=[3], strides=[2], pads=[1, 1]),
+        helper.make_node("PRelu", ["m", "slope"], ["p"]),
+        helper.make_node("Tanh", ["p"], ["d"]),
         helper.make_node("Conv", ["d", "v", "b"], ["e"], strides=[2], pads=[1, 0]),
-        helper.make_node("AveragePool", ["e"], ["f"], kernel_shape=[2], strides=[2]),
+        helper.make_node(
+            "AveragePool", ["e"], ["i"], kernel_shape=[3], pads=[1, 1], count_include_pad=1
+        ),
+        helper.make_node("AveragePool", ["i"], ["f"], kernel_shape=[2], pads=[1, 0]),
         helper.make_node("Reshape", ["f", "flat"], ["g"]),
         helper.make_node("MatMul", ["g", "u"], ["h"]),
         helper.make_node("Squeeze", ["h", "one"], ["y"]),

@@ -1,0 +1,120 @@
+"""The Cortex-M4 table against cycles that others measured on a board: integer assembly.
+
+AES-128 of jnk0le/cortexm-AES (commit 0359498c), hand-written, so that no compiler stands between
+the figures: `doc/aes/CM3_CM4_details.md` gives 626 cycles a block on an STM32F4 without wait
+states. The source is not kept here: CORTEXM_AES names a clone of the repository.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.measure.counting import count_image, load_core
+from bench.measure.counting.compile import HERE, Image
+
+KERNELS = {  # function, file in the clone, published cycles of encrypt<128>
+    "CM3_1T_AES_encrypt": ("aes/target/CM3_1T/CM3_1T_AES_encrypt.S", 626),
+}
+PLAIN = bytes.fromhex("00112233445566778899aabbccddeeff")  # FIPS 197, appendix C.1
+CIPHER = bytes.fromhex("69c4e0d86a7b0430d8cdb78070b4c55a")
+CALLS = 11
+SOURCE = """#include <stdint.h>
+#include <string.h>
+#include "uwb_predict.h"
+void KERNEL(const uint8_t *keys, const uint8_t *in, uint8_t *out, uint32_t rounds);
+__attribute__((aligned(4))) static const uint8_t keys[176] = {%s};
+__attribute__((aligned(4))) static const uint8_t in[16] = {%s}, wanted[16] = {%s};
+__attribute__((aligned(4))) static uint8_t out[16];
+const uint32_t AES_Te2[256] = {%s};
+int uwb_predict(const float *cir, float *error_m)
+{
+    (void)cir;
+    *error_m = 0.0f;
+    for (int i = 0; i < CALLS; i++) KERNEL(keys, in, out, 10);
+    int wrong = 0;
+    for (int i = 0; i < 16; i++) wrong |= out[i] ^ wanted[i];
+    return wrong;
+}
+"""
+HEADER = """#define UWB_PREDICT_SAMPLES 1
+int uwb_predict(const float *cir, float *error_m);
+"""
+
+
+def _double(value: int) -> int:
+    return (value << 1) ^ (0x11B if value & 0x80 else 0)
+
+
+def _sbox() -> list[int]:
+    """Return the substitution of FIPS 197, by its definition."""
+    box, p, q = [0x63] * 256, 1, 1
+    while True:
+        p ^= _double(p)
+        for shift in (1, 2, 4):
+            q ^= q << shift
+        q &= 0xFF
+        q ^= 0x09 if q & 0x80 else 0
+        turned = q
+        for shift in range(1, 5):
+            turned ^= ((q << shift) | (q >> (8 - shift))) & 0xFF
+        box[p] = turned ^ 0x63
+        if p == 1:
+            return box
+
+
+def _round_keys(box: list[int]) -> bytes:
+    words, factor = [bytes(range(4 * n, 4 * n + 4)) for n in range(4)], 1
+    for n in range(4, 44):
+        last = words[-1]
+        if n % 4 == 0:
+            last = bytes([box[last[1]] ^ factor, box[last[2]], box[last[3]], box[last[0]]])
+            factor = _double(factor)
+        words.append(bytes(a ^ b for a, b in zip(words[n - 4], last, strict=True)))
+    return b"".join(words)
+
+
+def _text() -> str:
+    box = _sbox()
+    twice = [_double(s) for s in box]
+    table = [s | (d ^ s) << 8 | d << 16 | s << 24 for s, d in zip(box, twice, strict=True)]
+    parts = [_round_keys(box), PLAIN, CIPHER, table]
+    return SOURCE % tuple(",".join(str(value) for value in part) for part in parts)
+
+
+def _cycles(name: str, source: Path, calls: int, folder: Path) -> float:
+    """Return typical cycles of so many blocks; the answer is checked."""
+    core = load_core("cortex-m4f")
+    for file, text in (("uwb_predict.c", _text()), ("uwb_predict.h", HEADER)):
+        (folder / file).write_text(text)
+    shutil.copy(HERE / "mailbox.c", folder)
+    shutil.copy(source, folder / "kernel.S")
+    flags = ["-O2", "-w", f"-DCALLS={calls}", f"-DKERNEL={name}", "-nostartfiles", "-nostdlib"]
+    link = ["-Wl,-e,uwb_count_call", "-Wl,-u,uwb_count_stop", "-T", str(HERE / "image.ld")]
+    files = ["mailbox.c", "uwb_predict.c", "kernel.S", "-o", "image.elf"]
+    command = [core.gcc_command, *core.gcc, *flags, *link, *files]
+    subprocess.run(command, cwd=folder, check=True)
+    count = count_image(Image(folder / "image.elf", "gcc"), core, np.zeros((1, 1), np.float32))
+    assert count.statuses.tolist() == [0]
+    return count.cycles.typical
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_a_published_count_is_met_within_5_percent(name: str, tmp_path: Path) -> None:
+    clone = os.environ.get("CORTEXM_AES")
+    file, published = KERNELS[name]
+    if clone is None or not (Path(clone) / file).is_file():
+        pytest.skip("CORTEXM_AES names no clone of github.com/jnk0le/cortexm-AES")
+    if shutil.which("arm-none-eabi-gcc") is None:
+        pytest.skip("arm-none-eabi-gcc (Debian: gcc-arm-none-eabi) is not installed")
+    once, often = (_cycles(name, Path(clone) / file, calls, tmp_path) for calls in (1, CALLS))
+    block = (often - once) / (CALLS - 1)
+    print(
+        f"\n{name}: {block:.1f} cycles by the table, {published} measured, {block / published:.3f}"
+    )
+    assert 0.95 <= block / published <= 1.05
