@@ -8,6 +8,7 @@ from backends.c.kernels import integer_convolution
 from backends.c.kernels.fixed import fixed, is_quick
 from backends.c.kernels.layer import Context, Layer, index, merged
 from backends.c.kernels.loops import nested
+from backends.c.kernels.prelude import SINGLE_UNIT
 from backends.c.operators import (
     Copy,
     Dequantise,
@@ -169,10 +170,7 @@ def helpers() -> dict[str, list[str]]:
     """Return the functions that 8-bit layers call, by name, in the order they need each other."""
     cut = number(_LONGEST)
     return {
-        "nearest": block(
-            "static inline int32_t uwb_nearest(float v)",
-            ["return (int32_t)(uwb_bits(v + 12582912.0f) - 0x4b400000u);"],
-        ),
+        "nearest": _nearest(),
         "narrow": block(
             "static inline uint8_t uwb_narrow(int32_t n)",
             ["n = n < 0 ? 0 : n;", "return (uint8_t)(n > 255 ? 255 : n);"],
@@ -197,6 +195,21 @@ def helpers() -> dict[str, list[str]]:
             "#endif",
         ],
     }
+
+
+def _nearest() -> list[str]:
+    """Return rounding to even below 2^22: by an instruction, or by adding 1.5 x 2^23."""
+    return block(
+        "static inline int32_t uwb_nearest(float v)",
+        [
+            f"#if {SINGLE_UNIT}",
+            '__asm__("vcvtr.s32.f32 %0, %1" : "=t"(v) : "t"(v));',
+            "return (int32_t)uwb_bits(v);",
+            "#else",
+            "return (int32_t)(uwb_bits(v + 12582912.0f) - 0x4b400000u);",
+            "#endif",
+        ],
+    )
 
 
 def needed(names: set[str]) -> set[str]:

@@ -205,6 +205,17 @@ def _by_output(kernel: Kernel, outs: int, far: str, row: str) -> list[str]:
 
 
 def _quads(kernel: Kernel, outs: int, fours: int, far: str, row: str) -> list[str]:
+    at_once = 2 if fours % 8 == 0 and fours > 8 else 1
+    body = []
+    for n in range(at_once):
+        quad = _quad(kernel, outs, f"{far} + {4 * n}", f"{row} + {4 * n}")
+        body += [*block("", quad), '__asm__ volatile("" ::: "memory");'] if at_once > 1 else quad
+    lines = block(f"for (int i = 0; i < {fours}; i += {4 * at_once})", body)
+    rest = _products(kernel, outs, fours, far, row) if fours < kernel.span else []
+    return [*lines, *rest]
+
+
+def _quad(kernel: Kernel, outs: int, far: str, row: str) -> list[str]:
     body = []
     for s in range(kernel.steps):
         body.append(f"const uint32_t x{s} = uwb_word(p + i + {s * kernel.hop}{far});")
@@ -214,9 +225,7 @@ def _quads(kernel: Kernel, outs: int, fours: int, far: str, row: str) -> list[st
         body.append(f"const uint32_t f{v} = uwb_even_signed(w{v}), g{v} = uwb_odd_signed(w{v});")
         for s in range(kernel.steps):
             body.append(f"a{s}{v} = uwb_dot(e{s}, f{v}, uwb_dot(o{s}, g{v}, a{s}{v}));")
-    lines = block(f"for (int i = 0; i < {fours}; i += 4)", body)
-    rest = _products(kernel, outs, fours, far, row) if fours < kernel.span else []
-    return [*lines, *rest]
+    return body
 
 
 def dsp() -> list[str]:

@@ -6,6 +6,10 @@ from collections.abc import Iterable
 
 from backends.c.text import block
 
+SINGLE_UNIT = (
+    "defined(__GNUC__) && defined(__thumb__) && defined(__ARM_FP) && (__ARM_FP & 4)"
+    " && !defined(UWB_SCALAR)"
+)  # a Cortex-M with floating point
 _NEEDS = {"sigmoid": ("exp",), "tanh": ("exp",)}
 
 
