@@ -4,7 +4,8 @@ Each says after its meaning how it was set:
 [derived] from the mathematics or the format; [source] from the literature named; [cost] a limit of
 time or memory that changes what is found only through what is left undone; [convention] a customary
 level. [blind] was set on blind cases of the ranges, seeds 0 and 1; [waves] on waveform cases, seed
-1; [apartment] on the split of seed 0 of the apartment: see "What was measured" in docs/diagnose.md.
+1; [plan cases] in
+tests/benchmarks/plan_cases.py; [apartment] on the split of seed 0 of the apartment: see "What was measured" in docs/diagnose.md.
 Those have no better reason than that, and other recordings may ask for others.
 """
 
@@ -262,6 +263,10 @@ LEAST_SCATTER_M: Final = 1e-4  # of links, a tenth of a millimetre: rounding [de
 FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies most [convention]
 
 FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
+
+# --- A level curve is a constant (select/disguise) ------------------------------------------------
+LEVEL_CURVE_SHARE: Final = 0.2  # of its mean, within which a curve is level [plan cases]
+WIDE_LEVELS_DB: Final = 8.0  # that rows must spread over to say so: half the S-curve [plan cases]
 
 # --- What is kept beside the report (report/evidence) --------------------------------------------
 EVIDENCE_ROWS: Final = 400  # of the working links [cost]

@@ -27,6 +27,7 @@ from bench.planning.settings import (
     WAVE_SWEEPS,
 )
 from bench.planning.world import Added, World
+from bench.plugins import load
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ class Past:
 
 def alternative(past: Past, rest: Added, effect: Effect, noise: Scatter, seed: int) -> Alternative:
     """Return an effect, beside the `rest`, with the parameters that the recordings leave open."""
+    effect, known = _parametric(effect)
     free = [p for p in type(effect).parameters() if p.fitted and p.high > p.low and not p.whole]
     if not effect.fitted or not free:
         return Alternative(effect.physics, ((*rest, effect),))
@@ -106,9 +108,12 @@ def alternative(past: Past, rest: Added, effect: Effect, noise: Scatter, seed: i
         inside = bool((point >= 0).all() and (point <= 1).all())
         return past.log_likelihood(at(point), noise) if inside else -np.inf
 
+    rng = np.random.default_rng(seed)
     start = np.array([(getattr(effect, p.name) - p.low) / (p.high - p.low) for p in free])
+    apart = rng.uniform(-START_SHARE, START_SHARE, (WALKERS, len(start)))
+    first = np.clip(start + apart, 0, 1) if known else rng.random(apart.shape)
     sweeps = WAVE_SWEEPS if past.world.waveform else SWEEPS
-    found = posterior(score, start, sweeps, np.random.default_rng(seed))
+    found = posterior(score, first, sweeps, rng)
     return Alternative(effect.physics, tuple(at(point) for point in found))
 
 
@@ -120,23 +125,35 @@ def _values(free: Sequence[Parameter], point: Floats) -> dict[str, float]:
     }
 
 
+def _parametric(effect: Effect) -> tuple[Effect, bool]:
+    """Return the library's form of a fitted curve, and whether its parameters are known.
+
+    A curve says nothing of levels or headings that were not recorded; the form it stands for does.
+    """
+    if effect.fitted or not type(effect).contains:
+        return effect, True
+    kind = load("effects", effect.physics)
+    return (kind(), False) if kind.fitted else (effect, True)
+
+
 def posterior(
-    score: Callable[[Floats], float], start: Floats, sweeps: int, rng: np.random.Generator
+    score: Callable[[Floats], float], first: Floats, sweeps: int, rng: np.random.Generator
 ) -> Floats:
-    """Return draws [walkers, d] in the unit cube by the stretch move of two halves in turn."""
-    apart = rng.uniform(-START_SHARE, START_SHARE, (WALKERS, len(start)))
-    apart[0] = 0
-    now = np.clip(start + apart, 0, 1)
+    """Return draws [walkers, d] in the unit cube by the stretch move of two halves in turn.
+
+    `first` [walkers, d] are where the walkers start.
+    """
+    now = first.copy()
     scores = np.array([score(point) for point in now])
-    half = WALKERS // 2
+    half = len(now) // 2
     for sweep in range(2 * sweeps):
         mine = np.arange(half) + half * (sweep % 2)
-        others = (mine[rng.permutation(half)] + half) % WALKERS
+        others = (mine[rng.permutation(half)] + half) % len(now)
         size = ((STRETCH - 1) * rng.random(half) + 1) ** 2 / STRETCH
         tried = now[others] + size[:, None] * (now[mine] - now[others])
         made = np.array([score(point) for point in tried])
         with np.errstate(invalid="ignore"):
-            gain = (len(start) - 1) * np.log(size) + made - scores[mine]
+            gain = (now.shape[1] - 1) * np.log(size) + made - scores[mine]
         taken = np.log(rng.random(half)) < np.nan_to_num(gain, nan=-np.inf)
         now[mine[taken]], scores[mine[taken]] = tried[taken], made[taken]
     return now

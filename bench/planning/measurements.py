@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.data.covariates import MEASURED
 from bench.physics.base import Base
 from bench.planning.settings import (
     DISTANCES_M,
@@ -52,14 +53,15 @@ class Measurement:
 
 
 def reference_row(frame: pd.DataFrame) -> pd.Series:
-    """Return the recorded row nearest to the median of all numbers: what is typical."""
+    """Return what is known of the row nearest to the median of all numbers: what is typical."""
     numbers = frame.select_dtypes("number").astype(np.float64)
     spread = numbers.std().replace(0, np.nan)
     far = ((numbers - numbers.median()) / spread).abs().sum(axis=1)
     if "obstacles" in frame:
         listed = frame["obstacles"].map(lambda cell: len(_listed(cell)))
         far = far + (listed != listed.mode().iloc[0]) * far.max()
-    return frame.iloc[int(np.argmin(far.to_numpy()))]
+    known = [name for name in frame if name not in MEASURED]
+    return frame[known].iloc[int(np.argmin(far.to_numpy()))]
 
 
 def measurements(frame: pd.DataFrame, base: Base) -> tuple[Measurement, ...]:

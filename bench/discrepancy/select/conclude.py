@@ -12,6 +12,7 @@ from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents
+from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.state import Round, Search
@@ -134,6 +135,7 @@ def _named(
             for i, c in enumerate(same)
         )
         passed = tuple(o for o in options if o.control.passed is not False)
+        passed = without_disguises(passed, search.searched)
         if not passed:  # a name whose own negative control fails is none
             out.append(_refuted(turn, options[0]))
         else:

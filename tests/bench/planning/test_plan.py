@@ -91,8 +91,11 @@ def test_divergence_is_that_of_normals():
 
 
 def test_walkers_find_a_narrow_normal():
-    draws = [posterior(lambda x: float(-((x[0] - 0.6) ** 2) / 2 / 0.02**2), np.array([0.5]), 40,
-                       np.random.default_rng(seed)) for seed in range(20)]  # fmt: skip
+    rngs = [np.random.default_rng(seed) for seed in range(20)]
+    draws = [
+        posterior(lambda x: float(-((x[0] - 0.6) ** 2) / 2 / 0.02**2), r.random((24, 1)), 40, r)
+        for r in rngs
+    ]
     assert np.mean(draws) == pytest.approx(0.6, abs=0.01)
     assert np.std(draws) == pytest.approx(0.02, rel=0.3)
 
