@@ -75,9 +75,7 @@ def site(folder: Path, recorded: Table | None = None) -> Site:
         raise BenchError(f"{folder}: a table was compared; expected a simulator to train on")
     seed = read_json(folder / "diagnosis.json").get("seed")
     if not isinstance(seed, int):
-        raise BenchError(
-            f"{folder / 'diagnosis.json'}: no seed; expected what `bench diagnose` wrote"
-        )
+        raise BenchError(f"{folder / 'diagnosis.json'}: no seed; not what `bench diagnose` writes")
     table = inputs.recorded
     sealed = split_links(table.frame, seed).confirm.open()
     survey = np.setdiff1d(np.arange(len(table)), sealed)
