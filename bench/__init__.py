@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from bench.runner.diagnosis import diagnose as diagnose
     from bench.runner.planning import plan as plan
     from bench.runner.simulation import simulate as simulate
+    from bench.runner.worth.api import worth as worth
 
 __version__ = "0.1.0"
 _HOMES = {
@@ -42,6 +43,7 @@ _HOMES = {
     "read_recordings": "bench.recordings.io",
     "run": "bench.runner.api",
     "simulate": "bench.runner.simulation",
+    "worth": "bench.runner.worth.api",
     "write_recordings": "bench.recordings.io",
 }
 __all__ = [*_HOMES, "__version__", "challenge"]

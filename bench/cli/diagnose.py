@@ -81,6 +81,18 @@ def command(
         say(json.dumps(summary(found), indent=1))
     else:
         _print(found)
+        _print_next(found, out)
+
+
+def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
+    """Print the commands that go on from here."""
+    if out is None:
+        return
+    kinds = {type(verdict).__name__ for verdict in diagnosis.selection.verdicts}
+    if kinds & {"Ambiguous", "Unknown"}:
+        say(f"what to measure next: bench plan --diagnosis {out}")
+    if diagnosis.recommended and diagnosis.simulator is not None:
+        say(f"what it is worth to a correction: bench worth --diagnosis {out}")
 
 
 def _print(diagnosis: Diagnosis) -> None:

@@ -30,6 +30,7 @@ COMMANDS = {
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
     "plan": "Say which measurement tells apart what a diagnosis cannot.",
+    "worth": "Say how many links must be surveyed, with and without a diagnosis.",
     "challenge": "Hide physics from the diagnosis and score what it says.",
     "reproduce": "Redo the paper's tables and figures on any recordings.",
     "plugin": "Start a plug-in package of your own.",

@@ -145,6 +145,9 @@ def answer(
     waveform = "first_path_power_dbm" in evidence.names
     evidence = evidence.thinned(WAVE_ROWS) if waveform else evidence
     past = Past(World(simulator, evidence.names, waveform), evidence)
+    if question.fault:
+        note = f"{question.fault}: put that right, record a few links again, and diagnose again"
+        return Answer(question.words, (), note=note)
     every, noise = _alternatives(past, question, seed)
     names = tuple(one.name for one in every)
     if len(every) < 2:
@@ -174,13 +177,19 @@ def _alternatives(
 ) -> tuple[tuple[Alternative, ...], Scatter]:
     """Return the explanations in question and the noise beside them."""
     if not question.options:
-        found = trends(past, question.rest, seed)
+        found = (*_law(question), *trends(past, question.rest, seed))
         best = found[0].draws[0] if found else question.rest
         return found, past.noise(best)
     noise = past.noise((*question.rest, question.options[0]))
     every = (*question.options, *question.near)[:MOST_ALTERNATIVES]
     made = [alternative(past, question.rest, one, noise, seed) for one in every]
     return _likely(past, made, len(question.options), noise), noise
+
+
+def _law(question: Question) -> tuple[Alternative, ...]:
+    """Return the law that a diagnosis found, if it found one."""
+    draws = tuple((*question.rest, law) for law in question.law)
+    return (Alternative(f"law: {question.law[0].expression}", draws),) if draws else ()
 
 
 def _likely(

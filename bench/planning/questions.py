@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from bench.discrepancy.settings import ONE_SIDED_95
 from bench.errors import BenchError
 from bench.files import read_json
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.law import Law
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import from_toml
-from bench.planning.settings import NEAR_SHARE
+from bench.planning.settings import NEAR_SHARE, WALKERS
 from bench.planning.world import Added
 from bench.plugins import load
 
@@ -24,12 +28,16 @@ class Question:
     """Explanations that the recordings cannot tell apart, none where nothing known explains it.
 
     `rest` are the effects that are named beside it; `near` those that did nearly as well.
+    `law` is the law that was found for it, drawn within its constants' intervals, and `fault` what
+    was said of the set-up.
     """
 
     words: str
     options: Added
     rest: Added
     near: Added = ()
+    law: tuple[Law, ...] = ()
+    fault: str = ""
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,11 @@ def read_questions(folder: Path) -> Asked:
     try:
         verdicts = list(report["verdicts"])
         made = [_options(verdict) for verdict in verdicts]
-        asked = tuple(_questions(verdicts, made, report["tried"]))
+        law, fault = _law(report.get("law")), (report.get("setup_fault") or {}).get("words", "")
+        asked = tuple(
+            one if one.options else replace(one, law=law, fault=str(fault))
+            for one in _questions(verdicts, made, report["tried"])
+        )
         simulator = from_toml(inputs["simulator_toml"], str(folder / INPUTS))
         return Asked(str(report["headline"]), asked, simulator)
     except (KeyError, TypeError, AttributeError, ValueError) as problem:
@@ -88,6 +100,22 @@ def _near(options: Added, have: Added, tried: Sequence[Any]) -> Added:
     near = [_effect(one) for one in turn if one["gain_nats"] > max(least, 0.0)]
     known = {effect.physics for effect in have}
     return tuple(effect for effect in near if effect.physics not in known)
+
+
+def _law(found: Mapping[str, Any] | None) -> tuple[Law, ...]:
+    """Return a law with its constants as they were found and, again and again, as they may be."""
+    if not found:
+        return ()
+    rng, constants = np.random.default_rng(0), found["constants"]
+    made = [Law(found["expression"], tuple(f"{c['name']} = {float(c['value'])!r} {c['unit']}"
+                                           for c in constants))]  # fmt: skip
+    for _ in range(WALKERS - 1):
+        texts = []
+        for c in constants:
+            std = (float(c["high"]) - float(c["low"])) / (2 * ONE_SIDED_95)
+            texts.append(f"{c['name']} = {rng.normal(float(c['value']), std)!r} {c['unit']}")
+        made.append(Law(found["expression"], tuple(texts)))
+    return tuple(made)
 
 
 def _options(verdict: Mapping[str, Any]) -> Added:

@@ -47,6 +47,7 @@ def evidence(shift_m: float = 0.105, seed: int = 0) -> Evidence:
 
 @pytest.fixture(scope="module")
 def planned() -> Answer:
+    """Return the plan for two explanations that only the reply time tells apart."""
     question = Question("delay or clock", (DELAY, CLOCK), ())
     return answer(question, evidence(), Simulator(Base()), None, 0)
 
@@ -170,6 +171,7 @@ def test_evidence_comes_back_as_written(tmp_path: Path):
 
 
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    monkeypatch.setattr("bench.planning.alternatives.SWEEPS", 4)
     folder, table = folder_with(tmp_path, [ambiguous()]), tmp_path / "plan.csv"
     line = ["bench", "plan", "--diagnosis", str(folder), "-o", str(table), "--links", "14"]
     monkeypatch.setattr("sys.argv", [*line, "--json"])
@@ -201,10 +203,19 @@ def test_an_unknown_cause_is_asked_what_it_follows(tmp_path: Path):
     recorded = found.recorded + np.stack([0.001 * warm, 0 * warm], 1)
     folder = folder_with(tmp_path, [unknown])
     write_evidence(Evidence(frame, found.names, recorded, found.simulated), folder)
+    report = json.loads((folder / "diagnosis.json").read_text())
+    constant = {"name": "a", "value": 0.2, "low": 0.1, "high": 0.3, "unit": "m"}
+    step = constant | {"name": "t", "value": 9.0, "low": 9.0, "high": 9.0}
+    report["law"] = {"expression": "a * (true_range_m > t)", "constants": [constant, step]}
+    (folder / "diagnosis.json").write_text(json.dumps(report))
     one = bench.plan(folder).answers[0]
+    assert one.names[0] == "law: a * (true_range_m > t)"
     assert one.question == "what no known effect explains"
-    assert set(one.names) <= {"the error follows distance", "the error follows temperature"}
-    assert one.planned() or one.note
+    assert set(one.names[1:]) <= {"the error follows distance", "the error follows temperature"}
+    assert "distance" in {m.knob for m, _ in one.planned()}
+    report["setup_fault"] = {"words": "a fault of the set-up: a2 hangs elsewhere"}
+    (folder / "diagnosis.json").write_text(json.dumps(report))
+    assert "a2 hangs elsewhere" in bench.plan(folder).answers[0].note
 
 
 @pytest.mark.parametrize(
