@@ -30,7 +30,7 @@ Examples:
 )
 @click.option("--recorded", metavar="NAME|PATH", help="The recordings, where they have moved.")
 @click.option("--links", default="2,4,8", show_default=True, metavar="K,..", help="Surveyed links.")
-@click.option("--draws", default=5, show_default=True, metavar="N", help="Draws of so many links.")
+@click.option("--draws", default=3, show_default=True, metavar="N", help="Draws of so many links.")
 @click.option("--minutes", type=float, help="Begin no new fit after; the same command goes on.")
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON, nothing else.")
 def command(

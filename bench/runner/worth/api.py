@@ -13,7 +13,7 @@ from bench.runner.observer import Observer
 from bench.runner.worth.learners import simulated
 from bench.runner.worth.scores import Kept, Task, scored, tasks
 from bench.runner.worth.settings import DRAWS, LINKS
-from bench.runner.worth.site import Site, site
+from bench.runner.worth.site import Site, seed_of, site
 from bench.runner.worth.table import Split, Worth, table
 
 
@@ -46,15 +46,12 @@ def worth(
     obey()
     made: list[Split] = []
     planned = 0
+    _check_apart(folders)
     for folder in map(Path, folders):
         watch.stage(f"{folder}: simulating")
         here = site(folder, recorded)
         todo = tasks(here, counts, draws)
         planned += len(todo)
-        if here.seed in [one.seed for one in made]:
-            raise BenchError(
-                f"{folder}: seed {here.seed} twice; expected other splits of one table"
-            )
         made.append(_split(folder, here, todo, end, watch))
     return table(made, counts, planned)
 
@@ -68,6 +65,18 @@ def _checked(links: Sequence[int], draws: int, minutes: float | None) -> tuple[i
     if minutes is not None and not minutes > 0:
         raise BenchError(f"--minutes {minutes:g}: expected a time above zero")
     return tuple(sorted(set(links)))
+
+
+def _check_apart(folders: Sequence[str | Path]) -> None:
+    """Raise BenchError where a folder is no diagnosis, or two hold out the same links."""
+    known: dict[int, str | Path] = {}
+    for folder in folders:
+        seed = seed_of(Path(folder))
+        if seed in known:
+            raise BenchError(
+                f"{folder} and {known[seed]}: seed {seed} twice; expected other splits"
+            )
+        known[seed] = folder
 
 
 def _split(folder: Path, here: Site, todo: list[Task], end: float, watch: Observer) -> Split:

@@ -79,8 +79,9 @@ def _with_links(
     yield "real", learners.predicted(learners.network(known, site.seed), sealed)
     yield "constant", np.full(len(sealed.errors_m), learners.constant(known))
     yield "boosting", learners.boosting(known, site.seed)(sealed)
+    further = learners.tuned(trained["after"], known)
+    yield "after+tuned", learners.predicted(further, sealed)
     for way, model in trained.items():
-        yield f"{way}+tuned", learners.predicted(learners.tuned(model, known), sealed)
         shifted = learners.predicted(model, sealed) + learners.offset(model, known)
         yield f"{way}+offset", shifted
 

@@ -73,9 +73,7 @@ def site(folder: Path, recorded: Table | None = None) -> Site:
     inputs, path = read_inputs(folder, recorded), folder / "simulator.toml"
     if inputs.table is not None or not path.is_file():
         raise BenchError(f"{folder}: a table was compared; expected a simulator to train on")
-    seed = read_json(folder / "diagnosis.json").get("seed")
-    if not isinstance(seed, int):
-        raise BenchError(f"{folder / 'diagnosis.json'}: no seed; not what `bench diagnose` writes")
+    seed = seed_of(folder)
     table = inputs.recorded
     sealed = split_links(table.frame, seed).confirm.open()
     survey = np.setdiff1d(np.arange(len(table)), sealed)
@@ -91,6 +89,18 @@ def site(folder: Path, recorded: Table | None = None) -> Site:
         seed,
         mark,
     )
+
+
+def seed_of(folder: Path) -> int:
+    """Return the seed of a diagnosis. Raises BenchError where there is none."""
+    path = folder / "diagnosis.json"
+    if not path.is_file():
+        raise BenchError(f"{folder}: no diagnosis there; expected a folder of `bench diagnose -o`")
+    content = read_json(path)
+    seed = content.get("seed") if isinstance(content, dict) else None
+    if not isinstance(seed, int) or seed < 0:
+        raise BenchError(f"{path}: no seed; not what `bench diagnose` writes")
+    return seed
 
 
 def _fewer(frame: pd.DataFrame, rows: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -18,13 +18,11 @@ WAYS = {
     "after": "(c) diagnosed simulator",
     "after+tuned": "(d) diagnosed simulator, network trained further on the links",
     "after+offset": "(d') diagnosed simulator, plus the links' mean offset",
-    "before+tuned": "original simulator, network trained further on the links",
     "before+offset": "original simulator, plus the links' mean offset",
     "constant": "(e) the links' median error",
     "boosting": "(f) gradient boosting on the links' registers",
 }
 """The ways that are compared, in words."""
-BEST_OF = ("after+tuned", "after+offset")
 ALL = 0
 """Stands for all the links there are to survey, which differ from split to split."""
 

@@ -116,6 +116,6 @@ def test_bad_input_is_one_line(diagnosed: Path, tmp_path: Path):
         with pytest.raises(BenchError, match=message) as told:
             bench.worth(**given)
         assert "\n" not in str(told.value)
-    other = recordings().assign(range_m=1.0)
+    other = recordings().drop(columns="error_m").assign(noise_std=1.0)
     with pytest.raises(BenchError, match="other rows than were diagnosed"):
         bench.worth(diagnosed, recorded=other)
