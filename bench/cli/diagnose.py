@@ -30,6 +30,14 @@ Examples:
     help="A simulator file, a simulated table or a plug-in; default: the base simulator alone.",
 )
 @click.option("--hide", default="", metavar="COLUMN,..", help="Columns the diagnosis must not see.")
+@click.option(
+    "--measured", default="", metavar="COLUMN,..",
+    help="Columns of your own that are measured with the range: never searched over.",
+)  # fmt: skip
+@click.option(
+    "--known", default="", metavar="COLUMN,..",
+    help="Columns of your own that are known before it; else a rule guesses, and says so.",
+)  # fmt: skip
 @click.option("--observe", default="", metavar="NAME,..", help="Compare only these observables.")
 @click.option(
     "--paths-only",
@@ -51,6 +59,8 @@ def command(
     recorded: str,
     simulated: str | None,
     hide: str,
+    measured: str,
+    known: str,
     observe: str,
     paths_only: bool,
     environment: str | None,
@@ -73,7 +83,8 @@ def command(
 
     with StatusView("diagnosing ...") as view:
         found = diagnose(
-            recorded, simulated, hide=hide, observe=observe, environment=environment,
+            recorded, simulated, hide=hide, measured=measured, known=known, observe=observe,
+            environment=environment,
             paths_only=paths_only, seed=seed, out=out, jobs=jobs,
             scheduler=scheduler, observer=view,
         )  # fmt: skip
@@ -98,7 +109,7 @@ def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
 def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
     from bench.discrepancy.compare.calibration import auc_doubt
-    from bench.discrepancy.report.document import describe, law_lines
+    from bench.discrepancy.report.document import describe, law_lines, measured_lines
 
     say(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
@@ -115,5 +126,7 @@ def _print(diagnosis: Diagnosis) -> None:
         f"90th percentile {seen.high_before_m} -> {seen.high_after_m}; "
         f"AUC {seen.auc_before:.3f} -> {seen.auc_after:.3f}{auc_doubt(seen.links)}"
     )
+    for line in measured_lines(diagnosis):
+        say(line)
     for name, reason in diagnosis.selection.skipped.items():
         say(f"skipped {name}: {reason}")

@@ -22,6 +22,7 @@ from bench.discrepancy.confirm import Confirmed, confirm, headline, improves
 from bench.discrepancy.data.checks import check_recorded
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_motion
 from bench.discrepancy.data.observables import Window, window_of
+from bench.discrepancy.data.own_columns import measured_columns
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.law.found import FoundLaw, SetupFault
@@ -60,6 +61,8 @@ SETTINGS = ("channel", "prf_mhz", "tx_power_dbm")
 class Options:
     """How much is done: rows used for search, fit and confirmation, the seed, what is compared.
 
+    `measured` and `known` say of columns of the user's own which they are (see `own_columns`).
+
     `waveform` False simulates from paths alone (see `View`); None decides by the tables: waveforms
     are compared where both sides have them.
     """
@@ -69,6 +72,8 @@ class Options:
     fit_rows: int = 500
     confirm_rows: int = 2000
     hide: tuple[str, ...] = ()
+    measured: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
     observables: tuple[str, ...] | None = None
     waveform: bool | None = None
 
@@ -81,7 +86,8 @@ class Diagnosis:
     the share of the recorded rows that have no simulated counterpart and took no part; `base` has
     the radio settings that were taken from the recordings. `law` and `setup_fault` are said where
     no known effect explains what is there, and sealed links bear it out. `evidence` has working
-    rows to go on from.
+    rows to go on from. `measured` are columns of the user's own that were measured with the range,
+    so that they were not searched over.
     """
 
     source: str
@@ -98,6 +104,7 @@ class Diagnosis:
     law: FoundLaw | None = None
     setup_fault: SetupFault | None = None
     evidence: Evidence | None = None
+    measured: tuple[str, ...] = ()
 
     @property
     def recommended(self) -> bool:
@@ -127,7 +134,9 @@ def diagnose(
     """
     check_recorded(recorded)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
-    shown = replace(recorded, frame=with_motion(hidden(recorded.frame, asked.hide)))
+    frame = hidden(recorded.frame, asked.hide)
+    measured = measured_columns(frame, asked.measured, asked.known)
+    shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     base = base_of(shown.frame, simulated)
     comparison = compared_with(simulated, window_of(shown.frame), asked.seed, base)
     inside = covered(comparison, shown)
@@ -152,7 +161,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        said.law, said.fault or named_fault(found), kept,
+        said.law, said.fault or named_fault(found), kept, measured,
     )  # fmt: skip
 
 

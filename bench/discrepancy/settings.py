@@ -33,6 +33,10 @@ NOISE_BEFORE_NS: Final = -3.5  # earlier samples hold noise alone: the pulse is 
 MOST_CATEGORIES: Final = 24  # of one column; more is an identifier, not a covariate [cost]
 RAREST_CATEGORY: Final = 0.02  # share of the rows below which a category is not searched [blind]
 
+MEASURED_SCATTER: Final = 0.5  # of the variance of a column of the user's own that is from row to
+# row of a link: from there on it is taken as measured, not known before [convention]
+MEASURED_VALUES: Final = 0.5  # of the rows must have values of their own: settings are few
+
 MOVING_SHARE: Final = 0.2  # of the rows, whose speed must be known [convention]
 SLOWEST_M_PER_S: Final = 0.02  # where hardly a row is faster, nothing moves [convention]
 FASTEST_M_PER_S: Final = 60.0  # faster than any vehicle on the ground [derived]
@@ -183,6 +187,8 @@ HEADING_BENDS: Final = (0.03, 0.1, 0.3, 1.0)  # weights of its bends, tried on l
 HEADING_FOLDS: Final = 4  # [convention]
 HEADING_SECTOR_DEG: Final = 30.0  # twelfths of a circle
 HEADING_SECTORS: Final = 6  # of 12: headings that fill fewer are no circle [convention]
+MOST_PATTERN_BIAS_M: Final = 0.3  # [source] Ledergerber 2018: 10-20 cm over direction; more of it
+# is no antenna
 UNNAMED_KNOTS: Final = 9  # of the curve of what has no name [convention]
 UNNAMED_ROWS: Final = 20  # below which there is no curve [convention]
 UNNAMED_RIDGE: Final = 1e-3  # keeps empty knots at zero [derived]
@@ -217,6 +223,8 @@ FAR_BEHIND: Final = 0.12  # of the best gain: what screens below does not catch 
 WORTH_FITTING_NATS: Final = 0.002  # [cost]
 CURVE_FREEDOM_NATS: Final = 0.02  # what a free curve gains by its freedom is less [blind]
 WORTH_PURSUING: Final = 0.5  # of the best gain, with waveforms [waves]
+SAME_LINKS: Final = 0.5  # correlation over links of two gains, from which on they are of one thing:
+# a constant and pure scatter may gain as much, but not on the same rows [convention]
 EQUIVALENT_SHARE: Final = 0.5  # of the best gain, from which on another may do as well [blind]
 
 # --- Selection (select/stepwise, backfitting, conclude) ------------------------------------------
@@ -279,6 +287,7 @@ KEPT_STEPS: Final = 96  # batches after a step of the chain, up to 5 MB each
 KEPT_NOISE: Final = 48  # blocks of noise, up to 2 MB each
 KEPT_ROWS: Final = 16  # tables of rows that are told apart without looking at their values
 KEPT_TABLES: Final = 24  # matched tables with CIRs
+KEPT_SHAPES: Final = 96  # figures of the CIRs of a matched table with effects, 0.4 MB each
 KEPT_MATCHES: Final = 8  # views with the rows that match them
 
 # --- Laws without a name (law) -----------------------------------------------------------------

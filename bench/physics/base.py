@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ive
 
 from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch
@@ -208,8 +209,23 @@ def _noise(batch: Batch) -> tuple[Floats, Floats]:
     """Return std of |noise| [n] in counts and mean |noise|^2 [n], as the chip would measure."""
     if batch.as_given or batch.noise is None:
         power = there(batch.noise_power)
-        return RAYLEIGH_STD * np.sqrt(power / 2), power
+        steady = batch.steady_power
+        if steady is None:
+            return RAYLEIGH_STD * np.sqrt(power / 2), power
+        return _rice_std(power, steady), power
     size = absolute(batch.noise)
     mean = np.mean(size, axis=1, dtype=np.float64)
     power = np.einsum("ns,ns->n", size, size).astype(np.float64) / size.shape[1]
     return np.sqrt(np.maximum(power - mean**2, 0)), power
+
+
+def _rice_std(power: Floats, steady: Floats) -> Floats:
+    """Return the std of a magnitude [n] of mean square `power`, `steady` of it a tone's (Rice).
+
+    A tone raises the magnitude, but hardly its scatter; without one this is Rayleigh's.
+    """
+    steady = np.minimum(steady, power)
+    half = np.maximum((power - steady) / 2, 1e-30)
+    x = steady / (4 * half)
+    mean = np.sqrt(np.pi * half / 2) * ((1 + 2 * x) * ive(0, x) + 2 * x * ive(1, x))
+    return np.asarray(np.sqrt(np.maximum(power - mean**2, 0)))

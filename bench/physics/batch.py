@@ -32,7 +32,8 @@ class Batch:
     delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
     noise's standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
     `symbols` and `level_dbm`.
-    `noise_power` [n] is the mean |noise|^2 of one sample. `as_given`: the waveform came from a
+    `noise_power` [n] is the mean |noise|^2 of one sample, `steady_power` [n] what tones and offsets
+    hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
     table, with its noise in it; `noise` holds only what effects add.
     Ranging: `first_path` [n] (samples from sample 0), `range_m` [n], the chip's `rx_power_dbm`
     and `first_path_power_dbm` [n], `noise_std` [n] counts. `clock_offset_ppm` [n] where known.
@@ -57,6 +58,7 @@ class Batch:
     threshold: Floats | None = None
     peak_fraction: float = 0.0
     noise_power: Floats | None = None
+    steady_power: Floats | None = None
     as_given: bool = False
     level_dbm: Floats | None = None
     first_path: Floats | None = None
@@ -82,6 +84,14 @@ class Batch:
     def level(self) -> Floats:
         """Return the true receive level [n] in dBm, at whatever stage the batch is."""
         return self.path_power_dbm() if self.level_dbm is None else self.level_dbm
+
+    def steadier(self, power: Floats | float) -> Batch:
+        """Return the batch with noise of constant magnitude, of this `power`, beside the other."""
+        before = 0.0 if self.steady_power is None else self.steady_power
+        whole = None if self.noise_power is None else self.noise_power + power
+        if not self.as_given:
+            return replace(self, noise_power=whole)
+        return replace(self, noise_power=whole, steady_power=before + power)
 
     def louder(self, gain_db: Floats | float) -> Batch:
         """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""

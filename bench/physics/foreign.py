@@ -76,11 +76,14 @@ class ForeignTable:
         whole = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
         return whole.astype(np.complex64)
 
-    def observe(self, effects: tuple[Effect, ...], seed: int = 0, replicate: int = 0) -> Outcome:
+    def observe(
+        self, effects: tuple[Effect, ...], seed: int = 0, replicate: int = 0, *, cir: bool = True
+    ) -> Outcome:
         """Return the table's rows with `effects` in them; with none, as they are.
 
         The CIR stays on the table's own samples; `first_path_index` moves where detection does.
-        Raises BenchError naming an effect that cannot act on a table.
+        Without `cir` the outcome has none. Raises BenchError naming an effect that cannot act on a
+        table.
         """
         for effect in effects:
             if not effect.on_tables:
@@ -89,7 +92,7 @@ class ForeignTable:
         draws = [Draws(seed, replicate, "base", start // BLOCK) for start in starts]
         pairs = zip(starts, draws, self._plain, strict=True)
         return joined(
-            [self._outcome(at, self._run(effects, at, key), plain) for at, key, plain in pairs]
+            [self._outcome(at, self._run(effects, at, key), plain, cir) for at, key, plain in pairs]
         )
 
     @cached_property
@@ -99,13 +102,28 @@ class ForeignTable:
         return [self._run((), start, Draws(0, 0, "base", 0)) for start in starts]
 
     def _run(self, effects: tuple[Effect, ...], start: int, draws: Draws) -> Batch:
-        """Return one block after all stages."""
+        """Return one block after all stages; what comes before the ranging is remembered once."""
+        early = tuple(effect for effect in effects if effect.stage != "ranging")
+        key = (early, draws.seed, draws.replicate)
+        kept, batch = self._detected.get(start, (None, None))
+        if batch is None or kept != key:
+            batch = self._detect(early, start, draws)
+            self._detected[start] = key, batch
+        pipeline = Pipeline(effects, self.base.counted, self.base.detected)
+        return pipeline.ranged(batch, draws)
+
+    @cached_property
+    def _detected(self) -> dict[int, tuple[object, Batch]]:
+        """The last detected batch of every block, with what decided it."""
+        return {}
+
+    def _detect(self, early: tuple[Effect, ...], start: int, draws: Draws) -> Batch:
+        """Return one block up to detection."""
         arriving = self._arriving(slice(start, start + BLOCK))
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
         receive = partial(self._received, offset_db=offset_db)
-        pipeline = Pipeline(effects, receive, self.base.detected)
-        return pipeline.simulated(lambda: arriving, draws)
+        return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
 
     def _arriving(self, part: slice) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
@@ -160,7 +178,7 @@ class ForeignTable:
         noise = np.zeros_like(waveform)
         return replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
 
-    def _outcome(self, start: int, changed: Batch, plain: Batch) -> Outcome:
+    def _outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
         """Return the table's values plus what the effects changed in one block."""
         rows, part = changed.rows, slice(start, start + BLOCK)
         rx, first, noise = (
@@ -169,7 +187,7 @@ class ForeignTable:
             for given in [rows.number(name, np.nan)]
         )
         whole = None
-        if changed.waveform is not None and changed.noise is not None:
+        if cir and changed.waveform is not None and changed.noise is not None:
             whole = changed.waveform + changed.noise
         return Outcome(
             true_range_m=rows.true_range_m,

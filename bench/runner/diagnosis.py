@@ -37,6 +37,8 @@ def diagnose(
     simulated: Table | Simulator | None = None,
     *,
     hide: str | Iterable[str] = (),
+    measured: str | Iterable[str] = (),
+    known: str | Iterable[str] = (),
     observe: str | Iterable[str] = (),
     environment: str | None = None,
     paths_only: bool = False,
@@ -51,6 +53,7 @@ def diagnose(
     `recorded`: a data set's name, a file, a frame or `Recordings`. `simulated`: a simulator (TOML
     file, plug-in name, `Simulator`), which is run again at every recorded row, or a table of
     another simulator's rows; None is the base simulator alone. `hide`: columns it must not see;
+    `measured`, `known`: columns of your own that are measured with the range, or known before it;
     `observe`: compare only these observables; `paths_only`: no waveforms even where both sides
     have them, range and level alone. With `out` the report, the new simulator and figures go to
     that folder, and a diagnosis that was stopped goes on from it. `jobs` processes or a Dask
@@ -69,7 +72,10 @@ def diagnose(
     watch, spread = observer or Observer(), Spread(jobs, scheduler)
     chosen = _names("--observe", observe) or None
     waves = False if paths_only else None
-    options = Options(seed, hide=_names("--hide", hide), observables=chosen, waveform=waves)
+    options = Options(
+        seed, hide=_names("--hide", hide), measured=_names("--measured", measured),
+        known=_names("--known", known), observables=chosen, waveform=waves,
+    )  # fmt: skip
     table, against = read(recorded, environment), counterpart(simulated)
     table.require(*options.hide)
     if out is None:

@@ -128,6 +128,20 @@ def gain_interval(
     return Estimate(value, float(value + wide * low), float(value + wide * high), "nats")
 
 
+def alike(reference: Tally, one: Tally, other: Tally) -> float:
+    """Return the correlation over links of what two candidates gain: 1 for the same links.
+
+    Two that gain as much in total are not the same thing where they gain it on different rows.
+    """
+    names = tuple(n for n in reference.names if n in one.names and n in other.names)
+    each = np.eye(len(reference.sums), dtype=np.int64)
+    left = reference.keep(names)
+    mine, its = (_weighted_differences(left, c.keep(names), each) for c in (one, other))
+    if min(mine.std(), its.std()) < LEAST_CRPS:
+        return 1.0
+    return float(np.corrcoef(mine, its)[0, 1])
+
+
 def _weighted_differences(left: Tally, right: Tally, draws: NDArray[np.int64]) -> Floats:
     """Return the weighted sum of (mean CRPS of left - of right) / mean of left, per draw."""
     rows = np.maximum(draws @ left.counts, 1)

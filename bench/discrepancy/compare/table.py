@@ -39,6 +39,7 @@ from bench.discrepancy.settings import (
     FAR_STD,
     KEPT_MATCHES,
     KEPT_PATH_REPLICATES,
+    KEPT_SHAPES,
     KEPT_TABLES,
     LEAST_STD,
     MOST_VERSIONS,
@@ -48,6 +49,7 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
+from bench.physics.outcome import Outcome
 from bench.physics.simulator import Simulator
 
 LEVELS = (
@@ -106,15 +108,28 @@ class TableComparison:
         """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
         key = (view.number, pick.tobytes())
         table = self._tables.get(key, lambda: ForeignTable(self._rows_at(view, pick)))
-        made = table.observe(added, self.seed, replicate)
+        early = tuple(effect for effect in added if effect.stage != "ranging")
+        whole = (*key, early, replicate)
+        shape = self._shapes.find(whole)
+        made = table.observe(added, self.seed, replicate, cir=shape is None)
         scalars = {name: np.asarray(getattr(made, name), np.float64) for name in SCALARS}
+        if shape is None:
+            shape = self._shapes.keep(whole, self._shape(made, scalars))
+        seen = collect(scalars, shape)
+        return replace(seen, values=seen.values + self._nearer(seen, view, pick))
+
+    def _shape(self, made: Outcome, scalars: dict[str, Floats]) -> dict[str, Floats]:
+        """Return the figures of the CIRs of changed rows: effects on the range change none."""
         assert made.cir is not None
         assert made.first_path_index is not None
         period = np.full(len(made), made.sample_period_ns)
         cir = around(made.cir, made.first_path_index, period, self.window)
-        shape = shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
-        seen = collect(scalars, shape)
-        return replace(seen, values=seen.values + self._nearer(seen, view, pick))
+        return shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
+
+    @cached_property
+    def _shapes(self) -> Memory[dict[str, Floats]]:
+        """Figures of CIRs that are remembered."""
+        return Memory(KEPT_SHAPES)
 
     @cached_property
     def _tables(self) -> Memory[ForeignTable]:

@@ -13,7 +13,10 @@ from bench.discrepancy.settings import MOST_CATEGORIES, RAREST_CATEGORY
 from bench.recordings.table import CIR_COLUMNS
 
 # Columns that are measured, not known before; "link" is the unit, not a covariate.
-MEASURED = {*SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link"}
+MEASURED = {
+    *SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link",
+    "cir_power", "fp_ampl1", "fp_ampl2", "fp_ampl3",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from bench.discrepancy.settings import (
     HEADING_SECTOR_DEG,
     HEADING_SECTORS,
     HEADING_STEP_DEG,
+    MOST_PATTERN_BIAS_M,
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
@@ -39,6 +40,7 @@ def pattern_curve(comparison: Comparison, view: View, added: Added) -> PatternCu
         return None
     residual = ensemble.residual_of(RANGE)
     bias = curve_over(heading, residual, smoothest(heading, residual, view.links))
+    bias = np.clip(bias, -MOST_PATTERN_BIAS_M, MOST_PATTERN_BIAS_M)
     return PatternCurve(HEADINGS_DEG, tuple(bias.tolist()))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
 from bench.discrepancy.data.observables import unit_of
+from bench.discrepancy.data.own_columns import RULE
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
@@ -56,6 +57,7 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
         "rows_without_counterpart": diagnosis.uncovered,
         "seed": diagnosis.options.seed,
         "hidden": list(diagnosis.options.hide),
+        "measured_columns": list(diagnosis.measured),
         "verdicts": [as_dict(verdict) for verdict in diagnosis.selection.verdicts],
         "law": law_dict(diagnosis.law),
         "setup_fault": fault_dict(diagnosis.setup_fault),
@@ -94,6 +96,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     """Return the report as Markdown."""
     lines = [f"# Diagnosis: {diagnosis.simulated} against {diagnosis.source}", ""]
     lines += [f"**{diagnosis.headline}**", "", _base_line(diagnosis), ""]
+    lines += [part for line in measured_lines(diagnosis) for part in (line, "")]
     lines += ["## What was found", ""]
     for verdict in diagnosis.selection.verdicts:
         lines += [*describe(verdict), ""]
@@ -114,6 +117,13 @@ def _base_line(diagnosis: Diagnosis) -> str:
         f"{base.tx_power_dbm:g} dBm radiated (from the recordings where they have the columns "
         "channel, prf_mhz and tx_power_dbm, else the simulator's)."
     )
+
+
+def measured_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return which columns of the user's own took no part as covariates, and by what rule."""
+    if not diagnosis.measured:
+        return []
+    return [f"Measured, so not searched over: {', '.join(diagnosis.measured)} ({RULE})."]
 
 
 def describe(verdict: Verdict) -> list[str]:
@@ -220,7 +230,10 @@ def _mix_lines(diagnosis: Diagnosis) -> list[str]:
             "",
         ]
     for name, (shift, p) in diagnosis.mix.items():
-        out += [f"- {name}: recorded - simulated = {shift:+.2f} standard deviations, p = {p:.3g}"]
+        out += [
+            f"- {name}: recorded - simulated = {shift:+.2f} standard deviations of the recorded "
+            f"links' means, p = {p:.3g}"
+        ]
     return [*out, ""]
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.skill import Tally, gain_interval, tally
+from bench.discrepancy.compare.skill import Tally, alike, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.columns import known_columns
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
@@ -30,6 +30,7 @@ from bench.discrepancy.settings import (
     FAR_BEHIND,
     FIT_MEMBERS,
     REFINED,
+    SAME_LINKS,
     SCORE_FIRST,
     SCORE_MEMBERS,
     WORTH_FITTING_NATS,
@@ -300,7 +301,8 @@ def equivalents(
 ) -> tuple[Contender, ...]:
     """Return the best contender and those that held-out links cannot tell from it.
 
-    Where the best is not sure itself, others need only be as good.
+    Where the best is not sure itself, others need only be as good. Two that both gain for sure,
+    and as much, but on different links are two causes, not two names of one.
     """
     if not explanation.contenders:
         return ()
@@ -310,6 +312,13 @@ def equivalents(
         ahead = gain_interval(other.tally, best.tally, seed)
         close = other.gain.value >= share * best.gain.value
         likely = other.gain.likely_above_zero or not best.gain.above_zero
-        if close and likely and not ahead.above_zero:
+        if close and likely and not ahead.above_zero and _same_links(explanation, best, other):
             same.append(other)
     return tuple(same)
+
+
+def _same_links(explanation: Explanation, best: Contender, other: Contender) -> bool:
+    """Return whether two contenders gain on the same links, as far as both gain for sure."""
+    if not (best.gain.above_zero and other.gain.above_zero):
+        return True
+    return alike(explanation.base, best.tally, other.tally) >= SAME_LINKS

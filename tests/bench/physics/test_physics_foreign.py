@@ -7,6 +7,7 @@ from physics_scenes import line
 
 from bench.errors import BenchError
 from bench.physics import ForeignTable, Simulator
+from bench.physics.base import RAYLEIGH_STD
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
@@ -16,9 +17,11 @@ from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.power_bias import PowerBias, published_bias_m
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.effects.receiver.quantisation import Quantisation
 
 
 def simulated(**columns) -> pd.DataFrame:
@@ -125,3 +128,28 @@ def test_what_cannot_be_done_is_said() -> None:
     uneven = frame.assign(cir=[np.ones(3 + row % 2) for row in range(len(frame))])
     with pytest.raises(BenchError, match="different lengths"):
         ForeignTable(uneven).observe(())
+
+
+def test_what_is_remembered_gives_the_same_numbers(table: ForeignTable) -> None:
+    """Effects on the range alone reuse the detected batch, whatever was asked before."""
+    both = (PulseRinging(), AntennaDelay(delay_ns=1.0))
+    fresh = ForeignTable(table.frame).observe(both, 3, 2)
+    table.observe((PulseRinging(), AntennaDelay(delay_ns=2.0)), 3, 2)
+    again = table.observe(both, 3, 2)
+    np.testing.assert_array_equal(again.range_m, fresh.range_m)
+    np.testing.assert_array_equal(again.cir, fresh.cir)
+    assert table.observe(both, 3, 2, cir=False).cir is None
+
+
+def test_a_tone_raises_the_magnitude_but_hardly_its_scatter(table: ForeignTable) -> None:
+    """The chip reports the scatter of magnitudes: against samples drawn as it would see them."""
+    rng = np.random.default_rng(0)
+    own = table.frame["noise_std"].to_numpy() / RAYLEIGH_STD
+    drawn = own[:, None] * (rng.normal(size=(2, 300, 4000)).T @ np.array([1, 1j])).T
+    for level_db in (0.0, 6.0, 20.0):
+        tone = NarrowbandInterference(level_db=level_db, fading_db=0.0)
+        made = table.observe((tone,))
+        size = np.sqrt(2) * own[:, None] * 10 ** (level_db / 20)
+        np.testing.assert_allclose(made.noise_std, np.abs(drawn + size).std(axis=1), rtol=0.06)
+    offset = table.observe((Quantisation(step_counts=0, offset_counts=900.0),))
+    assert np.all(offset.noise_std < 2 * table.frame["noise_std"])

@@ -45,7 +45,7 @@ class NarrowbandInterference(Effect):
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
         tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
         noise = (batch.noise + size[:, None] * tone).astype(np.complex64)
-        return replace(batch, noise=noise, noise_power=batch.noise_power + size**2)
+        return replace(batch, noise=noise).steadier(size**2)
 
     def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
         return np.asarray(draws.uniform(rows) < self.share)

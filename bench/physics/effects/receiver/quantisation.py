@@ -40,6 +40,8 @@ class Quantisation(Effect):
         if self.step_counts == 0 and self.offset_counts == 0:
             return batch
         added = batch.noise + self._offset(batch, draws)[:, None]
+        if batch.as_given:  # else the samples tell
+            batch = batch.steadier(np.full(len(batch), self.offset_counts**2))
         if self.step_counts == 0:
             return replace(batch, noise=added)
         signal, noise = np.empty_like(batch.waveform), np.empty_like(added)

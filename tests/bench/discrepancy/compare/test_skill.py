@@ -8,6 +8,7 @@ import pytest
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import (
     Tally,
+    alike,
     gain,
     gain_interval,
     gains,
@@ -177,3 +178,14 @@ def test_an_observable_that_no_row_has_gains_nothing() -> None:
     one = Tally(("error_m", "noise_std"), np.array([[2.0, 0.0]] * 2), np.array([[4.0, 0.0]] * 2))
     assert gains(one, one) == {"error_m": 0.0, "noise_std": 0.0}
     assert np.isfinite(gain_interval(one, one, 0).value)
+
+
+def test_gains_on_the_same_links_are_told_from_gains_on_others() -> None:
+    counts = np.full((LINKS, 1), 4.0)
+    base = Tally(("error_m",), np.full((LINKS, 1), 4.0), counts)
+    first, second = np.ones((LINKS, 1)) * 3, np.ones((LINKS, 1)) * 3
+    first[: LINKS // 2], second[LINKS // 2 :] = 1.0, 1.0
+    one, other = Tally(("error_m",), first, counts), Tally(("error_m",), second, counts)
+    assert alike(base, one, one) == pytest.approx(1.0)
+    assert alike(base, one, other) == pytest.approx(-1.0)
+    assert alike(base, base, other) == 1.0  # what gains nothing anywhere differs from nothing
