@@ -85,13 +85,11 @@ class Batch:
         """Return the true receive level [n] in dBm, at whatever stage the batch is."""
         return self.path_power_dbm() if self.level_dbm is None else self.level_dbm
 
-    def steadier(self, power: Floats | float) -> Batch:
-        """Return the batch with noise of constant magnitude, of this `power`, beside the other."""
-        before = 0.0 if self.steady_power is None else self.steady_power
+    def steadier(self, power: Floats) -> Batch:
+        """Return the batch with noise of constant magnitude, of `power` [n], beside the other."""
         whole = None if self.noise_power is None else self.noise_power + power
-        if not self.as_given:
-            return replace(self, noise_power=whole)
-        return replace(self, noise_power=whole, steady_power=before + power)
+        steady = power if self.steady_power is None else self.steady_power + power
+        return replace(self, noise_power=whole, steady_power=steady if self.as_given else None)
 
     def louder(self, gain_db: Floats | float) -> Batch:
         """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""

@@ -39,14 +39,14 @@ class Quantisation(Effect):
             return batch
         if self.step_counts == 0 and self.offset_counts == 0:
             return batch
-        added = batch.noise + self._offset(batch, draws)[:, None]
+        waveform, added = batch.waveform, batch.noise + self._offset(batch, draws)[:, None]
         if batch.as_given:  # else the samples tell
-            batch = batch.steadier(np.full(len(batch), self.offset_counts**2))
+            batch = batch.steadier(np.full(len(batch), float(self.offset_counts) ** 2))
         if self.step_counts == 0:
             return replace(batch, noise=added)
-        signal, noise = np.empty_like(batch.waveform), np.empty_like(added)
+        signal, noise = np.empty_like(waveform), np.empty_like(added)
         limits = np.float32(self.step_counts), np.float32(self.limit_counts)
-        arrays = (parts(each) for each in (signal, noise, batch.waveform, added))
+        arrays = (parts(each) for each in (signal, noise, waveform, added))
         compiled(quantise_rows)(*arrays, *limits)
         return replace(batch, waveform=signal, noise=noise)
 
