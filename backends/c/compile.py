@@ -17,7 +17,7 @@ FLAGS = (
     *("-ftree-vectorize", "-fvect-cost-model=dynamic"),  # -O3 takes twice as long for no more
 )
 NATIVE = "-march=native"
-QUICK = ("-std=c99", "-O0", "-ffp-contract=off", "-w")  # the same answers, soon compiled
+QUICK = ("-std=c99", "-O1", "-ffp-contract=off")  # the same answers, soon compiled
 MISSING = (
     "no C compiler: install one (Debian: apt install gcc) or `pip install 'uwb-bench[native]'`"
 )

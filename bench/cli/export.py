@@ -66,13 +66,14 @@ def command(
     REPORT.md: agreement with ONNX Runtime (mm), flash and RAM (bytes), how to call it.
     """
     from bench.cli.run_view import RunView
-    from bench.export import export
+    from bench.export import check_folder, export
     from bench.runner.plan import resolve
 
     if run is None and (model is None or backend is None):
         raise BenchError("name a --model and a --backend, or a finished --run")
     if run is not None and (model or backend):
         raise BenchError("--run says which model and backend: leave --model and --backend out")
+    check_folder(out)
     parts = [one.load() for one in resolve("devices", device)] if device else []
     with tempfile.TemporaryDirectory() as scratch, RunView(quiet=as_json) as view:
         chosen = _choose(model, backend, data, run, results, Path(scratch), view)

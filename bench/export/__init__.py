@@ -5,6 +5,6 @@ export(chosen, "c", Path("firmware"))
 """
 
 from bench.export.chosen import Chosen, from_fit, from_run
-from bench.export.write import Exported, Format, export
+from bench.export.write import Exported, Format, check_folder, export
 
-__all__ = ["Chosen", "Exported", "Format", "export", "from_fit", "from_run"]
+__all__ = ["Chosen", "Exported", "Format", "check_folder", "export", "from_fit", "from_run"]

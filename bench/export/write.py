@@ -52,11 +52,16 @@ def export(
     Raises BenchError where C cannot be written for an operator, where it does not agree with ONNX
     Runtime, or where the folder cannot be written; nothing is written then.
     """
-    if folder.exists() and not folder.is_dir():
-        raise BenchError(f"-o {folder}: a file, expected a folder")
+    check_folder(folder)
     if to == "onnx":
         return _put(folder, {"model.onnx": _bytes(chosen), "REPORT.md": report(chosen, None)})
     return _export_c(chosen, folder, requantise, parts)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise BenchError where something that is no folder is in the way."""
+    if folder.exists() and not folder.is_dir():
+        raise BenchError(f"-o {folder}: a file, expected a folder")
 
 
 def _bytes(chosen: Chosen) -> bytes:

@@ -16,7 +16,7 @@ from backends.c.run import load
 from backends.ort import open_optimised
 
 pytestmark = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
-SCALAR = (*FLAGS, "-DUWB_SCALAR")
+SCALAR = (*QUICK, "-DUWB_SCALAR")
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ SCALAR = (*FLAGS, "-DUWB_SCALAR")
 )
 def test_float_c_is_torch_in_float64(model, limit_m, built, fitted, test_rows) -> None:
     source = generate(built(model, "fp32").path, "fp32")
-    found = load(source)(test_rows[0])
+    found = load(source, QUICK)(test_rows[0])
     with torch.inference_mode():
         exact = fitted(model).to_module().double()(torch.tensor(test_rows[0]).double()).numpy()
     assert np.abs(found - exact).max() <= limit_m
@@ -36,7 +36,7 @@ def test_float_c_is_torch_in_float64(model, limit_m, built, fitted, test_rows) -
 def test_every_vector_width_gives_the_same_bits(model, built, test_rows) -> None:
     source = generate(built(model, "fp32").path, "fp32")
     rows = test_rows[0][:100]
-    builds = [load(source, flags)(rows) for flags in (SCALAR, FLAGS, (*FLAGS, NATIVE))]
+    builds = [load(source, flags)(rows) for flags in (SCALAR, QUICK, (*FLAGS, NATIVE))]
     assert np.array_equal(builds[0], builds[1])
     assert np.array_equal(builds[0], builds[2])
 
@@ -55,9 +55,20 @@ def test_8_bit_c_is_the_runtime_bit_by_bit(model, backend, requantise, built, te
     assert np.abs(found - expected).max() <= 1e-3
 
 
+@pytest.mark.parametrize("model", ["remnet", "cnn1d"])
+def test_a_cortex_m0s_way_gives_the_same_bits(model, built, test_rows) -> None:
+    """Its sums and its rounding in 20 bits are other C, which this machine runs as well."""
+    source = generate(built(model, "int8").path, "int8", "fixed")
+    assert "uwb_scaled_quick" in source.files["uwb_predict.c"]
+    builds = [
+        load(source, (*QUICK, flag))(test_rows[0]) for flag in ("-D__ARM_ARCH_6M__", "-DUWB_PLAIN")
+    ]
+    assert np.array_equal(*builds)
+
+
 def test_8_bit_c_after_features_is_the_runtime_nearly_always(built, test_rows) -> None:
     path = built("mlp", "int8").path
-    found = load(generate(path, "int8"))(test_rows[0])
+    found = load(generate(path, "int8"), QUICK)(test_rows[0])
     expected = open_optimised(path)(test_rows[0])
     assert np.mean(found == expected) >= 0.999
 
@@ -67,8 +78,8 @@ def test_half_precision_weights_stay_16_bits_and_are_widened_when_read(built, te
     whole, kept = generate(path, "fp32"), generate(path, "fp16")
     assert "static const uint16_t uwb_weight_" in kept.files["uwb_predict.c"]
     assert len(kept.files["uwb_predict.c"]) < 0.8 * len(whole.files["uwb_predict.c"])
-    found = load(kept)(test_rows[0])
-    assert np.array_equal(found, load(whole)(test_rows[0]))
+    found = load(kept, QUICK)(test_rows[0])
+    assert np.array_equal(found, load(whole, QUICK)(test_rows[0]))
     assert np.abs(found - open_optimised(path)(test_rows[0])).max() < 1e-5
 
 
@@ -90,7 +101,7 @@ def test_every_16_bit_number_is_widened_exactly(tmp_path: Path) -> None:
 @pytest.mark.parametrize("model", ["remnet", "mlp"])
 def test_a_graph_with_fused_operators_is_read_too(model, built, test_rows) -> None:
     path = built(model, "graph").path
-    found = load(generate(path, "fp32"))(test_rows[0])
+    found = load(generate(path, "fp32"), QUICK)(test_rows[0])
     assert np.abs(found - open_optimised(path)(test_rows[0])).max() < 1e-5
 
 
@@ -98,7 +109,7 @@ def test_a_graph_with_fused_operators_is_read_too(model, built, test_rows) -> No
 def test_odd_inputs_give_what_is_promised(model, backend, built, tmp_path: Path) -> None:
     precision = "fp32" if backend == "fp32" else "int8"
     path = built(model, backend).path
-    run = load(generate(path, precision))
+    run = load(generate(path, precision), QUICK)
     for odd in (np.nan, np.inf, -np.inf, 1.1e9):
         row = np.ones((1, 157), np.float32)
         row[0, 156] = odd
@@ -111,7 +122,7 @@ def test_odd_inputs_give_what_is_promised(model, backend, built, tmp_path: Path)
 
 
 def test_the_runner_refuses_other_rows(built) -> None:
-    run = load(generate(built("remnet", "fp32").path, "fp32"))
+    run = load(generate(built("none", "fp32").path, "fp32"), QUICK)
     for rows in (np.ones((2, 156), np.float32), np.ones((2, 157)), np.ones(157, np.float32)):
         with pytest.raises(ValueError, match=r"expected rows float32 \[n, 157\]"):
             run(rows)
@@ -151,11 +162,11 @@ def test_every_pair_of_8_bit_values_is_the_runtimes(operator, tmp_path: Path) ->
     assert numpy_helper.to_array(model.graph.initializer[0]) > 0
     pairs = np.stack(np.meshgrid(np.arange(256), np.arange(256)), -1).reshape(-1, 2)
     rows = pairs.astype(np.float32)
-    found = load(generate(saved(model, tmp_path), "int8"))(rows)
+    found = load(generate(saved(model, tmp_path), "int8"), QUICK)(rows)
     expected = run_once(model, rows)[0]
     assert len(np.unique(expected)) > 100
     assert np.array_equal(found, expected)
-    fixed = load(generate(saved(model, tmp_path), "int8", "fixed"))(rows)
+    fixed = load(generate(saved(model, tmp_path), "int8", "fixed"), QUICK)(rows)
     assert np.mean(fixed == expected) > 0.999
     assert np.abs(fixed - expected).max() <= 1
 

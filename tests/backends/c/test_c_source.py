@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 import shutil
 import subprocess
@@ -12,13 +13,20 @@ import pytest
 from onnx import helper
 from onnx_models import model_of, saved
 
-from backends.c.compile import CompilerError, compile_files, compile_shared, missing_compiler
+from backends.c.compile import (
+    QUICK,
+    CompilerError,
+    compile_files,
+    compile_shared,
+    missing_compiler,
+)
 from backends.c.emit import generate
+from backends.c.kernels.prelude import bits, helpers
 from backends.c.run import load
 from backends.c.text import identifiers, number
 
 needs_compiler = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
-STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror")
+STRICT = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror")
 CASES = [
     ("remnet", "fp32"),
     ("cnn1d", "fp32"),
@@ -91,30 +99,38 @@ def test_named_inputs_become_pointers_in_order(tmp_path: Path) -> None:
     ) in header
 
 
+@pytest.fixture(scope="module")
+def mathematics(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """The functions of the prelude over arrays, compiled once."""
+    names = ("exp", "sqrt", "sigmoid", "tanh", "log")
+    lines = ["#include <stdint.h>", "#include <string.h>", *bits(), *helpers(names)]
+    for name in names:
+        loop = f"for (int i = 0; i < n; i++) {{ y[i] = uwb_{name}(x[i]); }}"
+        lines.append(f"void all_{name}(const float *x, float *y, int n) {{ {loop} }}")
+    folder = tmp_path_factory.mktemp("mathematics")
+    return ctypes.CDLL(str(compile_shared({"m.c": "\n".join(lines)}, folder, QUICK)))
+
+
 @needs_compiler
-@pytest.mark.parametrize("operator", ["Exp", "Sqrt", "Sigmoid", "Tanh", "Log"])
-def test_mathematics_without_a_library_is_close_to_a_library(operator, tmp_path: Path) -> None:
-    nodes = [
-        helper.make_node(operator, ["x"], ["z"]),
-        helper.make_node("Squeeze", ["z", "axes"], ["y"]),
-    ]
-    model = model_of(nodes, [("x", 1)], [("axes", np.array([1], np.int64))])
-    run = load(generate(saved(model, tmp_path), "fp32"))
+@pytest.mark.parametrize("name", ["exp", "sqrt", "sigmoid", "tanh", "log"])
+def test_mathematics_without_a_library_is_close_to_a_library(name, mathematics) -> None:
     x = np.linspace(-80, 80, 4001, dtype=np.float32)
-    if operator in ("Sqrt", "Log"):
+    if name in ("sqrt", "log"):
         x = np.geomspace(1e-30, 1e8, 4001, dtype=np.float32)
     exact = {
-        "Exp": np.exp,
-        "Sqrt": np.sqrt,
-        "Log": np.log,
-        "Tanh": np.tanh,
-        "Sigmoid": lambda v: 1 / (1 + np.exp(-v)),
-    }[operator](x.astype(np.float64))
-    found = run(x[:, None])
+        "exp": np.exp,
+        "sqrt": np.sqrt,
+        "log": np.log,
+        "tanh": np.tanh,
+        "sigmoid": lambda v: 1 / (1 + np.exp(-v)),
+    }[name](x.astype(np.float64))
+    found = np.zeros_like(x)
+    given, taken = (array.ctypes.data_as(ctypes.c_void_p) for array in (x, found))
+    getattr(mathematics, f"all_{name}")(given, taken, len(x))
     assert np.abs(found - exact).max() <= 3e-7 * max(1.0, np.abs(exact).max())
-    if operator == "Sqrt":
+    if name == "sqrt":
         assert np.array_equal(found, np.sqrt(x))
-    if operator == "Exp":
+    if name == "exp":
         assert np.abs(found / exact - 1).max() < 3e-7
 
 
@@ -150,7 +166,7 @@ def test_odd_convolutions_and_pools_are_the_runtimes(tmp_path: Path) -> None:
     ]
     path = saved(model_of(nodes, [("x", 29)], tensors), tmp_path)
     rows = rng.normal(size=(50, 29)).astype(np.float32)
-    found, expected = load(generate(path, "fp32"))(rows), open_plain(path)(rows)
+    found, expected = load(generate(path, "fp32"), QUICK)(rows), open_plain(path)(rows)
     assert np.abs(found - expected).max() < 1e-5
 
 
@@ -209,7 +225,7 @@ def test_trees_go_where_the_runtimes_go_unknown_values_too(tmp_path: Path) -> No
     path = saved(model, tmp_path)
     values = np.array([-0.25, 0.125, 0.5, 0.6, np.nan], np.float32)
     rows = np.stack(np.meshgrid(values, values, values), -1).reshape(-1, 3)
-    found, expected = load(generate(path, "fp32"))(rows), open_plain(path)(rows).reshape(-1)
+    found, expected = load(generate(path, "fp32"), QUICK)(rows), open_plain(path)(rows).reshape(-1)
     assert len(np.unique(expected)) == 6
     assert np.array_equal(found, expected)
 
@@ -228,7 +244,7 @@ def test_inputs_beside_the_cir_may_be_unknown_and_the_cir_may_not(tmp_path: Path
     model = model_of(nodes, [("cir", 2), ("range", 1)], tensors)
     model.graph.output.append(model.graph.output[0])
     model.graph.output[1].name = "unused"
-    run = load(generate(saved(model, tmp_path), "fp32"))
+    run = load(generate(saved(model, tmp_path), "fp32"), QUICK)
     rows = np.array([[1, 2, 3], [1, 2, np.nan]], np.float32)
     assert run(rows).tolist() == [6.0, 3.0]
     for bad in ([np.nan, 2, 3], [1, 2, np.inf]):

@@ -6,9 +6,10 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 from recordings_factory import make_recordings
@@ -16,10 +17,14 @@ from recordings_factory import make_recordings
 from backends.c.compile import missing_compiler
 from bench.cli.main import group
 from bench.errors import BenchError
+from bench.export import Chosen, export, from_fit
 from bench.recordings.io import write_recordings
 
 needs_compiler = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
 FILES = {"uwb_predict.c", "uwb_predict.h", "uwb_selftest.c", "Makefile", "LICENCE", "REPORT.md"}
+
+
+Choose = Callable[[str], Chosen]
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +34,30 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def chosen(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Choose]:
+    """Return a function from a backend to the MLP on it, fitted once for all."""
+    folder = tmp_path_factory.mktemp("chosen")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("BENCH_CACHE", str(folder))
+
+        @cache
+        def choose(backend: str) -> Chosen:
+            (folder / backend).mkdir()
+            words = (str(recordings), folder / "results", folder / backend)
+            return from_fit("mlp", backend, *words, lambda _: None)
+
+        yield choose
+
+
+@pytest.fixture(scope="module")
+def firmware(chosen: Choose, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The MLP as 8-bit C."""
+    folder = tmp_path_factory.mktemp("firmware")
+    export(chosen("int8"), "c", folder)
+    return folder
+
+
 def _export(*words: object) -> str:
     done = CliRunner().invoke(group, ["export", *map(str, words)], catch_exceptions=True)
     if done.exception is not None:
@@ -36,57 +65,58 @@ def _export(*words: object) -> str:
     return done.stdout
 
 
-@needs_compiler
-@pytest.mark.parametrize("backend", ["int8", "fp16"])
-def test_the_folder_compiles_and_its_self_test_passes(backend, recordings, tmp_path) -> None:
-    out = tmp_path / "firmware"
-    words = ("--model", "mlp", "--backend", backend, "--data", recordings, "-o", out, "--json")
-    told = json.loads(_export(*words))
-    assert {one.name for one in out.iterdir()} == FILES == set(told["files"])
-    assert told["agreement"]["equal"] > 0.99 or backend == "fp16"
-    assert told["agreement"]["largest_m"] < 1e-5
+def _make(folder: Path) -> subprocess.CompletedProcess[str]:
     if shutil.which("make") is None:
         pytest.skip("no make (Debian: make)")
-    made = subprocess.run(["make", "-C", out], capture_output=True, text=True, check=False)
+    words = ["make", "-C", str(folder), "CFLAGS=-O1"]
+    return subprocess.run(words, capture_output=True, text=True, check=False)
+
+
+@needs_compiler
+@pytest.mark.parametrize("backend", ["int8", "fp16"])
+def test_the_folder_compiles_and_its_self_test_passes(backend, chosen, tmp_path) -> None:
+    done = export(chosen(backend), "c", tmp_path)
+    assert {one.name for one in tmp_path.iterdir()} == FILES == set(done.files)
+    assert done.agreement is not None
+    assert done.agreement.equal > 0.99 or backend == "fp16"
+    assert done.agreement.largest_m < 1e-5
+    assert ("uint16_t uwb_weight" in (tmp_path / "uwb_predict.c").read_text()) == (
+        backend == "fp16"
+    )
+    made = _make(tmp_path)
     assert made.returncode == 0, made.stderr
     assert "warning" not in made.stderr
     assert "0 of 10 rows failed" in made.stdout
-    first = {one.name: one.read_bytes() for one in out.iterdir() if one.name in FILES}
-    _export(*words)
-    assert first == {name: (out / name).read_bytes() for name in first}
+
+
+def test_the_same_model_gives_the_same_bytes(chosen, firmware, tmp_path) -> None:
+    export(chosen("int8"), "c", tmp_path)
+    for name in FILES:
+        assert (tmp_path / name).read_bytes() == (firmware / name).read_bytes()
 
 
 @needs_compiler
-def test_a_self_test_that_expects_something_else_fails(recordings, tmp_path) -> None:
-    out = tmp_path / "firmware"
-    _export("--model", "mlp", "--backend", "fp32", "--data", recordings, "-o", out)
+def test_a_self_test_that_expects_something_else_fails(firmware, tmp_path) -> None:
+    out = shutil.copytree(firmware, tmp_path / "firmware")
     text = (out / "uwb_selftest.c").read_text()
     table = re.search(r"expected_m\[10\] = \{\n(.*?)\};", text, re.S)
     assert table is not None
     (out / "uwb_selftest.c").write_text(text.replace(table[1], "    9.0f,\n" * 10))
-    if shutil.which("make") is None:
-        pytest.skip("no make (Debian: make)")
-    made = subprocess.run(["make", "-C", out], capture_output=True, text=True, check=False)
+    made = _make(out)
     assert made.returncode != 0
     assert "10 of 10 rows failed" in made.stdout
 
 
-def test_report_says_where_figures_come_from_and_how_to_call(recordings, tmp_path) -> None:
-    out = tmp_path / "firmware"
-    _export("--model", "none", "--backend", "fp32", "--data", recordings, "-o", out)
-    report = (out / "REPORT.md").read_text()
+def test_report_says_where_figures_come_from_and_how_to_call(firmware) -> None:
+    report = (firmware / "REPORT.md").read_text()
     for text in ("(SIMULATED)", "ACC_MEM (register 0x25)", "FP_INDEX", "157 samples", "counted"):
         assert text in report
 
 
-def test_onnx_is_the_artifact(recordings, tmp_path) -> None:
-    from backends.ort import open_plain
-
-    out = tmp_path / "onnx"
-    words = ("--model", "mlp", "--backend", "fp32", "--data", recordings, "--to", "onnx", "-o", out)
-    _export(*words)
-    assert {one.name for one in out.iterdir()} == {"model.onnx", "REPORT.md"}
-    assert np.isfinite(open_plain(out / "model.onnx")(np.ones((2, 157), np.float32))).all()
+def test_onnx_is_the_artifact(chosen, tmp_path) -> None:
+    export(chosen("int8"), "onnx", tmp_path)
+    assert {one.name for one in tmp_path.iterdir()} == {"model.onnx", "REPORT.md"}
+    assert (tmp_path / "model.onnx").read_bytes() == chosen("int8").artifact.path.read_bytes()
 
 
 def test_bad_input_is_one_line_and_writes_nothing(recordings, tmp_path) -> None:
@@ -110,13 +140,13 @@ def test_bad_input_is_one_line_and_writes_nothing(recordings, tmp_path) -> None:
     assert not out.exists()
 
 
-def test_an_operator_c_is_not_written_for_is_named(recordings, tmp_path, monkeypatch) -> None:
-    import backends.c.read_float as reader
+def test_an_operator_c_is_not_written_for_is_named(chosen, tmp_path, monkeypatch) -> None:
+    import backends.c.read_integer as reader
 
-    known = {name: one for name, one in reader.FLOAT.items() if name != "Gemm"}
-    monkeypatch.setattr(reader, "FLOAT", known)
-    with pytest.raises(BenchError, match="mlp on fp32: operator 'Gemm'"):
-        _export("--model", "mlp", "--backend", "fp32", "--data", recordings, "-o", tmp_path / "out")
+    known = {name: one for name, one in reader.INTEGER.items() if name != "QGemm"}
+    monkeypatch.setattr(reader, "INTEGER", known)
+    with pytest.raises(BenchError, match="mlp on int8: operator 'QGemm'"):
+        export(chosen("int8"), "c", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -125,11 +155,12 @@ def test_a_finished_run_is_exported_by_its_id(recordings, tmp_path) -> None:
     from bench.runner import run
 
     results = tmp_path / "results"
-    done = run("mlp", "fp32", str(recordings), out=results, device="nrf52832")
+    done = run("none", "fp32", str(recordings), out=results, device="nrf52832")
     [record] = done.runs
     words = ("--run", record.digest()[:8], "--results", results, "-o", tmp_path / "out")
-    shown = _export(*words)
-    assert "mlp on fp32" in shown
+    assert "none on fp32" in _export(*words)
+    told = json.loads(_export(*words, "--json"))
+    assert told["agreement"]["largest_m"] == 0
     artifact = results / "artifacts" / f"{record.digest()}-0.onnx"
     artifact.write_bytes(artifact.read_bytes() + b"x")
     with pytest.raises(BenchError, match="missing or damaged"):
