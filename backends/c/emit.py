@@ -244,6 +244,15 @@ def _row(program: Program, names: dict[int, str]) -> list[str]:
     ]
 
 
+def _what_goes_in(names: dict[int, str]) -> list[str]:
+    if CIR not in names.values():
+        return ["/* Inputs as REPORT.md lists them."]
+    return [
+        "/* Magnitudes of the accumulator go in, in counts, from five samples before the",
+        "   detected first path on.",
+    ]
+
+
 def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
     sizes = [
         f"#define {_size_name(name, i, program)} {program.buffers[i].size}"
@@ -259,8 +268,8 @@ def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
         f"#define UWB_PREDICT_ARENA_BYTES {laid.arena_bytes}",
         f"#define UWB_PREDICT_LIMIT {number(LIMIT)}",
         "",
-        "/* Magnitudes of the accumulator in, in counts, from five samples before the detected",
-        "   first path on; the error (measured - true range) out, in metres.",
+        *_what_goes_in(names),
+        "   The error (measured - true range) comes out, in metres.",
         "   Returns 0; 1 where an input is not finite or beyond +-UWB_PREDICT_LIMIT; 2 where the",
         "   sums overflow; *error_m is 0 then. All zeros are an input like others. Inputs beside",
         "   `cir`, if there are any, may hold NaN for what is not known. */",

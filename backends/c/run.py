@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -61,6 +62,13 @@ def row_width(source: CSource) -> int:
 def samples(source: CSource) -> int:
     """Return how many values the first input of generated C has: the samples of the CIR."""
     return _size(source, "UWB_PREDICT_SAMPLES")
+
+
+def inputs(source: CSource) -> dict[str, str]:
+    """Return the inputs of generated C in order: the macro of each one's size by its C name."""
+    header = source.files["uwb_predict.h"]
+    prototype = header[header.index("int uwb_predict(") :].partition(";")[0]
+    return dict(re.findall(r"const float (\w+)\[(\w+)\]", prototype))
 
 
 def _size(source: CSource, name: str) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 
@@ -22,7 +23,10 @@ _LOCALS = r"[a-z]{1,2}\d*|total|sum|part|from|to|result|row|limit|count|unknown|
 
 
 def number(value: float) -> str:
-    """Return a float32 as C, exact: nine digits tell any two of them apart."""
+    """Return a float32 as C, exact: nine digits tell any two of them apart; NaN is 0 / 0."""
+    if not math.isfinite(value):
+        sign = "-" if value < 0 else ""
+        return f"{sign}({int(not math.isnan(value))}.0f / 0.0f)"
     text = f"{float(np.float32(value)):.9g}"
     return f"{text}f" if re.search(r"[.e]", text) else f"{text}.0f"
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from bench.export.agreement import Agreement
 from bench.export.chosen import Chosen
 from bench.results import Interval
 from bench.runner.counting import Counted
+from zoo.inputs import COLUMNS
 
+CIR = "cir"
 NOT_CHECKED = "not checked: no C compiler on this machine"
 
 
@@ -17,6 +19,7 @@ NOT_CHECKED = "not checked: no C compiler on this machine"
 class Figures:
     """What is known of the C: `constant_bytes` of tables; agreement None where not compiled.
 
+    `samples` of the first input; `inputs` in order: the macro of each one's size by its name.
     `counted` is what it takes on parts, emulated.
     """
 
@@ -25,6 +28,7 @@ class Figures:
     constant_bytes: int
     arena_bytes: int
     samples: int
+    inputs: Mapping[str, str]
     counted: Sequence[Counted] = ()
 
 
@@ -61,7 +65,7 @@ def _c_parts(figures: Figures) -> Iterable[str]:
         f"| RAM for activations | {figures.arena_bytes} bytes, static | counted in the source |",
         *_counted(figures.counted),
         "",
-        *_calling(figures.samples),
+        *_calling(figures),
         *_inputs(),
     ]
 
@@ -99,10 +103,38 @@ def _agreement(figures: Figures) -> list[str]:
     return lines
 
 
-def _calling(samples: int) -> list[str]:
+def _calling(figures: Figures) -> list[str]:
+    cir = _reading_the_cir(figures.samples) if CIR in figures.inputs else []
+    first_path = ["/* cir[5] is the sample of the detected first path */"] if cir else []
+    sizes = [f"{name}[{size}]" for name, size in figures.inputs.items()]
     return [
         "## Calling it from DW1000 firmware (DWM1001 and others)",
         "",
+        *cir,
+        *(f"- {line}" for line in map(_values_of, figures.inputs) if line),
+        "",
+        "Correct the range:",
+        "",
+        "```c",
+        f"float {', '.join(sizes)}, error_m;",
+        *first_path,
+        f"if (uwb_predict({', '.join(figures.inputs)}, &error_m) == 0) {{",
+        "    range_m -= error_m;",
+        "}",
+        "```",
+        "",
+    ]
+
+
+def _values_of(name: str) -> str | None:
+    """Return what stands in an input beside the CIR, value by value."""
+    if name not in COLUMNS:
+        return None
+    return f"`{name}`: {', '.join(COLUMNS[name])}; NaN for what is not known."
+
+
+def _reading_the_cir(samples: int) -> list[str]:
+    return [
         "1. After a good frame read the first path index FP_INDEX from RX_TIME (register 0x15, "
         "offset 0x05, 16 bits: ten whole, six fractional).",
         "2. Read the accumulator ACC_MEM (register 0x25) from sample floor(FP_INDEX) - 5 on: "
@@ -111,16 +143,6 @@ def _calling(samples: int) -> list[str]:
         "(PMSC_CTRL0: FACE and AMCE), as `dwt_readaccdata` does.",
         "3. Take the magnitude of each as a float: sqrt(re^2 + im^2), in counts as they are. "
         "Scaling and features are inside `uwb_predict`.",
-        "4. Correct the range:",
-        "",
-        "```c",
-        "float cir[UWB_PREDICT_SAMPLES], error_m;",
-        "/* cir[5] is the sample of the detected first path */",
-        "if (uwb_predict(cir, &error_m) == 0) {",
-        "    range_m -= error_m;",
-        "}",
-        "```",
-        "",
     ]
 
 

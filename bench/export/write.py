@@ -72,7 +72,7 @@ def _export_c(
     chosen: Chosen, folder: Path, requantise: Requantise, parts: Sequence[Profile]
 ) -> Exported:
     from backends.c.emit import generate
-    from backends.c.run import samples
+    from backends.c.run import inputs, samples
 
     artifact = chosen.artifact
     try:
@@ -92,6 +92,7 @@ def _export_c(
         constant_bytes(source),
         source.arena_bytes,
         samples(source),
+        inputs(source),
         count_artifact(chosen.artifact, parts, chosen.cirs[rows]) if parts else (),
     )
     files: dict[str, str | bytes] = {

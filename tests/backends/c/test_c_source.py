@@ -75,6 +75,8 @@ def test_memory_stays_within_a_microcontroller(built) -> None:
 def test_numbers_and_names_are_c() -> None:
     assert number(1.0) == "1.0f"
     assert number(1e-20) == "9.99999968e-21f"
+    assert number(float("nan")) == "(0.0f / 0.0f)"
+    assert number(float("-inf")) == "-(1.0f / 0.0f)"
     for value in np.random.default_rng(0).normal(size=200).astype(np.float32):
         assert np.float32(number(value).rstrip("f")) == value
     assert identifiers(["x", "v0"]) == ["in_x", "in_v0"]

@@ -18,6 +18,7 @@ from backends.c.compile import missing_compiler
 from bench.cli.main import group
 from bench.errors import BenchError
 from bench.export import Chosen, export, from_fit
+from bench.export.report import Figures, report
 from bench.recordings.io import write_recordings
 
 needs_compiler = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
@@ -165,3 +166,11 @@ def test_a_finished_run_is_exported_by_its_id(recordings, tmp_path) -> None:
     artifact.write_bytes(artifact.read_bytes() + b"x")
     with pytest.raises(BenchError, match="missing or damaged"):
         _export(*words)
+
+
+def test_a_report_names_every_input_in_the_order_of_the_call(tmp_path) -> None:
+    figures = Figures(False, None, 0, 0, 157, {"cir": "A", "levels": "B", "range": "C"})
+    told = report(Chosen(None, "m", "fp32", "d", True, None), figures)
+    assert "float cir[A], levels[B], range[C], error_m;" in told
+    assert "uwb_predict(cir, levels, range, &error_m)" in told
+    assert "`levels`: rx_power_dbm, first_path_power_dbm" in told
