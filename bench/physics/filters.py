@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,11 +50,17 @@ def coloured(noise: Complexes, lags: Floats) -> Complexes:
 
     The first samples take their past from the row's last ones.
     """
-    taps = moving_average(lags)
+    taps = _moving_average(tuple(np.asarray(lags, np.float64).tolist()))
     made = filtered(noise, np.arange(len(taps)), taps)
     for lag in range(1, len(taps)):
         made[:, :lag] += np.float32(taps[lag]) * noise[:, -lag:]
     return made
+
+
+@lru_cache(maxsize=64)
+def _moving_average(lags: tuple[float, ...]) -> Floats:
+    """Return `moving_average`, remembered: not to be written into."""
+    return moving_average(np.array(lags))
 
 
 def moving_average(lags: Floats, passes: int = 4096) -> Floats:

@@ -29,6 +29,7 @@ from bench.physics.outcome import Outcome, joined
 from bench.physics.pipeline import Pipeline
 from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
+from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.sampling import sampled
 from bench.physics.scene import Scene, scene
 from bench.physics.units import (
@@ -46,11 +47,13 @@ class ForeignTable:
 
     `frame` needs `true_range_m` (or positions) and `range_m` or `error_m`; `base` gives what the
     table does not tell (pulse width, threshold, noise). All rows must have CIRs of one length.
+    `memory` holds random numbers that are drawn again.
     """
 
     frame: pd.DataFrame
     base: Base = field(default_factory=Base)
     source: str = "simulated table"
+    memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
 
     @cached_property
     def rows(self) -> Scene:
@@ -89,7 +92,8 @@ class ForeignTable:
             if not effect.on_tables:
                 raise BenchError(f"effect {effect.name!r} needs the simulator, not its table")
         starts = range(0, len(self.rows), BLOCK)
-        draws = [Draws(seed, replicate, "base", start // BLOCK) for start in starts]
+        keys = [(seed, replicate, "base", start // BLOCK) for start in starts]
+        draws = [RememberedDraws(*key, self.memory) for key in keys]
         pairs = zip(starts, draws, self._plain, strict=True)
         return joined(
             [self._outcome(at, self._run(effects, at, key), plain, cir) for at, key, plain in pairs]

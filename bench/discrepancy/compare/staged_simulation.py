@@ -31,9 +31,9 @@ from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.pipeline import EffectError, Pipeline
 from bench.physics.randomness import BLOCK, Draws
+from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
-from bench.physics.units import Complexes
 
 
 @dataclass(frozen=True)
@@ -42,17 +42,6 @@ class Detected:
 
     blocks: tuple[Batch, ...]
     shape: dict[str, Floats]
-
-
-@dataclass(frozen=True)
-class _SameNoise(Draws):
-    """Draws whose noise is remembered: the same for every simulator tried on the same rows."""
-
-    stages: Stages
-
-    def complex_normal(self, *shape: int) -> Complexes:
-        """Return what `Draws` returns, without drawing it again."""
-        return self.stages.noise(self, shape)
 
 
 class Stages:
@@ -67,7 +56,7 @@ class Stages:
             True: Memory(KEPT_REPLICATES),
             False: Memory(KEPT_PATH_REPLICATES),
         }
-        self._noise: Memory[Complexes] = Memory(KEPT_NOISE)
+        self._drawn = DrawMemory(KEPT_NOISE)
         self._prefixes = Prefixes(KEPT_STEPS)
         self._places: Memory[tuple[Scene, int]] = Memory(KEPT_ROWS)
         self._numbers = count()
@@ -95,7 +84,8 @@ class Stages:
         """Simulate up to detection; the waveform is reduced to its figures and dropped."""
         blocks, shapes = [], []
         for start in range(0, len(rows), BLOCK):
-            draws = Draws(simulator.seed, replicate, "base", start // BLOCK)
+            key = (simulator.seed, replicate, "base", start // BLOCK)
+            draws = RememberedDraws(*key, self._drawn)
             part = rows.slice(start, start + BLOCK)
             batch = self._received(simulator, part, draws, cir, self._place(rows))
             shapes.append(self._shape(simulator, batch))
@@ -145,20 +135,14 @@ class Stages:
         `place` says which rows they are, so that the same beginnings are not simulated again.
         """
         base = simulator.base
-        same = _SameNoise(draws.seed, draws.replicate, draws.name, draws.block, self)
 
         def received(batch: Batch) -> Batch:
-            return base.received(batch, same) if cir else base.counted(batch)
+            return base.received(batch, draws) if cir else base.counted(batch)
 
         key = (place, base, draws.seed, draws.replicate, draws.block, cir)
         run = self._prefixes.run if place is not None else Prefixes(1).run
         pipeline = Pipeline(simulator.effects, received, base.detected)
         return pipeline.detected(lambda: base.paths(rows), draws, partial(run, key))
-
-    def noise(self, draws: Draws, shape: tuple[int, ...]) -> Complexes:
-        """Return a copy of the noise that `draws` gives first after its alignments."""
-        key = (draws.seed, draws.replicate, draws.name, draws.block, shape)
-        return self._noise.get(key, lambda: Draws.complex_normal(draws, *shape)).copy()
 
     def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
         """Return the CIR figures of a detected batch, none without a waveform."""

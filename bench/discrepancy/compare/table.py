@@ -38,6 +38,7 @@ from bench.discrepancy.data.split import Rows, link_codes
 from bench.discrepancy.settings import (
     FAR_STD,
     KEPT_MATCHES,
+    KEPT_NOISE,
     KEPT_PATH_REPLICATES,
     KEPT_SHAPES,
     KEPT_TABLES,
@@ -50,6 +51,7 @@ from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
 from bench.physics.outcome import Outcome
+from bench.physics.remembered import DrawMemory
 from bench.physics.simulator import Simulator
 
 LEVELS = (
@@ -107,7 +109,7 @@ class TableComparison:
     ) -> Observables:
         """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
         key = (view.number, pick.tobytes())
-        table = self._tables.get(key, lambda: ForeignTable(self._rows_at(view, pick)))
+        table = self._tables.get(key, lambda: self._table(view, pick))
         early = tuple(effect for effect in added if effect.stage != "ranging")
         whole = (*key, early, replicate)
         shape = self._shapes.find(whole)
@@ -117,6 +119,15 @@ class TableComparison:
             shape = self._shapes.keep(whole, self._shape(made, scalars))
         seen = collect(scalars, shape)
         return replace(seen, values=seen.values + self._nearer(seen, view, pick))
+
+    def _table(self, view: View, pick: NDArray[np.intp]) -> ForeignTable:
+        """Return matched rows, ready for effects to act on."""
+        return ForeignTable(self._rows_at(view, pick), memory=self._drawn)
+
+    @cached_property
+    def _drawn(self) -> DrawMemory:
+        """Random numbers that are remembered."""
+        return DrawMemory(KEPT_NOISE)
 
     def _shape(self, made: Outcome, scalars: dict[str, Floats]) -> dict[str, Floats]:
         """Return the figures of the CIRs of changed rows: effects on the range change none."""
