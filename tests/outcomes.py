@@ -18,7 +18,7 @@ from pathlib import Path
 PASSING = {"code_hash", "versions", "created_utc", "host", "fit_s", "digest", "opener", "artifact"}
 PASSING |= {"estimates", "schema_version", "data"}  # data: the path of the table
 PASSING |= {"model_target", "backend_target", "declared", "threads", "cost", "training", "floor"}
-PASSING |= {"content_sha256", "artifacts_sha256", "predictions_sha256"}
+PASSING |= {"seconds", "content_sha256", "artifacts_sha256", "predictions_sha256"}
 
 
 def without(value: object) -> object:
@@ -64,7 +64,7 @@ def main(bench: str, folder: Path) -> None:
     run = [bench, "run", "--model", "remnet,cnn1d,svm,mlp,none", "--backend", "all", "--split"]
     run += ["link-kfold:3", "--data", str(folder / "small.parquet"), "--out", str(folder / "runs")]
     subprocess.run(run, check=True, stdout=sys.stderr)
-    blind = [bench, "challenge", "--cases", "10", "--waves", "2", "--seed", "2"]
+    blind = [bench, "challenge", "--cases", "12", "--seed", "2"]
     subprocess.run([*blind, "-o", str(folder / "blind")], check=True, stdout=sys.stderr)
     found = {}
     for path in sorted((folder / "blind" / "cases").glob("*.json")):

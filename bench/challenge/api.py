@@ -9,8 +9,10 @@ from typing import Any
 
 from bench.challenge.apartment import apartment
 from bench.challenge.blind import run_blind, seal
-from bench.challenge.blind_report import blind_markdown, rates
-from bench.challenge.real import RealCase, ghent, outdoor
+from bench.challenge.blind_report import blind_markdown
+from bench.challenge.families.case import MODES, SCHEDULE
+from bench.challenge.rates import rates
+from bench.challenge.real import RealCase, ghent, miluv, outdoor
 from bench.discrepancy import write_report
 from bench.discrepancy.report.document import describe
 from bench.errors import BenchError, unknown_name
@@ -21,7 +23,8 @@ from bench.recordings.open import open_recordings
 from bench.runner.observer import Observer
 from bench.text import plain
 
-REAL = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment}
+FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
+REAL = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment, "miluv": miluv}
 Score = dict[str, Any]
 
 
@@ -36,9 +39,9 @@ class Scored:
 
 def run_challenge(
     cases: int = 40,
-    waves: int = 0,
     seed: int = 0,
     *,
+    families: str | Iterable[str] = (),
     real: str | Iterable[str] = (),
     out: str | Path = "challenge",
     page: str | Path | None = None,
@@ -48,10 +51,11 @@ def run_challenge(
 ) -> Scored:
     """Hide physics from the diagnosis and score what it says.
 
-    `cases` blind ones in the range and `waves` in the waveform come from a generator that shares
-    no code with the effect library; answers are sealed by a hash before the run. `real` names
-    recordings ("ghent", "outdoor", "apartment", several, or "all") whose revealing columns are
-    hidden: these are run instead, or as well where everything goes on one `page`. Finished blind
+    `cases` blind ones come from families of generators that share no code with the effect library
+    nor with each other (all, or those of `families`); answers are sealed by a hash before the run,
+    and `bench.diagnose` is called with its defaults. `real` names recordings ("ghent", "outdoor",
+    "apartment", "miluv", several, or "all") whose revealing columns are hidden: these are run
+    instead, or as well where everything goes on one `page`. Finished blind
     cases found under `out` are kept. `jobs` processes or a Dask `scheduler` share the blind cases;
     outcomes do not depend on it. Raises BenchError on bad input, before anything is run.
 
@@ -60,13 +64,15 @@ def run_challenge(
     Traceback (most recent call last):
     bench.errors.BenchError: unknown real case 'gent'; did you mean 'ghent'? ...
     """
-    spread, chosen = Spread(jobs, scheduler), _chosen(real)
-    _check(cases, waves, seed)
+    spread, chosen = Spread(jobs, scheduler), _among("real case", real, REAL)
+    some = _among("family", families, FAMILIES)
+    some = () if set(some) == set(FAMILIES) else some
+    _check(cases, seed)
     folder, watch = Path(out), observer or Observer()
     lines: list[str] = []
     scores: list[Score] = []
     if page or not chosen:
-        lines, scores = _blind(cases, waves, seed, folder, spread, watch)
+        lines, scores = _blind(cases, seed, some, folder, spread, watch)
     for name in chosen or (REAL if page else ()):
         more, others = _real(name, seed, folder, watch)
         lines, scores = [*lines, *([""] if lines else []), *more], [*scores, *others]
@@ -76,21 +82,21 @@ def run_challenge(
     return Scored(tuple(lines), tuple(scores), report)
 
 
-def _check(cases: int, waves: int, seed: int) -> None:
+def _check(cases: int, seed: int) -> None:
     """Raise BenchError where a number cannot be meant."""
-    for name, value, least in (("cases", cases, 1), ("waves", waves, 0), ("seed", seed, 0)):
+    for name, value, least in (("cases", cases, 1), ("seed", seed, 0)):
         if value < least:
             raise BenchError(f"--{name} {value}: expected a whole number of at least {least}")
 
 
-def _chosen(real: str | Iterable[str]) -> tuple[str, ...]:
-    """Return the real cases asked for. Raises BenchError on an unknown one."""
-    if real == "all":
-        return tuple(REAL)
-    names = [one.strip() for one in (real.split(",") if isinstance(real, str) else real)]
+def _among(kind: str, asked: str | Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
+    """Return the names asked for. Raises BenchError on an unknown one."""
+    if asked == "all":
+        return tuple(known)
+    names = [one.strip() for one in (asked.split(",") if isinstance(asked, str) else asked)]
     for name in filter(None, names):
-        if name not in REAL:
-            raise unknown_name("real case", name, REAL)
+        if name not in known:
+            raise unknown_name(kind, name, known)
     return tuple(filter(None, names))
 
 
@@ -106,8 +112,9 @@ def _headed(lines: list[str]) -> list[str]:
     machine = describe_machine()
     words = (
         "Made by `bench challenge --page`: physics hidden from `bench diagnose`, in simulated "
-        "recordings by a generator that shares no code with the effect library, and in public "
-        "recordings by hiding the columns that would reveal it. Bars that are missed say **no**; "
+        "recordings by families of generators that share no code with the effect library nor with "
+        "each other, and in public recordings by hiding the columns that would reveal it. Bars "
+        "that are missed are listed first, with what the misses were; "
         "why, says [How far to trust it](diagnose.md#how-far-to-trust-it)."
     )
     where = f"Machine: {machine['cpu']}, {machine['cores']} cores."
@@ -115,16 +122,24 @@ def _headed(lines: list[str]) -> list[str]:
 
 
 def _blind(
-    cases: int, waves: int, seed: int, folder: Path, spread: Spread, watch: Observer
+    cases: int,
+    seed: int,
+    families: tuple[str, ...],
+    folder: Path,
+    spread: Spread,
+    watch: Observer,
 ) -> tuple[list[str], list[Score]]:
     """Run the blind cases; return report lines and scores."""
-    watch.note(f"sealed answers: sha256 {seal(cases, seed, waves)}")
-    outcomes = run_blind(cases, seed, folder, watch.stage, spread, waves)
+    watch.note(f"sealed answers: sha256 {seal(cases, seed, families)}")
+    outcomes = run_blind(cases, seed, folder, watch.stage, spread, families)
     scores: list[Score] = [
-        {"score": r.words, "hits": r.hits, "cases": r.cases, "bar": r.bar, "met": r.met}
-        for r in rates(outcomes)
+        {"mode": mode, "score": r.words, "hits": r.hits, "cases": r.cases}
+        | {"interval": list(r.interval), "bar": r.bar, "met": r.met, "causes": r.causes}
+        for mode in MODES
+        for r in rates([o for o in outcomes if o.mode == mode])
+        if r.cases
     ]
-    return blind_markdown(outcomes, seed), scores
+    return blind_markdown(outcomes, seed, families), scores
 
 
 def _real(name: str, seed: int, folder: Path, watch: Observer) -> tuple[list[str], list[Score]]:

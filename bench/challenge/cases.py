@@ -1,61 +1,77 @@
-"""Blind cases: the simulator under diagnosis, its recordings with something hidden, and the way."""
+"""Blind cases: what a family made, as tables and a simulator that `bench.diagnose` takes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.generator.conceal import Concealed, Hidden, conceal, draw_case
-from bench.challenge.generator.geometry import geometry
+from bench.challenge.families.case import (
+    CONCEALS,
+    Draw,
+    Tables,
+    Turn,
+    decoyed,
+    draw,
+    mapped,
+    turn_of,
+    world_of,
+)
+from bench.discrepancy.data.columns import known_columns
+from bench.discrepancy.data.observables import observe
 from bench.physics.base import Base
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
-from bench.physics.units import C_M_PER_NS
-from bench.recordings.table import SAMPLE_PERIOD_NS, Recordings
+from bench.plugins import load
+from bench.recordings.table import Recordings
 
 Floats = NDArray[np.float64]
-Way = Literal["resimulated", "paired table", "unpaired table"]
-WAYS: tuple[Way, ...] = ("resimulated", "paired table", "resimulated", "unpaired table")
-REPLICAS = 16  # of every row in a simulated table
-SEARCHED_SHARE = 0.75  # of the links where ranges alone are compared: all but the confirm links
+REPLICAS = 8  # of the true table where the simulator is run again
+SEARCHED_SHARE = {True: 0.4, False: 0.75}  # of the links, with and without waveforms
+MOST_Z = 999.0  # what does not scatter at all moves by any number of standard errors
 # A test that knows the shape of the effect but pays for a search needs about 4 + 1.3 standard
 # deviations for 90 % power; the search's cells are not the shape, which costs about a third.
 LIMIT_Z = 8.0
+ALONE_GIVEN_AWAY = ("clock_offset_ppm",)  # columns that would tell the answer
 
 
 @dataclass(frozen=True)
 class Case:
-    """One case: what is hidden, the recorded table, the simulated side, the truth."""
+    """One case: which, what is drawn, both sides of the comparison, and the truth.
 
-    number: int
-    hidden: Hidden
-    way: Way
+    `truth` is the simulated side as a table with the hidden physics in it; `clean` the recorded
+    rows without. `outside` are hidden names that no library effect can be given for: not in the
+    library, or these tables lack the columns that it needs.
+    """
+
+    turn: Turn
+    drawn: Draw
     recorded: Recordings
     simulated: Simulator | Recordings
-    concealed: Concealed
+    truth: Recordings
+    clean: pd.DataFrame
+    shifts_m: Floats | None
+    outside: tuple[str, ...]
+    law: str
 
     @property
     def strength_z(self) -> float:
-        """Matched-filter signal-to-noise ratio of the weakest hidden effect on the searched links.
+        """How loud what is hidden is, in standard deviations; 0 where nothing is.
 
-        Of a test that knows the exact shape of each effect, with the other one projected out.
-        0 where nothing is hidden.
+        Ranges: the matched-filter signal-to-noise ratio of the weakest hidden effect on the
+        searched links, of a test that knows the exact shape of each, the others projected out.
+        Waveforms, and effects on levels alone: how far the mean of the most changed observable
+        moved, in standard errors over the links that the search sees.
         """
-        if not self.hidden.names:
+        if not self.drawn.hidden:
             return 0.0
-        error = self.recorded.frame["error_m"].to_numpy(np.float64)
-        ones = [np.ones(len(error))] if self.hidden.conceal == "aggregate" else []
-        design = np.stack([*self.concealed.shifts_m, *ones], axis=1)
-        found = np.linalg.lstsq(design, error, rcond=None)[0]
-        noise = float(np.std(error - design @ found))
-        alone = np.linalg.inv(design.T @ design + 1e-12 * np.eye(design.shape[1]))
-        z = np.abs(found) / (noise * np.sqrt(np.diag(alone)))
-        return float(z[: len(self.hidden.names)].min() * np.sqrt(SEARCHED_SHARE))
+        if self.shifts_m is not None and np.abs(self.shifts_m).max(axis=1).min() > 0:
+            return _matched(self.recorded.frame, self.shifts_m)
+        return _moved(self.clean, self.recorded.frame)
 
     @property
     def above_limit(self) -> bool:
@@ -63,39 +79,107 @@ class Case:
         return self.strength_z >= LIMIT_Z
 
 
-def simulator_of(hidden: Hidden, seed: int) -> Simulator:
-    """Return the simulator under diagnosis: the base with its jitter."""
-    samples = hidden.jitter_m / (C_M_PER_NS * SAMPLE_PERIOD_NS)
-    return Simulator(Base(), (TimestampJitter(jitter_samples=samples),), seed, "challenge")
+def drawn_of(number: int, seed: int, families: tuple[str, ...] = ()) -> tuple[Turn, Draw]:
+    """Return what case `number` of a challenge is to be; deterministic from all three."""
+    turn = turn_of(number, families)
+    world: Any = world_of(turn.family)
+    return turn, draw(turn, seed, world.KNOWN, tuple(world.LAWS), world.RARELY)
 
 
-def make_case(number: int, seed: int) -> Case:
-    """Return case `number` of a challenge; deterministic from both."""
-    hidden = draw_case(number, seed)
-    way = WAYS[(number // 3) % len(WAYS)]
-    base = simulator_of(hidden, 7)
-    own = seed * 10_000 + number
-    frame = geometry(own, hidden.rare)
-    concealed = conceal(_simulated(base, frame, 1000 + number), hidden, own)
-    recorded = Recordings(
-        concealed.table.drop(columns="clock_offset_ppm", errors="ignore"), f"case {number}"
+def make_case(number: int, seed: int, families: tuple[str, ...] = ()) -> Case:
+    """Return case `number` of a challenge; deterministic from all three."""
+    turn, drawn = drawn_of(number, seed, families)
+    own = int(np.random.default_rng([seed, number, 13]).integers(2**31))
+    world: Any = world_of(turn.family)
+    made, simulated = _made(world, turn.mode, drawn, own)
+    assert drawn.concealed in CONCEALS
+    if drawn.concealed == "aggregate":
+        made = mapped(made)
+    if drawn.concealed == "decoy":
+        made = decoyed(made, drawn.hidden, world.CAUSES, own)
+    recorded, truth, clean = (
+        frame.drop(columns=[c for c in ALONE_GIVEN_AWAY if c in frame]).reset_index(drop=True)
+        for frame in (made.recorded, made.truth, made.clean)
     )
-    simulated = base if way == "resimulated" else _table(base, frame, hidden, way, number, own)
-    return Case(number, hidden, way, recorded, simulated, concealed)
+    outside = tuple(n for n in drawn.hidden if _unnamable(n, world.LAWS, recorded, turn.mode))
+    law = world.LAWS.get(drawn.hidden[0], "") if drawn.hidden else ""
+    table = Recordings(recorded, f"case {number}")
+    true = Recordings(truth, "truth", simulator=turn.family)
+    return Case(turn, drawn, table, simulated, true, clean, made.shifts_m, outside, law)
 
 
-def _table(
-    base: Simulator, frame: pd.DataFrame, hidden: Hidden, way: Way, number: int, own: int
-) -> Recordings:
-    """Return the simulated table: of the same links, or of other links that share no name."""
-    rows = frame if way == "paired table" else geometry(own + 5000, hidden.rare)
-    made = pd.concat([_simulated(base, rows, 2000 + number + i) for i in range(REPLICAS)])
-    if way == "unpaired table":
-        made["link"] = "other " + made["link"].astype(str)
-    shown = made.drop(columns="_rare").reset_index(drop=True)
-    return Recordings(shown, "simulated", simulator="challenge")
+def _unnamable(name: str, laws: dict[str, str], recorded: pd.DataFrame, mode: str) -> bool:
+    """Return whether no library effect can be given for something hidden."""
+    if name in laws:
+        return True
+    kind = load("effects", name)
+    torn = not mode.endswith("again") and not kind.on_tables
+    return bool(torn or kind.lacking(known_columns(recorded)))
 
 
-def _simulated(base: Simulator, frame: pd.DataFrame, seed: int) -> pd.DataFrame:
-    """Return the frame with simulated ranges, from the paths alone."""
-    return base.observe(scene(frame), seed, cir=False).table(frame)
+def _made(world: Any, mode: str, drawn: Draw, own: int) -> tuple[Tables, Simulator | Recordings]:
+    """Return a case's tables and the simulated side."""
+    if not mode.endswith("again"):
+        made = world.tables(drawn, own)
+        assert made.simulated is not None
+        other = made.simulated.reset_index(drop=True)
+        return made, Recordings(other, "simulated", simulator=world.__name__.split(".")[-1])
+    return _again(world, drawn, own) if mode == "ranges again" else _waves(world, drawn, own)
+
+
+def _again(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
+    """Return ranges of the library's simulator with something hidden in them, and the simulator."""
+    jitter = TimestampJitter(jitter_samples=0.08 * drawn.scatter)
+    simulator = Simulator(Base(), (jitter,), own, "challenge")
+    frame = world.known(drawn, own)
+    rows = scene(frame)
+    clean, *more = (
+        simulator.observe(rows, own, number, cir=False).table(frame)
+        for number in range(1000, 1001 + REPLICAS)
+    )
+    made = world.hidden_in(drawn, own, clean, pd.concat(more, ignore_index=True))
+    return replace(made, simulated=None), simulator
+
+
+def _waves(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
+    """Return waveforms of the library's simulator with something hidden, and the simulator.
+
+    It does not read from the rows how many symbols were accumulated: the count is something to
+    be explained here, not a setting.
+    """
+    simulator = Simulator(Base(keep_count=0), (TimestampJitter(),), own, "challenge")
+    crop = {"cir_lead": world.WIDE_LEAD, "cir_samples": world.WIDE_SAMPLES}
+    wide = replace(simulator, base=replace(simulator.base, **crop))
+    frame = world.known(drawn, own)
+    rows = scene(frame)
+    clean, *more = (
+        wide.observe(rows, own, number, complex_cir=True).table(frame)
+        for number in range(1000, 1001 + REPLICAS // 2)
+    )
+    whole = pd.concat(more, ignore_index=True)
+    three = (world.conceal(clean, drawn, own), clean, world.conceal(whole, drawn, own))
+    recorded, plain, truth = map(world.recorded, three)
+    return Tables(recorded, plain, None, truth), simulator
+
+
+def _matched(recorded: pd.DataFrame, shifts_m: Floats) -> float:
+    """Return the signal-to-noise ratio of the weakest of some shapes [effects, n]."""
+    error = recorded["error_m"].to_numpy(np.float64)
+    design = np.stack([*shifts_m, np.ones(len(error))], axis=1)
+    found = np.linalg.lstsq(design, error, rcond=None)[0]
+    noise = float(np.std(error - design @ found))
+    alone = np.linalg.pinv(design.T @ design + 1e-12 * np.eye(design.shape[1]))
+    spread = noise * np.sqrt(np.maximum(np.diag(alone), 1e-18))
+    z = (np.abs(found) / spread)[: len(shifts_m)]
+    return float(min(z.min() * np.sqrt(SEARCHED_SHARE[False]), MOST_Z))
+
+
+def _moved(clean: pd.DataFrame, recorded: pd.DataFrame) -> float:
+    """Return how far the most moved observable moved, in standard errors over links."""
+    before, after = observe(clean), observe(recorded)
+    shared = tuple(name for name in before.names if name in after.names)
+    values = before.keep(shared).values
+    links = clean["link"].nunique() * SEARCHED_SHARE["cir" in clean]
+    moved = np.nanmean(after.keep(shared).values - values, axis=0)
+    error = np.maximum(np.nanstd(values, axis=0), 1e-12) / np.sqrt(links)
+    return float(min(np.nanmax(np.abs(moved) / error), MOST_Z))

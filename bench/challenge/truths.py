@@ -27,6 +27,7 @@ from bench.physics.effect import Effect
 from bench.physics.simulator import Simulator
 
 Floats = NDArray[np.float64]
+RANDOM = ("blocked-path", "timestamp-jitter", "obstructed-path", "late-detection")
 DETERMINED = 0.5  # an interval wider than this share of the bounds says: not determined
 
 
@@ -43,17 +44,17 @@ def compared(case: Case, found: Diagnosis) -> list[Compared]:
     """Return every determined parameter of every rightly named effect beside its true value.
 
     Cases whose amplitudes were rescaled to equal the simulator's histogram have no true
-    amplitude and give none; nor has a path blocked at random.
+    amplitude and give none; nor has what is drawn at random, or acts on the waveform.
     """
     out: list[Compared] = []
-    if case.hidden.conceal == "aggregate":
+    if case.drawn.concealed == "aggregate" or case.shifts_m is None:
         return out
     whole = _whole(case)
     for verdict in found.selection.verdicts:
         option = verdict.options[0] if isinstance(verdict, Ambiguous) else verdict
-        if isinstance(option, LeftOut) and option.names[0] in case.hidden.names:
-            shift = case.concealed.shifts_m[case.hidden.names.index(option.names[0])]
-            if option.names[0] != "blocked-path":
+        if isinstance(option, LeftOut) and option.names[0] in case.drawn.hidden:
+            shift = case.shifts_m[case.drawn.hidden.index(option.names[0])]
+            if option.names[0] not in RANDOM and np.abs(shift).max() > 0:
                 out += _beside(option, _truth(whole, option, shift))
     return out
 

@@ -12,20 +12,20 @@ from bench.text import named
 
 EPILOG = """\b
 Examples:
-  bench challenge --cases 240 --waves 40 --jobs 2 -o challenge
-  bench challenge --cases 240 --waves 40 --scheduler tcp://big:8786 -o challenge
+  bench challenge --cases 36 --families hall,box --jobs 2 -o challenge
+  bench challenge --cases 360 --scheduler tcp://big:8786 -o challenge
   bench challenge --real -o challenge
-  bench challenge --case apartment -o challenge
-  bench challenge --cases 240 --waves 40 --jobs 2 -o challenge --page challenge.md
+  bench challenge --case miluv -o challenge
+  bench challenge --cases 360 --seed 7 --jobs 2 -o challenge --page challenge.md
 """
-REAL = ("ghent", "outdoor", "apartment")
+REAL = ("ghent", "outdoor", "apartment", "miluv")
 
 
 @click.command(epilog=EPILOG)
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
 @click.option(
-    "--waves", default=0, show_default=True, type=click.IntRange(0),
-    help="More blind cases, with effects in the waveform (about 40 s each).",
+    "--families", default="all", show_default=True, metavar="NAMES",
+    help="Generators of blind cases, with commas between: hall, box, wave, yard, loft.",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")
@@ -43,7 +43,7 @@ REAL = ("ghent", "outdoor", "apartment")
 @click.option("--json", "as_json", is_flag=True, help="Print the scores as JSON, nothing else.")
 def command(
     cases: int,
-    waves: int,
+    families: str,
     seed: int,
     jobs: int,
     scheduler: str | None,
@@ -55,9 +55,10 @@ def command(
 ) -> None:
     """Hide physics from the diagnosis and score what it says.
 
-    Blind cases come from a generator that shares no code with the effect library; answers are
-    sealed by a hash before the run. Strengths in millimetres rms of the range. Real cases are
-    recordings (see BENCH_DATA) whose revealing columns are hidden; those not here are left out.
+    Blind cases come from families of generators that share no code with the effect library nor
+    with each other; answers are sealed by a hash before the run, and the diagnosis runs with its
+    defaults. Ranges in metres, levels in dB. Real cases are recordings (see BENCH_DATA) whose
+    revealing columns are hidden; those not here are left out.
     """
     from bench.challenge.api import run_challenge
     from bench.cli.status_view import StatusView
@@ -65,8 +66,8 @@ def command(
     asked = only or ("all" if real else ())
     with StatusView("challenging ...") as view:
         made = run_challenge(
-            cases, waves, seed, real=asked, out=out, page=page, jobs=jobs, scheduler=scheduler,
-            observer=view,
+            cases, seed, families=families, real=asked, out=out, page=page, jobs=jobs,
+            scheduler=scheduler, observer=view,
         )  # fmt: skip
     if as_json:
         say(json.dumps(made.scores, indent=1))

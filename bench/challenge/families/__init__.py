@@ -1,11 +1,8 @@
 """Makers of recordings and simulated tables that share no code with the library or each other.
 
 Each family is a world of its own (geometry, radio, forms of every effect), written with numpy
-alone, so that a diagnosis is proven on input its own generator did not make.
+and pandas alone, so that a diagnosis is proven on input its own generator did not make. A family
+is a module with KNOWN (effects it can hide), LAWS (what it can hide that no library has), CAUSES
+(the covariate each acts through), RARELY (whose cause it can make rare) and `tables(drawn, seed)`;
+those that change another simulator's rows have `known(drawn, seed)` and `hidden_in` or `conceal`.
 """
-
-from __future__ import annotations
-
-from bench.challenge.families.case import FamilyCase, make
-
-__all__ = ["FamilyCase", "make"]

@@ -1,7 +1,7 @@
 """Box-shaped rooms with channel impulse responses, by mirrored antennas and a noise-like tail.
 
 numpy and pandas alone; pulse, detection, tail and every effect have other forms than in any
-library: a raised-cosine pulse, a threshold on the steepest rise, reflections up to second order.
+library: a raised-cosine pulse, a first sample over a threshold, reflections up to second order.
 """
 
 from __future__ import annotations
@@ -13,14 +13,17 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.families.case import Draw
+from bench.challenge.families.case import Draw, Tables
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 SAMPLE_NS, SAMPLES, LEAD = 1.0016, 150, 12
 LIGHT_M_PER_NS = 0.299792458
 SCATTER_M, COUNTS, NOISE = 0.02, 9000.0, 45.0
+THRESHOLD = 9.0  # times the noise's usual standard deviation
 LINKS, MOST_ROWS = 140, 3
+CAUSES = {"antenna-delay": "time_s", "power-bias": "true_range_m", "path-loss": "true_range_m"}
+RARELY = ()
 KNOWN = (
     "noise-floor",
     "pulse-ringing",
@@ -31,42 +34,73 @@ KNOWN = (
     "antenna-delay",
     "power-bias",
     "material-delay",
+    "obstructed-path",
+    "late-detection",
+    "level-control",
+    "quantisation",
 )
-OUTSIDE = ("leaking-mains", "late-echo-burst", "shifted-anchor", "dead-samples")
+LAWS = {
+    "leaking-mains": "",
+    "late-echo-burst": "",
+    "shifted-anchor": "position",
+    "dead-samples": "",
+}
+"""What nobody's library has, with the form of its law or the fault of the set-up."""
 
 
 @dataclass
 class World:
-    """Rows under simulation: known columns, walls, and what the hidden effects ask for."""
+    """Rows under simulation: known columns, random numbers, what the hidden effects ask for."""
 
     frame: pd.DataFrame
-    walls: list[list[str]]
     rng: np.random.Generator
+    more: np.random.Generator  # for hidden effects alone, so that all else is drawn alike
     hidden: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def walls(self) -> list[list[str]]:
+        """What stands in the straight line of each row."""
+        return list(self.frame["obstacles"])
 
     def size(self, name: str) -> float:
         """Return the strength of a hidden effect, 0 where it is not hidden."""
         return self.hidden.get(name, 0.0)
 
 
-def tables(drawn: Draw, rng: np.random.Generator) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the recorded and the simulated table of a case."""
+def tables(drawn: Draw, seed: int) -> Tables:
+    """Return the tables of a case."""
     hidden = dict.fromkeys(drawn.hidden, drawn.strength)
-    known, walls = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (4.0, 3.2, 2.7))
-    recorded = _received(World(known, walls, rng, hidden))
+    rng = np.random.default_rng([seed, 1])
+    places = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (4.0, 3.2, 2.7))
+    recorded, clean = (_received(_world(places, seed, 2, what)) for what in (hidden, {}))
     if not drawn.paired:
-        known, walls = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (9.0, 6.0, 3.1))
-        known = known.assign(link="sim " + known["link"])
-    parts = [_received(World(known, walls, rng)) for _ in range(drawn.ratio)]
-    simulated = pd.concat(parts, ignore_index=True)
+        places = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (9.0, 6.0, 3.1))
+        places = places.assign(link="sim " + places["link"])
+    simulated, truth = (
+        _repeated(places, seed, first, drawn.ratio, what)
+        for first, what in ((100, {}), (200, hidden))
+    )
+    four = recorded, clean, simulated, truth
     if not drawn.listed:
-        recorded, simulated = (t.drop(columns="obstacles") for t in (recorded, simulated))
-    return recorded, simulated
+        four = tuple(one.drop(columns="obstacles") for one in four)  # type: ignore[assignment]
+    return Tables(*four)
 
 
-def _places(
-    rng: np.random.Generator, size_m: tuple[float, float, float]
-) -> tuple[pd.DataFrame, list[list[str]]]:
+def _world(places: pd.DataFrame, seed: int, part: int, hidden: dict[str, float]) -> World:
+    """Return rows to receive: the same part, the same random numbers."""
+    draws = [np.random.default_rng([seed, part, stream]) for stream in (0, 1)]
+    return World(places, draws[0], draws[1], hidden)
+
+
+def _repeated(
+    places: pd.DataFrame, seed: int, first: int, times: int, hidden: dict[str, float]
+) -> pd.DataFrame:
+    """Return the rows received several times over."""
+    worlds = [_world(places, seed, first + number, hidden) for number in range(times)]
+    return pd.concat([_received(world) for world in worlds], ignore_index=True)
+
+
+def _places(rng: np.random.Generator, size_m: tuple[float, float, float]) -> pd.DataFrame:
     """Return positions in a room, one to three rows a link, a screen in a fifth of the links."""
     again = rng.integers(1, MOST_ROWS + 1, LINKS)
     ends = rng.uniform(0.25, np.array(size_m) - 0.25, (2, LINKS, 3))
@@ -80,7 +114,8 @@ def _places(
     frame["true_range_m"] = np.linalg.norm(gaps, axis=1)
     frame["tx"], frame["rx"] = "tag", np.repeat([f"a{i % 5}" for i in range(LINKS)], again)
     screens = [["plasterboard"] if rng.random() < 0.2 else [] for _ in range(LINKS)]
-    return frame, [screens[i] for i in np.repeat(np.arange(LINKS), again)]
+    listed = [screens[i] for i in np.repeat(np.arange(LINKS), again)]
+    return frame.assign(obstacles=pd.Series(listed, dtype=object))
 
 
 def _received(world: World) -> pd.DataFrame:
@@ -89,24 +124,46 @@ def _received(world: World) -> pd.DataFrame:
     distance = frame["true_range_m"].to_numpy(np.float64)
     excess, gain = _paths(world)
     start = LEAD + rng.random(len(frame))  # where the straight line falls between samples
-    signal = _sampled(excess + start[:, None], gain) + _tail(world, start, np.abs(gain[:, 0]))
+    straight = np.abs(gain[:, 0])
+    _obstruct(world, excess, gain)
+    signal = _sampled(excess + start[:, None], gain) + _tail(world, start, straight)
     loudest = np.abs(signal).max(axis=1)
     signal *= (COUNTS / loudest)[:, None]
     noise_std = NOISE * (1 + 1.5 * world.size("noise-floor"))
     noise = rng.normal(0, noise_std, (2, *signal.shape))
     cir = np.abs(signal + noise[0] + 1j * noise[1] + _disturbance(world, signal.shape))
-    first = _detected(cir, start)
+    if step := 60 * world.size("quantisation"):
+        cir = step * np.floor(cir / step)
+    first, at = _detected(cir, world.size("late-detection"))
     level = 20 * np.log10(loudest / 10) + 10 * np.log10(_energy(cir)) - 45
-    early = 20 * np.log10(cir[np.arange(len(cir)), np.rint(start + 1).astype(int)] / COUNTS)
+    early = 20 * np.log10(cir[np.arange(len(cir)), at] / COUNTS)
+    level, symbols = _controlled(world, level)
     range_m = distance + (first - start) * SAMPLE_NS * LIGHT_M_PER_NS
     range_m = range_m + rng.normal(0, SCATTER_M, len(cir)) + _shift(world, level)
-    made = frame.assign(
-        range_m=range_m, error_m=range_m - distance, obstacles=pd.Series(world.walls)
-    )
-    made = made.assign(rx_power_dbm=level, first_path_power_dbm=level + early - 3)
-    made = made.assign(noise_std=_lead_noise(cir), preamble_count=1020.0)
-    made["first_path_index"], made["sample_period_ns"] = first, SAMPLE_NS
-    return made.assign(cir=list(cir.astype(np.float32)))
+    made = frame.assign(range_m=range_m, error_m=range_m - distance, rx_power_dbm=level)
+    made = made.assign(first_path_power_dbm=level + early - 3, noise_std=_lead_noise(cir))
+    made["preamble_count"], made["sample_period_ns"] = symbols, SAMPLE_NS
+    return made.assign(first_path_index=first, cir=list(cir.astype(np.float32)))
+
+
+def _obstruct(world: World, excess: Floats, gain: Complexes) -> None:
+    """Weaken and delay the straight path of some links: something nobody listed stands there."""
+    strength = world.size("obstructed-path")
+    if not strength:
+        return
+    codes, links = pd.factorize(world.frame["link"])
+    struck = (world.more.random(len(links)) < 0.3)[codes]
+    loss_db = world.more.uniform(8, 12 + 8 * strength, len(links))[codes]
+    gain[:, 0] *= np.where(struck, 10 ** (-loss_db / 20), 1)
+    excess[:, 0] += np.where(struck, 0.25 * strength, 0)
+
+
+def _controlled(world: World, level: Floats) -> tuple[Floats, Floats]:
+    """Return level and symbols accumulated where strong signals are turned down."""
+    strength = min(world.size("level-control"), 1.5)
+    over = np.maximum(level - np.percentile(level, 30), 0)
+    symbols = np.round(1020 / (1 + 0.08 * strength * over**1.3))
+    return level - 0.3 * strength * over, symbols
 
 
 def _paths(world: World) -> tuple[Floats, Complexes]:
@@ -131,7 +188,7 @@ def _paths(world: World) -> tuple[Floats, Complexes]:
         far = np.linalg.norm(image - rx, axis=1)
         phase = np.exp(2j * np.pi * rng.random(len(far)))
         excess.append((far - straight) / (SAMPLE_NS * LIGHT_M_PER_NS))
-        gain.append(mirror**order / far * phase)
+        gain.append(mirror**order / far**exponent * phase)
     if ringing := world.size("pulse-ringing"):
         excess.append(excess[0] + 6.3)
         gain.append(0.3 * ringing * gain[0] * np.exp(1j))
@@ -170,18 +227,25 @@ def _disturbance(world: World, shape: tuple[int, ...]) -> Complexes:
     return np.asarray(total + 1500 * dead)
 
 
-def _detected(cir: Floats, start: Floats) -> Floats:
-    """Return the first path [n] in samples: half the height of the first peak, interpolated."""
-    rows = np.arange(len(cir))
-    peak = np.rint(start).astype(int)
-    peak = np.where(cir[rows, peak + 1] > cir[rows, peak], peak + 1, peak)
+def _detected(cir: Floats, raised: float) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the first path [n] in samples, and the sample of its peak.
+
+    Half the height of the first peak over a threshold, interpolated; `raised`: the threshold is
+    as many fifths of the highest peak at least.
+    """
+    rows, grid = np.arange(len(cir)), np.arange(cir.shape[1])
+    threshold = np.maximum(THRESHOLD * NOISE, min(0.2 * raised, 0.6) * cir.max(axis=1))
+    over = (cir > threshold[:, None]) & (grid >= 3)
+    peak = np.where(over.any(axis=1), over.argmax(axis=1), cir.argmax(axis=1))
+    for _ in range(4):
+        later = np.minimum(peak + 1, cir.shape[1] - 1)
+        peak = np.where(cir[rows, later] > cir[rows, peak], later, peak)
     half = 0.5 * cir[rows, peak]
-    grid = np.arange(cir.shape[1])
     below = (cir < half[:, None]) & (grid < peak[:, None])
     low = np.where(below, grid, 0).max(axis=1)
     rise = np.maximum(cir[rows, low + 1] - cir[rows, low], 1e-9)
     edge = low + np.clip((half - cir[rows, low]) / rise, 0, 1)
-    return np.asarray(edge + 1.25)  # half height lies 1.25 samples before this pulse's centre
+    return np.asarray(edge + 1.25), peak  # half height: 1.25 samples before this pulse's centre
 
 
 def _energy(cir: Floats) -> Floats:
@@ -199,5 +263,15 @@ def _shift(world: World, level: Floats) -> Floats:
     total = np.full(len(frame), 0.12 * world.size("antenna-delay"))
     rising = 1 / (1 + np.exp((level - np.median(level)) / 2.5))
     total += 0.16 * world.size("power-bias") * (rising - 0.5)
-    moved = (frame["rx"] == "a2").to_numpy() * world.size("shifted-anchor")
-    return np.asarray(total + 0.35 * moved * np.sign(frame["tx_x_m"] - frame["rx_x_m"]))
+    return np.asarray(total + _elsewhere(frame, world.size("shifted-anchor")))
+
+
+def _elsewhere(frame: pd.DataFrame, strength: float) -> Floats:
+    """Return what ranges gain where anchor a2 hangs elsewhere than the plan says."""
+    tag, anchor = (
+        frame[[f"{end}_{axis}_m" for axis in "xyz"]].to_numpy(np.float64) for end in ("tx", "rx")
+    )
+    mine = (frame["rx"] == "a2").to_numpy()[:, None]
+    real = anchor + mine * np.array([0.3, -0.35, 0.1]) * strength
+    far, planned = (np.linalg.norm(tag - end, axis=1) for end in (real, anchor))
+    return np.asarray(far - planned)

@@ -5,6 +5,7 @@ Each case returns what was said and a list of checks with the bar, the value and
 
 from bench.challenge.real.case import Check, RealCase, first_named
 from bench.challenge.real.ghent_case import ghent
+from bench.challenge.real.miluv_case import miluv
 from bench.challenge.real.outdoor_case import outdoor
 
-__all__ = ["Check", "RealCase", "first_named", "ghent", "outdoor"]
+__all__ = ["Check", "RealCase", "first_named", "ghent", "miluv", "outdoor"]

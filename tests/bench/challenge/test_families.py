@@ -2,56 +2,121 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
+import pandas as pd
 import pytest
 
-from bench.challenge.families import box, hall, make
-from bench.challenge.families.case import FAMILIES, Draw
+from bench.challenge.families.case import (
+    RATIOS,
+    SCHEDULE,
+    Draw,
+    decoyed,
+    draw,
+    mapped,
+    turn_of,
+    world_of,
+)
 from bench.recordings.clean import clean
 
-WORLDS = {"hall": hall, "box": box}
+OWN = ("hall", "box")  # with a simulator of their own
+
+
+def _world(family: str) -> Any:
+    return world_of(family)
 
 
 def test_an_unknown_family_is_named() -> None:
-    with pytest.raises(ValueError, match="unknown family 'x'; known: hall, box"):
-        make("x", 0, 0)
+    with pytest.raises(ValueError, match="unknown family 'x'; known: box, hall"):
+        world_of("x")
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_the_same_seed_gives_the_same_case(family: str) -> None:
-    one, other = make(family, 4, 3), make(family, 4, 3)
-    assert one.draw == other.draw
-    assert one.recorded["range_m"].equals(other.recorded["range_m"])
-    assert not one.recorded["range_m"].equals(make(family, 4, 5).recorded["range_m"])
+def test_turns_number_every_mode_and_family_by_itself() -> None:
+    turns = [turn_of(number) for number in range(360)]
+    counts = Counter((turn.mode, turn.family) for turn in turns)
+    assert set(counts) == set(SCHEDULE)
+    for (mode, family), count in counts.items():
+        own = [t.number for t in turns if (t.mode, t.family) == (mode, family)]
+        assert own == list(range(count))
+    assert {turn.family for turn in (turn_of(n, ("box",)) for n in range(9))} == {"box"}
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", [*OWN, "wave"])
 def test_of_twenty_cases_five_are_empty_and_four_outside(family: str) -> None:
-    cases = [make(family, number, 1) for number in range(20)]
-    assert sum(not case.draw.hidden for case in cases) == 5
-    assert sum(bool(case.outside) for case in cases) == 4
-    assert sum(not case.draw.same_mix for case in cases) in (2, 3)
-    assert {case.draw.ratio for case in cases} == {1, 3, 8}
+    world = _world(family)
+    turns = [t for t in map(turn_of, range(360)) if t.family == family][:20]
+    drawn = [draw(turn, 1, world.KNOWN, tuple(world.LAWS), world.RARELY) for turn in turns]
+    some = [replace(turns[0], number=n) for n in range(40)]
+    drawn = [draw(turn, 1, world.KNOWN, tuple(world.LAWS), world.RARELY) for turn in some]
+    assert sum(not one.hidden for one in drawn) == 10
+    assert sum(bool(set(one.hidden) & set(world.LAWS)) for one in drawn) == 8
+    assert {one.ratio for one in drawn} == set(RATIOS)
+    assert {len(one.hidden) for one in drawn} == {0, 1, 2, 3}
+    if family in OWN:
+        assert sum(not one.same_mix for one in drawn) == 5
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_tables_are_in_the_exchange_form(family: str) -> None:
-    case = make(family, 1, 1)
-    for table in (case.recorded, case.simulated):
+@pytest.mark.parametrize("family", OWN)
+def test_tables_are_in_the_exchange_form_and_deterministic(family: str) -> None:
+    world = _world(family)
+    drawn = Draw((world.KNOWN[0],), 1.0, 1, paired=False)
+    made, again = world.tables(drawn, 3), world.tables(drawn, 3)
+    assert made.recorded["range_m"].equals(again.recorded["range_m"])
+    assert not made.recorded["range_m"].equals(world.tables(drawn, 4).recorded["range_m"])
+    for table in (made.recorded, made.simulated, made.truth):
         assert np.allclose(table["error_m"], table["range_m"] - table["true_range_m"])
         assert not clean(table, family).dropped
+    assert not set(made.recorded["link"]) & set(made.simulated["link"])
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_every_effect_changes_the_recordings_and_nothing_hidden_changes_none(family: str) -> None:
-    world = WORLDS[family]
-    plain, beside = world.tables(Draw(ratio=1), np.random.default_rng(5))
-    assert abs(plain["error_m"].std() - beside["error_m"].std()) < 0.01
-    seen = ["error_m", "rx_power_dbm", *(["noise_std"] if family == "box" else [])]
-    for name in (*world.KNOWN, *world.OUTSIDE):
-        hidden, _ = world.tables(Draw((name,), 2.0, 1), np.random.default_rng(5))
-        cir = 0.0
-        if family == "box":
-            cir = np.abs(np.stack(list(hidden["cir"])) - np.stack(list(plain["cir"]))).mean()
-        moved = max(np.abs(hidden[column] - plain[column]).mean() for column in seen)
-        assert moved > 0.005 or cir > 20, name
+@pytest.mark.parametrize("family", OWN)
+def test_what_is_hidden_is_all_that_differs_from_the_clean_rows(family: str) -> None:
+    world = _world(family)
+    plain = world.tables(Draw(ratio=1), 5)
+    assert np.allclose(plain.recorded["error_m"], plain.clean["error_m"])
+    for name in (*world.KNOWN, *world.LAWS):
+        made = world.tables(Draw((name,), 2.0, 1), 5)
+        assert _moved(made.clean, made.recorded) > 0.004, name
+        assert made.clean["range_m"].equals(plain.clean["range_m"]), name
+        if made.shifts_m is not None:
+            change = made.recorded["error_m"] - made.clean["error_m"]
+            assert np.allclose(change, made.shifts_m.sum(axis=0)), name
+
+
+def _moved(clean_rows: pd.DataFrame, recorded: pd.DataFrame) -> float:
+    """Return the largest mean change of an observable."""
+    names = ("error_m", "rx_power_dbm", "noise_std", "preamble_count")
+    seen = [name for name in names if name in recorded]
+    largest = max(float(np.abs(recorded[n] - clean_rows[n]).mean()) for n in seen)
+    if "cir" not in recorded:
+        return largest
+    cirs = (np.stack(list(table["cir"])) for table in (recorded, clean_rows))
+    return max(largest, float(np.abs(np.subtract(*cirs)).mean()) / 1000)
+
+
+def test_devices_keep_their_values_in_the_true_table() -> None:
+    hall = _world("hall")
+    made = hall.tables(Draw(("antenna-delay",), 4.0, 1), 5)
+    means = [t.groupby(["tx", "rx"])["error_m"].mean() for t in (made.recorded, made.truth)]
+    assert float((means[0] - means[1]).abs().median()) < 0.03
+    assert float(means[0].std()) > 0.1
+
+
+@pytest.mark.parametrize("name", _world("hall").RARELY)
+def test_a_rare_cause_touches_few_rows(name: str) -> None:
+    made = _world("hall").tables(Draw((name,), 1.0, 1, concealed="sparse"), 3)
+    shift = np.abs(made.shifts_m[0])
+    assert 0 < np.mean(shift > 0.02) <= 0.15
+
+
+def test_aggregates_equal_the_simulators_and_decoys_correlate() -> None:
+    hall = _world("hall")
+    made = hall.tables(Draw(("temperature-drift",), 2.0, 1), 3)
+    out = mapped(made)
+    assert np.allclose(np.sort(out.recorded["error_m"]), np.sort(out.clean["error_m"]))
+    column = decoyed(made, ("temperature-drift",), hall.CAUSES, 3).recorded
+    seen = np.corrcoef(column["sensor_0"], column["temperature_c"])[0, 1]
+    assert seen == pytest.approx(0.8, abs=0.06)

@@ -1,7 +1,8 @@
 """Hidden effects of the waveform: noise, echoes, losses and gains, put into complex samples.
 
-What the chip reports follows from the changed samples: the first path and with it the range are
-found again, and the powers move by what the samples say. numpy only.
+Another simulator's samples are changed; what the chip reports follows from the changed samples:
+the first path and with it the range are found again, and the powers move by what the samples say.
+numpy and pandas only.
 """
 
 from __future__ import annotations
@@ -13,8 +14,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.challenge.families.case import Draw
+
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
+LINKS, ROWS = 110, 4
 LEAD, SAMPLES = 5, 157  # of the impulse responses that are recorded
 WIDE_LEAD, WIDE_SAMPLES = 24, 208  # of those that effects are put into
 RAYLEIGH = 0.6551  # std of |n| over the std of its real part
@@ -41,6 +45,7 @@ class Waves:
     distance: Floats
     temperature: Floats
     floor: Floats
+    mirrored_m: Floats
 
     @classmethod
     def of(cls, table: pd.DataFrame) -> Waves:
@@ -52,6 +57,7 @@ class Waves:
         columns = [table[name].to_numpy(np.float64).copy() for name in names]
         real, imaginary = (np.stack(list(table[name])) for name in ("cir_i", "cir_q"))
         columns.append(np.full(len(table), 2 * (columns[1].mean() / RAYLEIGH) ** 2))
+        columns.append(_mirrored_m(table))
         return cls((real + 1j * imaginary).astype(np.complex128), *columns)
 
     def into(self, table: pd.DataFrame) -> pd.DataFrame:
@@ -108,6 +114,20 @@ class Waves:
         near = np.floor(found).astype(int)[:, None] + np.arange(1, 4)
         early = (np.take_along_axis(size, near, axis=1) ** 2).sum(axis=1)
         return found, above / self.symbols**2, early / self.symbols**2
+
+
+def _mirrored_m(table: pd.DataFrame) -> Floats:
+    """Return how much longer the ways by four walls and the floor are, [5, n] in metres."""
+    tx, rx, room = (
+        table[[f"{name}_{axis}_m" for axis in "xyz"]].to_numpy(np.float64)
+        for name in ("tx", "rx", "room")
+    )
+    ways = []
+    for axis, far in ((0, False), (0, True), (1, False), (1, True), (2, False)):
+        image = tx.copy()
+        image[:, axis] = (2 * room[:, axis] if far else 0) - tx[:, axis]
+        ways.append(np.linalg.norm(image - rx, axis=1) - np.linalg.norm(tx - rx, axis=1))
+    return np.stack(ways)
 
 
 def leading_edge(size: Floats, threshold: Floats) -> Floats:
@@ -179,6 +199,42 @@ def path_loss(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     waves.attenuated(strength * (40 * np.log10(waves.distance) + steps), rng)
 
 
+def reflections(waves: Waves, strength: float, rng: np.random.Generator) -> None:
+    """Add the echoes of the four walls and the floor, `2 x strength` of the straight path."""
+    original = waves.cir.copy()
+    for number, extra in enumerate(waves.mirrored_m):
+        late = extra / SAMPLE_M
+        size = (
+            2 * strength * (0.8 if number < 4 else 0.5) * waves.distance / (waves.distance + extra)
+        )
+        turn = np.exp(2j * np.pi * rng.random(len(late)))
+        waves.cir = waves.cir + (size * turn)[:, None] * _later(original, late)
+
+
+def _later(cir: Complexes, late: Floats) -> Complexes:
+    """Return samples [n, K] a number of samples [n] later, by linear interpolation."""
+    whole, part = np.floor(late).astype(int), (late % 1)[:, None]
+    grid = np.arange(cir.shape[1])[None] - whole[:, None]
+    now, before = (
+        np.where(at >= 0, np.take_along_axis(cir, np.maximum(at, 0), axis=1), 0)
+        for at in (grid, grid - 1)
+    )
+    return np.asarray((1 - part) * now + part * before)
+
+
+def fading(waves: Waves, strength: float, rng: np.random.Generator) -> None:
+    """Let every row fade by itself: a Rice fade of the straight path with what runs beside it."""
+    beside = rng.normal(size=(2, len(waves.cir))) * 2 * strength
+    gain = np.abs(1 + beside[0] + 1j * beside[1])
+    waves.attenuated(-20 * np.log10(np.clip(gain, 0.02, None) / gain.max()), rng)
+
+
+def rounded(waves: Waves, strength: float, _rng: np.random.Generator) -> None:
+    """Cut both parts of every sample to a grid of `600 x strength` counts."""
+    grid = 600 * strength
+    waves.cir = grid * (np.trunc(waves.cir.real / grid) + 1j * np.trunc(waves.cir.imag / grid))
+
+
 def level_control(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Hold the level: turn strong signals down and stop accumulating them early."""
     over = np.maximum(waves.rx_dbm + 90.0, 0) / 15.0
@@ -205,47 +261,54 @@ WAVES: dict[str, Wave] = {
     "noise-floor": noise,
     "path-loss": path_loss,
     "level-control": level_control,
+    "specular-reflections": reflections,
+    "small-scale-fading": fading,
+    "quantisation": rounded,
     "pre-echo": pre_echo,
     "warm-gain": warm_gain,
 }
-WAVES_OUTSIDE = ("pre-echo", "warm-gain")
-STRENGTHS = (0.03, 0.1, 0.3)
+LAWS = {"pre-echo": "", "warm-gain": ""}
+"""What nobody's library has, with the form of its law: none here is one of the range."""
+CAUSES: dict[str, str] = {}
+RARELY = ()
+KNOWN = tuple(name for name in WAVES if name not in LAWS)
+USUAL = 0.15  # a strength of 1 is this ratio
 
 
-@dataclass(frozen=True)
-class HiddenWave:
-    """What a waveform case hides: one name or none, and its strength (a ratio)."""
+def known(_: Draw, seed: int) -> pd.DataFrame:
+    """Return rows for another simulator to measure: links in rooms of several sizes."""
+    rng = np.random.default_rng([seed, 1])
+    rooms = rng.uniform([6, 4, 2.5], [16, 10, 4], (6, 3))
+    link = np.repeat(np.arange(LINKS), ROWS)
+    room = rooms[rng.integers(len(rooms), size=LINKS)]
+    ends = rng.uniform(0.4, room - 0.4, (2, LINKS, 3))
+    frame = pd.DataFrame({"link": [f"link {i}" for i in link]})
+    for name, place in (("tx", ends[0]), ("rx", ends[1]), ("room", room)):
+        for axis, column in zip("xyz", place.T, strict=True):
+            frame[f"{name}_{axis}_m"] = column[link]
+    frame["true_range_m"] = np.linalg.norm(ends[0] - ends[1], axis=1)[link]
+    frame["tx"], frame["rx"] = [f"t{i % 3}" for i in link], [f"r{i % 4}" for i in link]
+    frame["time_s"] = np.arange(len(frame)) * 2.0
+    frame["temperature_c"] = rng.uniform(5, 45, LINKS)[link] + rng.normal(0, 0.3, len(frame))
+    return frame
 
-    name: str | None
-    strength: float
 
-
-def draw_wave(number: int, seed: int) -> HiddenWave:
-    """Return what waveform case `number` hides: of every 20, 5 nothing, 3 outside the library."""
-    rng = np.random.default_rng([seed, number, 4])
-    turn = number % 20
-    if turn % 4 == 0:
-        return HiddenWave(None, 0.0)
-    outside = turn in (7, 14, 18)
-    names = [n for n in WAVES if (n in WAVES_OUTSIDE) == outside]
-    return HiddenWave(str(rng.choice(names)), float(rng.choice(STRENGTHS)))
-
-
-def conceal_wave(table: pd.DataFrame, hidden: HiddenWave, seed: int) -> pd.DataFrame:
-    """Return the table with the hidden effect in its waveforms, ranges and powers.
+def conceal(table: pd.DataFrame, drawn: Draw, seed: int) -> pd.DataFrame:
+    """Return the table with the hidden effects in its waveforms, ranges and powers.
 
     `table` has complex impulse responses of WIDE_SAMPLES; see `recorded` for what is shown.
     """
-    if hidden.name is None:
-        return table
-    waves = Waves.of(table)
-    before = waves.seen()
-    WAVES[hidden.name](waves, hidden.strength, np.random.default_rng([seed, 6]))
-    after = waves.seen()
-    later, louder, earlier = (b - a for a, b in zip(_in_db(before), _in_db(after), strict=True))
-    waves.first, waves.range_m = waves.first + later, waves.range_m + SAMPLE_M * later
-    waves.rx_dbm, waves.first_dbm = waves.rx_dbm + louder, waves.first_dbm + earlier
-    return waves.into(table)
+    for number, name in enumerate(drawn.hidden):
+        waves = Waves.of(table)
+        before = waves.seen()
+        own = np.random.default_rng([seed, 6, number])
+        WAVES[name](waves, USUAL * drawn.strength, own)
+        after = waves.seen()
+        later, louder, earlier = (b - a for a, b in zip(_in_db(before), _in_db(after), strict=True))
+        waves.first, waves.range_m = waves.first + later, waves.range_m + SAMPLE_M * later
+        waves.rx_dbm, waves.first_dbm = waves.rx_dbm + louder, waves.first_dbm + earlier
+        table = waves.into(table)
+    return table
 
 
 def _in_db(seen: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats, Floats]:
