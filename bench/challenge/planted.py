@@ -21,17 +21,19 @@ SMALLER, LARGER = f"1/{WITHIN:g}", f"{WITHIN:g}"
 
 
 def detected(case: Case, found: Diagnosis, seed: int) -> dict[str, bool]:
-    """Return whether a shift smaller and larger by `WITHIN` than the stated one is seen.
+    """Return whether a shift smaller or larger by `WITHIN` than the stated one is seen.
 
-    Empty where something was found, or no shift is stated. To be true to its word, "every second
-    time", the smaller must be seen in less than half of many cases, the larger in more.
+    Cases take one of both in turn. Empty where something was found, or no shift is stated. To be
+    true to its word, "every second time", the smaller must be seen in less than half of many
+    cases, the larger in more.
     """
     first = found.selection.verdicts[0]
     stated = first.detectable.get("error_m", np.nan) if isinstance(first, NoMismatch) else np.nan
     if not np.isfinite(stated):
         return {}
-    sizes = {SMALLER: stated / WITHIN, LARGER: stated * WITHIN}
-    return {word: _seen(case, size, seed) for word, size in sizes.items()}
+    larger = bool(case.turn.number // 4 % 2)
+    size = stated * WITHIN if larger else stated / WITHIN
+    return {LARGER if larger else SMALLER: _seen(case, size, seed)}
 
 
 def _seen(case: Case, shift_m: float, seed: int) -> bool:

@@ -160,14 +160,14 @@ def _covered(outcomes: list[Outcome]) -> Rate:
 
 def _planted(outcomes: list[Outcome]) -> list[Rate]:
     """Return how often shifts planted around the stated detectable one are seen."""
-    known = [one for one in outcomes if one.detected]
     bars: tuple[tuple[str, float | None, float | None], ...] = (
         (LARGER, 0.5, None),
         (SMALLER, None, 0.5),
     )
     return [
         _rate(
-            f"stated detectable shift x {word} seen (to be true within {WITHIN:g})", known,
+            f"stated detectable shift x {word} seen (to be true within {WITHIN:g})",
+            [one for one in outcomes if word in one.detected],
             lambda o, word=word: o.detected[word], low, high,  # type: ignore[misc]
         )
         for word, low, high in bars

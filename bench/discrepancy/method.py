@@ -142,7 +142,8 @@ def diagnose(
     inside = covered(comparison, shown)
     rows = _WorkingRows.of(shown.select(inside), asked)
     every, skipped = library()
-    able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform))
+    again = isinstance(comparison, Resimulation)
+    able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), again)
     skipped |= lacking
     search = _search(comparison, rows, able, progress)
     journal.know(search.kinds)

@@ -20,8 +20,9 @@ Complexes = NDArray[np.complex128]
 SAMPLE_NS, SAMPLES, LEAD = 1.0016, 150, 12
 LIGHT_M_PER_NS = 0.299792458
 SCATTER_M, COUNTS, NOISE = 0.02, 9000.0, 45.0
+ROOMS_M = ((4.4, 3.4, 2.7), (7.0, 5.0, 2.7))
 THRESHOLD = 9.0  # times the noise's usual standard deviation
-LINKS, MOST_ROWS = 140, 3
+LINKS, MOST_ROWS = 110, 2
 CAUSES = {"antenna-delay": "time_s", "power-bias": "true_range_m", "path-loss": "true_range_m"}
 RARELY = ()
 KNOWN = (
@@ -35,7 +36,6 @@ KNOWN = (
     "power-bias",
     "material-delay",
     "obstructed-path",
-    "late-detection",
     "level-control",
     "quantisation",
 )
@@ -71,10 +71,10 @@ def tables(drawn: Draw, seed: int) -> Tables:
     """Return the tables of a case."""
     hidden = dict.fromkeys(drawn.hidden, drawn.strength)
     rng = np.random.default_rng([seed, 1])
-    places = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (4.0, 3.2, 2.7))
+    places = _places(rng, 0.5 if drawn.same_mix else 0.8)
     recorded, clean = (_received(_world(places, seed, 2, what)) for what in (hidden, {}))
     if not drawn.paired:
-        places = _places(rng, (5.5, 4.2, 2.7) if drawn.same_mix else (9.0, 6.0, 3.1))
+        places = _places(rng, 0.5 if drawn.same_mix else 0.2)
         places = places.assign(link="sim " + places["link"])
     simulated, truth = (
         _repeated(places, seed, first, drawn.ratio, what)
@@ -100,15 +100,19 @@ def _repeated(
     return pd.concat([_received(world) for world in worlds], ignore_index=True)
 
 
-def _places(rng: np.random.Generator, size_m: tuple[float, float, float]) -> pd.DataFrame:
-    """Return positions in a room, one to three rows a link, a screen in a fifth of the links."""
+def _places(rng: np.random.Generator, share: float) -> pd.DataFrame:
+    """Return positions in two rooms, one to three rows a link, a screen in a fifth of the links.
+
+    `share` of the links are in the smaller room.
+    """
     again = rng.integers(1, MOST_ROWS + 1, LINKS)
-    ends = rng.uniform(0.25, np.array(size_m) - 0.25, (2, LINKS, 3))
+    size_m = np.array(ROOMS_M)[(rng.random(LINKS) >= share).astype(int)]
+    ends = rng.uniform(0.25, size_m - 0.25, (2, LINKS, 3))
     frame = pd.DataFrame({"link": np.repeat([f"l{i}" for i in range(LINKS)], again)})
     for name, places in zip(("tx", "rx"), np.repeat(ends, again, axis=1), strict=True):
         for axis, column in zip("xyz", places.T, strict=True):
             frame[f"{name}_{axis}_m"] = column
-    for axis, extent in zip("xyz", size_m, strict=True):
+    for axis, extent in zip("xyz", np.repeat(size_m, again, axis=0).T, strict=True):
         frame[f"room_{axis}_m"] = extent
     gaps = np.repeat(ends[0] - ends[1], again, axis=0)
     frame["true_range_m"] = np.linalg.norm(gaps, axis=1)
@@ -134,7 +138,7 @@ def _received(world: World) -> pd.DataFrame:
     cir = np.abs(signal + noise[0] + 1j * noise[1] + _disturbance(world, signal.shape))
     if step := 60 * world.size("quantisation"):
         cir = step * np.floor(cir / step)
-    first, at = _detected(cir, world.size("late-detection"))
+    first, at = _detected(cir)
     level = 20 * np.log10(loudest / 10) + 10 * np.log10(_energy(cir)) - 45
     early = 20 * np.log10(cir[np.arange(len(cir)), at] / COUNTS)
     level, symbols = _controlled(world, level)
@@ -227,15 +231,13 @@ def _disturbance(world: World, shape: tuple[int, ...]) -> Complexes:
     return np.asarray(total + 1500 * dead)
 
 
-def _detected(cir: Floats, raised: float) -> tuple[Floats, NDArray[np.intp]]:
+def _detected(cir: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Return the first path [n] in samples, and the sample of its peak.
 
-    Half the height of the first peak over a threshold, interpolated; `raised`: the threshold is
-    as many fifths of the highest peak at least.
+    Half the height of the first peak over a threshold, interpolated.
     """
     rows, grid = np.arange(len(cir)), np.arange(cir.shape[1])
-    threshold = np.maximum(THRESHOLD * NOISE, min(0.2 * raised, 0.6) * cir.max(axis=1))
-    over = (cir > threshold[:, None]) & (grid >= 3)
+    over = (cir > THRESHOLD * NOISE) & (grid >= 3)
     peak = np.where(over.any(axis=1), over.argmax(axis=1), cir.argmax(axis=1))
     for _ in range(4):
         later = np.minimum(peak + 1, cir.shape[1] - 1)

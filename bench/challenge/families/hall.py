@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bench.challenge.families.case import Draw, Tables
 
 Floats = NDArray[np.float64]
-ANCHORS, PLACES, MOST_ROWS = 8, 55, 3
+ANCHORS, PLACES, MOST_ROWS = 6, 24, 2
 SCATTER_M = 0.025
 LIGHT_M_PER_US = 299.792458
 WALLS = {"concrete": 0.19, "brick": 0.12, "plasterboard": 0.015}  # m of delay per wall

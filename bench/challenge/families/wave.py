@@ -18,7 +18,7 @@ from bench.challenge.families.case import Draw
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-LINKS, ROWS = 110, 4
+LINKS, ROWS = 90, 2
 LEAD, SAMPLES = 5, 157  # of the impulse responses that are recorded
 WIDE_LEAD, WIDE_SAMPLES = 24, 208  # of those that effects are put into
 RAYLEIGH = 0.6551  # std of |n| over the std of its real part

@@ -99,14 +99,19 @@ def library() -> tuple[dict[str, type[Effect]], dict[str, str]]:
 
 
 def offered(
-    kinds: Mapping[str, type[Effect]], frame: pd.DataFrame, waveform: bool
+    kinds: Mapping[str, type[Effect]], frame: pd.DataFrame, waveform: bool, again: bool = True
 ) -> tuple[dict[str, type[Effect]], dict[str, str]]:
     """Return the effects that a table says anything about, and what the others need.
 
-    CIRs count as a column only where they are compared.
+    CIRs count as a column only where they are compared. `again`: the simulator can be run again;
+    the rows of another simulator's table cannot have every effect put into them.
     """
     columns = known_columns(frame) - (set() if waveform else {"cir"})
-    lacking = {name: kind.lacking(columns) for name, kind in kinds.items()}
+    rerun = "a simulator that can be run again"
+    lacking = {
+        name: kind.lacking(columns) or ("" if again or kind.on_tables else rerun)
+        for name, kind in kinds.items()
+    }
     able = {name: kind for name, kind in kinds.items() if not lacking[name]}
     return able, {n: f"could not be tried: needs {words}" for n, words in lacking.items() if words}
 

@@ -91,7 +91,7 @@ def test_an_interval_is_wilsons():
 
 
 def test_shifts_planted_around_the_stated_one_judge_it():
-    seen = [{"1/1.5": i == 0, "1.5": i != 1} for i in range(4)]
+    seen = [{"1/1.5": i == 0} if i < 3 else {"1.5": i != 4} for i in range(7)]
     outcomes = [_outcome(i, (), "clean", detected=one) for i, one in enumerate(seen)]
     found = {rate.words: rate for rate in rates(outcomes) if "detectable" in rate.words}
     assert [(rate.hits, rate.met) for rate in found.values()] == [(3, True), (1, True)]
