@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.challenge.families.case import (
     CONCEALS,
     Draw,
+    Law,
     Tables,
     Turn,
     decoyed,
@@ -56,7 +57,7 @@ class Case:
     clean: pd.DataFrame
     shifts_m: Floats | None
     outside: tuple[str, ...]
-    law: str
+    law: Law
 
     @property
     def strength_z(self) -> float:
@@ -102,13 +103,13 @@ def make_case(number: int, seed: int, families: tuple[str, ...] = ()) -> Case:
         for frame in (made.recorded, made.truth, made.clean)
     )
     outside = tuple(n for n in drawn.hidden if _unnamable(n, world.LAWS, recorded, turn.mode))
-    law = world.LAWS.get(drawn.hidden[0], "") if drawn.hidden else ""
+    law = world.LAWS.get(drawn.hidden[0], Law()) if drawn.hidden else Law()
     table = Recordings(recorded, f"case {number}")
     true = Recordings(truth, "truth", simulator=turn.family)
     return Case(turn, drawn, table, simulated, true, clean, made.shifts_m, outside, law)
 
 
-def _unnamable(name: str, laws: dict[str, str], recorded: pd.DataFrame, mode: str) -> bool:
+def _unnamable(name: str, laws: dict[str, Law], recorded: pd.DataFrame, mode: str) -> bool:
     """Return whether no library effect can be given for something hidden."""
     if name in laws:
         return True

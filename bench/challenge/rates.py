@@ -15,6 +15,7 @@ from bench.challenge.scoring import RIGHT, Outcome
 COVERAGE = (0.85, 0.95)
 MEDIAN_SHARE = 0.9
 MOST_CAUSES = 4
+FAULTS = ("position", "swap", "unit", "time shift")
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ def rates(outcomes: list[Outcome]) -> list[Rate]:
     return [
         _rate("false alarms, nothing hidden", empty, _is("alarm"), most=0.05),
         _rate("false alarms where the mix differs", other, _is("alarm")),
+        _rate("a law stated where nothing is hidden", empty, _stated, most=0.05),
+        _rate("a law stated, library cases", [o for o in rest if not o.outside], _stated),
         _rate("wrong names, something hidden", rest, _is("wrong"), most=0.05),
         _rate("right name or class, above the limit", above, _is(*RIGHT), least=0.9),
         _rate("right name alone, above the limit", above, _is("right"), least=0.8),
@@ -141,13 +144,22 @@ def cause(one: Outcome) -> str:
 
 def _law_rates(outcomes: list[Outcome]) -> list[Rate]:
     """Return how often the form of a law, or the fault of the set-up, is stated."""
-    with_law = [one for one in outcomes if one.law]
+    laws = [o for o in outcomes if o.forms and not set(o.forms) & set(FAULTS)]
+    faults = [o for o in outcomes if set(o.forms) & set(FAULTS)]
+    valued = [o for o in outcomes if o.form_right and o.value_right is not None]
     return [
-        _rate(
-            "form of law or fault of the set-up stated, above the limit", with_law,
-            lambda o: o.law in o.stated_law, least=0.75,
-        )
-    ]  # fmt: skip
+        _rate("laws above the limit: form stated", laws, _form_right, least=0.75),
+        _rate("faults of the set-up above the limit: named", faults, _form_right, least=0.8),
+        _rate("of these, size or devices within 10 %", valued, lambda o: bool(o.value_right)),
+    ]
+
+
+def _form_right(one: Outcome) -> bool:
+    return bool(one.form_right)
+
+
+def _stated(one: Outcome) -> bool:
+    return bool(one.stated_law)
 
 
 def _covered(outcomes: list[Outcome]) -> Rate:

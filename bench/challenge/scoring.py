@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from bench.challenge.cases import LIMIT_Z, Case
+from bench.challenge.law_score import law_score
 from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import NoMismatch, Unknown
 
@@ -16,13 +17,14 @@ class Outcome:
     """One case: what was hidden, what was said, and how that is scored.
 
     `hidden` names of effects, `outside` those of them that no library effect can be given for,
-    `law` the form of law or fault of the set-up that is hidden. `strength_z` as in `Case`;
+    `forms` the forms of law or faults of the set-up that say it. `strength_z` as in `Case`;
     `alarm_z` is the search's largest statistic over its family-wise 5 % threshold. `removed` and
     `removable`: the fall of the sealed mismatch by the diagnosis and by the truth (see `removal`);
     `better`: the sealed links fit better after, and ranges no worse. `covered` and
     `parameter_errors`: see `truths`. `detected` maps multiples of the stated detectable shift to
     whether it was seen when planted. `stated_law`: what the diagnosis says of a law without a name
-    or a fault of the set-up. `seconds`: CPU time of the diagnosis.
+    or a fault of the set-up; `form_right`, `value_right`: see `law_score`. `seconds`: CPU time of
+    the diagnosis.
     """
 
     number: int
@@ -30,7 +32,7 @@ class Outcome:
     family: str
     hidden: list[str]
     outside: list[str]
-    law: str
+    forms: list[str]
     strength: float
     ratio: int
     paired: bool
@@ -50,6 +52,8 @@ class Outcome:
     parameter_errors: list[float] = field(default_factory=list)
     detected: dict[str, bool] = field(default_factory=dict)
     stated_law: str = ""
+    form_right: bool | None = None
+    value_right: bool | None = None
     seconds: float = 0.0
     headline: str = ""
 
@@ -74,6 +78,7 @@ def outcome(case: Case, found: Diagnosis, number: int) -> Outcome:
         better=found.confirmed.gain.value > 0 if found.added else True,
         recommended=found.recommended or not found.added,
         headline=found.headline,
+        **law_score(case, found),
     )
 
 
@@ -86,7 +91,7 @@ def blank(case: Case, number: int, score: str, words: str) -> Outcome:
         family=case.turn.family,
         hidden=list(drawn.hidden),
         outside=list(case.outside),
-        law=case.law,
+        forms=list(case.law.forms),
         strength=drawn.strength,
         ratio=drawn.ratio,
         paired=drawn.paired,

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.families.case import Draw, Tables
+from bench.challenge.families.case import Draw, Law, Tables
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -40,12 +40,12 @@ KNOWN = (
     "quantisation",
 )
 LAWS = {
-    "leaking-mains": "",
-    "late-echo-burst": "",
-    "shifted-anchor": "position",
-    "dead-samples": "",
+    "leaking-mains": Law(),
+    "late-echo-burst": Law(),
+    "shifted-anchor": Law(("position",), 0.472, "m", devices=("a2",)),
+    "dead-samples": Law(),
 }
-"""What nobody's library has, with the form of its law or the fault of the set-up."""
+"""What nobody's library has."""
 
 
 @dataclass

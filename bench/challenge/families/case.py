@@ -18,10 +18,16 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "hall"), ("CIR", "box"), ("ranges again", "hall"), ("CIR again", "wave"),
+    ("ranges", "hall"), ("CIR", "box"), ("ranges again", "hall"), ("ranges", "yard"),
+    ("CIR again", "wave"), ("ranges", "hall"), ("CIR", "loft"), ("ranges again", "yard"),
+    ("ranges", "yard"), ("CIR", "box"), ("CIR again", "wave"), ("ranges", "yard"),
+    ("ranges again", "hall"), ("CIR", "loft"), ("ranges", "hall"), ("CIR again", "wave"),
+    ("ranges", "hall"), ("ranges again", "yard"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
-KEPT: tuple[str, ...] = ()
+COARSE = ("blocked-path", "timestamp-jitter", "range-rounding", "path-loss")
+"""Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
+KEPT = ("yard", "loft")
 """Families that were written last, and opened for the report alone."""
 
 
@@ -52,6 +58,22 @@ class Draw:
     def scatter(self) -> float:
         """How many times larger than usual ranges scatter in both tables."""
         return 3.0 if self.concealed == "scatter" else 1.0
+
+
+@dataclass(frozen=True)
+class Law:
+    """What nobody's library has: the forms of law or faults of the set-up that say it.
+
+    `value` is a constant of it in `unit` at strength 1 (`grows`: times the strength), for a fault
+    of positions the length of the shift; `devices` are those that a fault concerns. No form: of a
+    waveform, or of chance.
+    """
+
+    forms: tuple[str, ...] = ()
+    value: float = 0.0
+    unit: str = ""
+    grows: bool = True
+    devices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -118,6 +140,8 @@ def draw(
     among = outside if place in (3, 7, 11, 15) else known
     names = tuple(map(str, rng.choice(list(among), min(count, len(among)), replace=False)))
     ways = [way for way in CONCEALS if way != "sparse" or (count == 1 and names[0] in rarely)]
+    if set(names) & {*COARSE, *outside}:
+        ways = [way for way in ways if way not in ("aggregate", "scatter")]
     way = "plain" if "CIR" in turn.mode else str(rng.choice(ways))
     return Draw(names, strength, ratio, paired, True, listed, way)
 

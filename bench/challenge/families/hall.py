@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.families.case import Draw, Tables
+from bench.challenge.families.case import Draw, Law, Tables
 
 Floats = NDArray[np.float64]
 ANCHORS, PLACES, MOST_ROWS = 6, 24, 2
@@ -34,15 +34,15 @@ CAUSES = {
 }
 RARELY = ("antenna-delay", "clock-offset", "temperature-drift", "material-delay", "blocked-path")
 LAWS = {
-    "swapped-tags": "swap",
-    "shifted-anchor": "position",
-    "yards-in-one-anchor": "unit",
-    "step-in-time": "step",
-    "periodic-in-time": "periodic",
-    "worn-crystal": "square",
-    "path-switching": "",
+    "swapped-tags": Law(("swap",), devices=("a0", "a1")),
+    "shifted-anchor": Law(("position",), 0.51, "m", devices=("a2",)),
+    "yards-in-one-anchor": Law(("unit",), 1 / 0.9144, "1", grows=False, devices=("a4",)),
+    "step-in-time": Law(("step",), 0.12, "m"),
+    "periodic-in-time": Law(("periodic",), 310.0, "s", grows=False),
+    "worn-crystal": Law(("power", "parabola")),
+    "path-switching": Law(),
 }
-"""What nobody's library has, with the form of its law or the fault of the set-up."""
+"""What nobody's library has."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.families.case import Draw
+from bench.challenge.families.case import Draw, Law
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -267,8 +267,8 @@ WAVES: dict[str, Wave] = {
     "pre-echo": pre_echo,
     "warm-gain": warm_gain,
 }
-LAWS = {"pre-echo": "", "warm-gain": ""}
-"""What nobody's library has, with the form of its law: none here is one of the range."""
+LAWS = {"pre-echo": Law(), "warm-gain": Law()}
+"""What nobody's library has: no law of the range."""
 CAUSES: dict[str, str] = {}
 RARELY = ()
 KNOWN = tuple(name for name in WAVES if name not in LAWS)

@@ -97,12 +97,24 @@ class TableComparison:
             numbers = range(first, first + count)
             made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
             return stack(view.recorded, made, view.links)
+        changes = self._changes(seen, view, added, range(first, first + count))
         replicas = []
-        for number, pick in enumerate(picks):
-            values = seen.values[pick] + self._nearer(seen, view, pick)
-            values = values + self._change(seen, view, added, first + number)
+        for pick, change in zip(picks, changes, strict=True):
+            values = seen.values[pick] + self._nearer(seen, view, pick) + change
             replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
+
+    def _changes(self, seen: Observables, view: View, added: Added, numbers: range) -> list[Floats]:
+        """Return what the effects change in every replicate, each [n, p].
+
+        What draws nothing changes all replicates alike: two that are equal stand for the rest,
+        unless the effects strike so rarely that two may be equal by chance.
+        """
+        made = [self._change(seen, view, added, number) for number in numbers[:2]]
+        rare = any(type(e).per_link or type(e).strikes for e in added)
+        if len(made) > 1 and not rare and np.array_equal(made[0], made[1], equal_nan=True):
+            return made + made[:1] * (len(numbers) - 2)
+        return made + [self._change(seen, view, added, number) for number in numbers[2:]]
 
     def _with_cir(
         self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
