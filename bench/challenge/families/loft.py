@@ -23,7 +23,7 @@ SAMPLE_M = SAMPLE_NS * 0.299792458
 LINKS, MOST_ROWS = 110, 2
 NOISE, GAIN, SCATTER_M = 38.0, 16000.0, 0.018
 DETECT = 8.5  # times the usual noise
-SCREEN_DB = 3.0  # that a screen weakens the straight path by, in both tables
+SCREEN_DB = 11.0  # that a screen weakens the straight path by, in both tables
 CAUSES: dict[str, str] = {}
 RARELY = ()
 LAWS = {
@@ -158,7 +158,7 @@ def _ways(loft: Loft) -> tuple[Floats, Complexes]:
         image = tx.copy()
         image[:, axis] = 2 * place - image[:, axis]
         way = np.linalg.norm(image - rx, axis=1)
-        strong = 0.22 * (1 + 1.4 * loft["specular-reflections"])
+        strong = 0.3 * (1 + 1.4 * loft["specular-reflections"])
         longer.append(way - far)
         gain.append(strong / way * np.exp(2j * np.pi * loft.rng.random(len(far))))
     for point in np.random.default_rng([loft.own, 5]).uniform(0.2, np.array(LOFT_M) - 0.2, (5, 3)):
@@ -244,7 +244,7 @@ def _edge(heard: Floats, late: float) -> tuple[Floats, NDArray[np.intp]]:
     the threshold to a share of the highest sample.
     """
     rows, last = np.arange(len(heard)), heard.shape[1] - 2
-    raised = (0.25 * min(late, 2.0) + 0.15 * (late > 0)) * heard.max(axis=1)
+    raised = (0.35 * min(late, 2.0) + 0.15 * (late > 0)) * heard.max(axis=1)
     over = heard[:, 3:] > np.maximum(DETECT * NOISE, raised)[:, None]
     peak = np.where(over.any(axis=1), over.argmax(axis=1) + 3, heard.argmax(axis=1))
     for _ in range(4):

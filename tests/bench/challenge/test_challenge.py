@@ -60,12 +60,12 @@ def _unlisted_wall(number: int) -> bool:
     return "material-delay" in drawn.hidden and not drawn.listed
 
 
-def _outcome(number: int, names: tuple[str, ...], score: str, **known: object) -> Outcome:
+def _outcome(number: int, what: tuple[str, ...], score: str, **known: object) -> Outcome:
     plain = Outcome(
-        number=number, mode="ranges", family="hall", hidden=list(names),
-        outside=[n for n in names if n == "supply"], forms=[], strength=1.0, ratio=3, paired=True,
+        number=number, mode="ranges", family="hall", hidden=list(what),
+        outside=[n for n in what if n == "supply"], forms=[], strength=1.0, ratio=3, paired=True,
         same_mix=True, listed=True, concealed="plain", verdict="", names=[], score=score,
-        strength_z=20.0 if names else 0.0, alarm_z=0.5,
+        strength_z=20.0 if what else 0.0, alarm_z=0.5,
     )  # fmt: skip
     return replace(plain, **known)
 
