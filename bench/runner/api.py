@@ -105,7 +105,11 @@ def run(
     bench.errors.BenchError: unknown model 'remnett'; did you mean 'remnet'? ...
     """
     watch = observer or Observer()
-    spread = None if jobs is None and scheduler is None else Spread(jobs or 1, scheduler)
+    spread = (
+        None
+        if jobs is None and scheduler is None
+        else Spread(1 if jobs is None else jobs, scheduler)
+    )
     plan = make_plan(model, backend, device, seeds)
     plan = with_guard(plan) if guard else plan
     folder = ResultFolder(Path(out))
