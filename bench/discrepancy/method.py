@@ -26,7 +26,7 @@ from bench.discrepancy.data.own_columns import measured_columns
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
 from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.law.found import FoundLaw, SetupFault
-from bench.discrepancy.law.unexplained import borne_out, named_fault, proposed
+from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
@@ -149,11 +149,12 @@ def diagnose(
     journal.know(search.kinds)
     found = select_effects(search, journal)
     found = replace(found, skipped={**skipped, **found.skipped})
-    proposal, curve = proposed(search, found), _unnamed(search, found)
+    weighing = weighed(search, found)
     progress("confirming on links that nothing was tuned on")
     sealed = rows.confirm()
-    said = borne_out(comparison, sealed, found.added, proposal, asked.seed)
-    added = (*found.added, *((said.law.effect,) if said.law else curve))
+    said = borne_out(comparison, sealed, weighing, asked.seed)
+    found, more = said.found, (said.law.effect,) if said.law else _unnamed(search, said.found)
+    added = (*found.added, *more)
     confirmed = confirm(comparison, sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
@@ -162,7 +163,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        said.law, said.fault or named_fault(found), kept, measured,
+        said.law, said.fault, kept, measured,
     )  # fmt: skip
 
 

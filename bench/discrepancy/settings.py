@@ -292,7 +292,9 @@ KEPT_MATCHES: Final = 8  # views with the rows that match them
 
 # --- Laws without a name (law) -----------------------------------------------------------------
 LAW_NATS: Final = 3.0  # beyond what its complexity costs: 20 to 1 [convention]
-LAW_TIED_NATS: Final = 3.0  # behind the best, within which another law is not excluded [convention]
+LAW_TIED_NATS: Final = 3.0  # behind the best, within which a law is not excluded [convention]
+LAW_INSTEAD_NATS: Final = 10.0  # beyond all named effects together: 20 000 to 1 [convention]
+LAW_VALUE_NATS: Final = 1.0  # that a value of a named effect pays [source: Akaike 1974]
 LAW_TAIL: Final = 4.0  # degrees of freedom of the Student t that residuals have [convention]
 LAW_PASSES: Final = 10  # of reweighting [cost]
 LAW_CLIP: Final = 4.0  # scales beyond which residuals are cut when laws are screened [convention]

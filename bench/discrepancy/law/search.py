@@ -44,7 +44,7 @@ class Candidate:
 class Proposal:
     """What working links say: the best law, its constants with intervals, and those not excluded.
 
-    `scale_m` is the scatter of what is left; `given` is what it was found in.
+    `given` is what it was found in, `share` how much a row of it counts (links keep offsets).
     """
 
     given: Material
@@ -52,7 +52,21 @@ class Proposal:
     best: Candidate
     constants: tuple[LawConstant, ...]
     tied: tuple[Candidate, ...]
-    scale_m: float
+    share: float
+
+    @property
+    def scale_m(self) -> float:
+        """The scatter of what the best law leaves."""
+        return self.best.fitted.fit.scale_m
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Fitted structures, best first, the lead of the best free curve, and how much a row counts."""
+
+    candidates: tuple[Candidate, ...]
+    curve_nats: float
+    share: float
 
 
 def propose(given: Material, seed: int) -> Proposal | None:
@@ -60,22 +74,23 @@ def propose(given: Material, seed: int) -> Proposal | None:
 
     None where none is worth its complexity, or a free curve does much better than all.
     """
-    ranked, curve = ranking(given)
-    if not ranked or ranked[0].nats < max(LAW_NATS, curve - LAW_NATS):
+    made = ranking(given)
+    ranked = made.candidates
+    if not ranked or ranked[0].nats < max(LAW_NATS, made.curve_nats - LAW_NATS):
         return None
     best = _preferred(ranked)
     tied = [one for one in ranked if one is not best and best.nats - one.nats < LAW_TIED_NATS]
     constants = intervals(given, best, seed)
-    return Proposal(given, best, constants, _distinct(best, tied), best.fitted.fit.scale_m)
+    return Proposal(given, best, constants, _distinct(best, tied), made.share)
 
 
-def ranking(given: Material) -> tuple[list[Candidate], float]:
-    """Return every structure worth fitting, best first, and the lead of the best free curve.
+def ranking(given: Material) -> Ranking:
+    """Return every structure worth fitting, best first.
 
     How far rows of a link say the same is judged by what the best law leaves.
     """
     if len(given.residual_m) < LAW_FEWEST_ROWS:
-        return [], 0.0
+        return Ranking((), 0.0, 1.0)
     laws: list[Structure] = [
         *promising(given, float(len(given.residual_m))), *faults(given), *roundings(given)
     ]  # fmt: skip
@@ -90,10 +105,11 @@ def ranking(given: Material) -> tuple[list[Candidate], float]:
     ]
     curve, values = best_curve(given)
     lead = share * (curve - none) - values / 2 * np.log(max(rows, 2.0))
-    return sorted(made, key=lambda one: -one.nats), float(lead)
+    made.sort(key=lambda one: -one.nats)
+    return Ranking(tuple(made), float(lead), share)
 
 
-def _preferred(ranked: list[Candidate]) -> Candidate:
+def _preferred(ranked: tuple[Candidate, ...]) -> Candidate:
     """Return the best; a fault of the set-up that does about as well goes first.
 
     One device that stands elsewhere is as good as a law of the bearing for its rows alone.

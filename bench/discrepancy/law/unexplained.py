@@ -1,8 +1,8 @@
-"""Where the library's answer is unknown: what a law or a fault of the set-up says of it."""
+"""Where the library says unknown, or leaves much: what a law or a fault of the set-up says."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -11,61 +11,128 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import judged, setup_fault
+from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import LeftOut, Unknown
-from bench.discrepancy.settings import LAW_MEMBERS
+from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_VALUE_NATS
 from bench.errors import BenchError
 
 
 @dataclass(frozen=True)
-class Said:
-    """What is said beside the verdicts: a law, a fault of the set-up, or neither."""
+class Weighed:
+    """What the library says (`found`), and a law that working links speak for.
 
+    `instead`: the selection without the library's names, where the law does better than all of
+    them together; None where the law is of what they leave.
+    """
+
+    found: Selection
+    proposal: Proposal | None = None
+    instead: Selection | None = None
+
+    @property
+    def added(self) -> Added:
+        """The effects that the law comes on top of."""
+        return (self.instead or self.found).added
+
+
+@dataclass(frozen=True)
+class Said:
+    """The selection that holds, with a law, a fault of the set-up, or neither."""
+
+    found: Selection
     law: FoundLaw | None = None
     fault: SetupFault | None = None
 
 
-def proposed(search: Search, found: Selection) -> Proposal | None:
-    """Return the law that working links speak for, where no known effect explains them."""
-    if not any(isinstance(verdict, Unknown) for verdict in found.verdicts):
-        return None
+def weighed(search: Search, found: Selection) -> Weighed:
+    """Return what the library says beside the law of what it does not explain.
+
+    A law is looked for where the verdict is unknown, and beside names whose values could bend to
+    anything (a clock that wanders follows a warm-up). Where it fails, what the library says stands.
+    """
+    unknown = any(isinstance(verdict, Unknown) for verdict in found.verdicts)
+    if not unknown and not _comparable(found):
+        return Weighed(found)
     search.progress("looking for a law without a name")
+    return Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
+
+
+def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
+    """Return the law of what the names leave, or one that does better than all of them."""
     views = (search.fit, search.discover) if search.work is None else (search.work,)
-    step = Guard().safely("law", _proposed, None)
-    return step(search.comparison, views, found.added, search.seed)
+    rest = gathered(search.comparison, views, found.added)
+    after = propose(rest, search.seed) if rest is not None else None
+    beside = Weighed(found, after if unknown else None)
+    if rest is None or not _comparable(found):
+        return beside
+    whole = gathered(search.comparison, views, ())
+    alone = None if whole is None else propose(whole, search.seed)
+    values = sum(effect.freed for effect in found.added)
+    if alone is None or _lead(alone, rest, after, values) < LAW_INSTEAD_NATS:
+        return beside
+    return Weighed(found, alone, _without_names(found))
 
 
-def _proposed(
-    comparison: Comparison, views: tuple[View, ...], added: Added, seed: int
-) -> Proposal | None:
-    given = gathered(comparison, views, added)
-    return None if given is None else propose(given, seed)
+def _comparable(found: Selection) -> bool:
+    """Return whether effects shift rows alone: what scatters them is judged by no mean."""
+    kinds = [type(effect) for effect in found.added]
+    return bool(kinds) and not any(kind.per_link or kind.independent for kind in kinds)
 
 
-def borne_out(
-    comparison: Comparison, sealed: View, added: Added, proposal: Proposal | None, seed: int
-) -> Said:
+def _lead(alone: Proposal, rest: Material, after: Proposal | None, values: int) -> float:
+    """Return by how many nats a law alone beats the named effects, and a law of what they leave.
+
+    The law pays for its form among all and for its constants; a library effect only what its
+    values gain from noise, so that one that is the truth is not beaten.
+    """
+    before = unmoved(alone.given.residual_m).likelihood
+    library = alone.share * (unmoved(rest.residual_m).likelihood - before)
+    library -= LAW_VALUE_NATS * values
+    return alone.best.nats - library - (max(after.best.nats, 0.0) if after else 0.0)
+
+
+def _without_names(found: Selection) -> Selection:
+    """Return the selection with its names taken back."""
+    first = next(turn for turn in found.rounds if turn.explanation)
+    assert first.explanation is not None
+    names = " and ".join(" or ".join(group) for group in found.names)
+    tried = {c.name: c.gain.value for c in first.explanation.contenders}
+    note = f"a law does better than {names}"
+    unknown = Unknown(first.located.findings, first.explanation.removable, tried, note)
+    return replace(found, verdicts=(unknown,), added=())
+
+
+def borne_out(comparison: Comparison, sealed: View, weighing: Weighed, seed: int) -> Said:
     """Return the law, where sealed links bear it out: they may refuse it, and choose no other."""
-    if proposal is None:
-        return Said()
-    return Guard().safely("law", _borne_out, Said())(comparison, sealed, added, proposal, seed)
+    without = Said(weighing.found, None, named_fault(weighing.found))
+    if weighing.proposal is None:
+        return without
+    step = Guard().safely("law", _borne_out, without)
+    return step(comparison, sealed, weighing, without, seed)
 
 
 def _borne_out(
-    comparison: Comparison, sealed: View, added: Added, proposal: Proposal, seed: int
+    comparison: Comparison, sealed: View, weighing: Weighed, without: Said, seed: int
 ) -> Said:
-    given = gathered(comparison, (sealed,), added)
-    law = None if given is None else judged(proposal, given, seed)
-    if law is None:
-        return Said()
-    try:  # what cannot be simulated again is no law of these columns
-        law.effect  # noqa: B018
+    assert weighing.proposal is not None
+    given = gathered(comparison, (sealed,), weighing.added, weighing.proposal.given)
+    law = None if given is None else judged(weighing.proposal, given, seed)
+    if law is None or not _runs(law):
+        return without
+    held = weighing.instead or weighing.found
+    return Said(held, law, setup_fault(weighing.proposal) or named_fault(held))
+
+
+def _runs(law: FoundLaw) -> bool:
+    """Return whether a law can be written down: what cannot be simulated is not said."""
+    try:
+        return bool(law.effect.expression)
     except BenchError:
-        return Said()
-    return Said(law, setup_fault(proposal))
+        return False
 
 
 def named_fault(found: Selection) -> SetupFault | None:
