@@ -13,6 +13,7 @@ from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
+from bench.discrepancy.report.parameters import parameter_lines, value_table
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import (
     Ambiguous,
@@ -106,6 +107,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     lines += ["## Pictures", ""]
     for name, caption in figures:
         lines += [f"![{caption}]({name})", f"*{caption}.*", ""]
+    lines += value_table(diagnosis.selection.verdicts)
     return "\n".join(lines + _method_lines(diagnosis)) + "\n"
 
 
@@ -163,7 +165,7 @@ def _option_lines(option: LeftOut) -> list[str]:
     """Return one named effect: what it does, its parameters, its evidence."""
     effect = option.effect
     out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
-    out += [f"  - {parameter} (90 %)" for parameter in option.parameters]
+    out += parameter_lines(option.parameters)
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]
     out += [f"  - {option.judged}: {option.gain}"]
