@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,13 +17,16 @@ from bench.challenge.real import RealCase, ghent, miluv, outdoor
 from bench.discrepancy import write_report
 from bench.discrepancy.report.document import describe
 from bench.errors import BenchError, unknown_name
-from bench.files import write_atomically
+from bench.files import read_json, write_atomically
 from bench.measure.machine import describe_machine
 from bench.parallel import Spread
+from bench.provenance import is_sealed, json_digest, packages_code_hash, sealed
 from bench.recordings.open import open_recordings
+from bench.recordings.table import Recordings
 from bench.runner.observer import Observer
 from bench.text import plain
 
+CODE = ("bench/challenge", "bench/discrepancy", "bench/physics", "bench/recordings")
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
 REAL = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment, "miluv": miluv}
 Score = dict[str, Any]
@@ -143,11 +147,28 @@ def _blind(
 
 
 def _real(name: str, seed: int, folder: Path, watch: Observer) -> tuple[list[str], list[Score]]:
-    """Run a real case; return report lines and scores. Its figures go to `folder`/`name`."""
+    """Run a real case; return report lines and scores. Its figures go to `folder`/`name`.
+
+    What the same code found of the same recordings before, in the same folder, is kept.
+    """
     try:
         table = open_recordings(name)[0]
     except BenchError as problem:
         return [f"## {name}", "", f"Not run: {problem}", ""], []
+    path = folder / name / "scored.json"
+    mark = json_digest([packages_code_hash(*CODE), table.fingerprint, seed])
+    kept = read_json(path) if path.exists() else {}
+    if not (is_sealed(kept) and kept.get("mark") == mark):
+        lines, scores = _run_real(name, table, seed, folder, watch)
+        kept = sealed({"mark": mark, "lines": lines, "scores": scores})
+        write_atomically(path, json.dumps(kept, indent=1) + "\n")
+    return kept["lines"], kept["scores"]
+
+
+def _run_real(
+    name: str, table: Recordings, seed: int, folder: Path, watch: Observer
+) -> tuple[list[str], list[Score]]:
+    """Run a real case; return report lines and scores."""
     made = REAL[name](table, seed, watch.stage)
     report = write_report(made.diagnosis, folder / name).relative_to(folder)
     full = f"The diagnosis in full, with its figures: {report} (seed {seed})"
