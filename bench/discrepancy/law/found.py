@@ -44,6 +44,7 @@ class FoundLaw:
     relaxation, step, periodic, rounding, or position, swap, unit; `columns`: its covariates;
     `where`: the device, category or column that it is multiplied with, "" where none. `words`: the
     law with figures and units; `nats`: its lead over no law on working links, complexity paid;
+    `fault`: the kind of fault of the set-up that it is, or "";
     `gain_nats`: log-likelihood gained per row on sealed links; `nearer_m`: how much smaller
     |recorded - simulated| is there. `rivals` are not excluded.
     """
@@ -59,6 +60,7 @@ class FoundLaw:
     gain_nats: Estimate
     nearer_m: Estimate
     rivals: tuple[Rival, ...] = ()
+    fault: str = ""
 
     @property
     def effect(self) -> Law:
@@ -67,7 +69,8 @@ class FoundLaw:
         return Law(self.expression, tuple(texts))
 
     def __str__(self) -> str:
-        return f"a law without a name: {self.words}; looks like: {self.looks_like}"
+        what = "a fault of the set-up" if self.fault else "a law without a name"
+        return f"{what}: {self.words}; looks like: {self.looks_like}"
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
         gain,
         cluster_bootstrap(before - left, sealed.links, seed, "m"),
         _rivals(proposal, sealed, shift, seed),
+        best.structure.fault,
     )
 
 

@@ -67,6 +67,6 @@ class Formula:
 
     @property
     def shown(self) -> str:
-        """The formula with its constants put in, as sympy orders it."""
+        """The formula with its constants put in, powers as ^, for people."""
         made = walk(tree(self.expression), Symbols(self.values, self._powers))
-        return str(sympy.sstr(made, order="none"))
+        return str(sympy.sstr(made, order="none")).replace("**", "^")

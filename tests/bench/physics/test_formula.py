@@ -181,3 +181,4 @@ def test_it_is_shown_with_its_numbers_and_units() -> None:
     shown = Law("a * true_range_m + b", ("a = 0.00412345 m/m", "b = 0.1 m")).formula.shown
     assert "(0.004123 m/m)" in shown
     assert "true_range_m" in shown
+    assert Law("a / true_range_m ** 2", ("a = 1 m*m*m",)).formula.shown.endswith("true_range_m^2")

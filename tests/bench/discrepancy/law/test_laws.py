@@ -79,6 +79,7 @@ def test_a_hidden_law_is_found(name: str) -> None:
     assert (fault.kind if fault else "") == case.fault
     assert not fault or fault.devices == case.devices or case.fault == "unit"
     assert law.gain_nats.low > 0
+    assert str(law).startswith("a fault of the set-up" if case.fault else "a law without a name")
     assert from_toml(to_toml(Simulator(Base(), (law.effect,)))).effects == (law.effect,)
     assert json.loads(json.dumps([law_dict(law), fault_dict(fault)]))[0]["form"] == law.form
 
