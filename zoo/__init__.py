@@ -24,6 +24,8 @@ _HOMES = {
     "NPN": "zoo.npn",
     "Bregar2023": "zoo.bregar2023",
     "ECANet": "zoo.ecanet",
+    "SmallCNN": "zoo.small",
+    "BaggedMLP": "zoo.bagged_mlp",
     "Guarded": "zoo.guard",
 }
 __all__ = sorted(_HOMES)

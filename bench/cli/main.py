@@ -19,6 +19,7 @@ COMMANDS = {
     "transfer": "Train on each data set, test on each other: what carries over.",
     "export": "Write a fitted model as C for a microcontroller, or as ONNX.",
     "count": "Count what a network takes on a microcontroller, in an emulator.",
+    "search": "Search for smaller networks: error against counted cycles and flash.",
     "leaderboard": "Rebuild the Markdown leaderboard from result files.",
     "compare": "Compare two result folders or two runs on the same rows.",
     "history": "Say what changed between versions of code and packages.",

@@ -12,12 +12,14 @@ from scipy.stats import norm
 from sklearn.base import clone
 from torch import nn
 
-from zoo import NPN, Bregar2023, ECANet, GaussianProcess, REMnetLevels
+from zoo import NPN, BaggedMLP, Bregar2023, ECANet, GaussianProcess, REMnetLevels, SmallCNN
 from zoo.bregar2023 import Bregar2023Network
 from zoo.gp import GaussianProcessNetwork
+from zoo.modules.bagged import BaggedNetwork, Members
 from zoo.modules.blocks import Columns, Table
 from zoo.modules.folding import fold
 from zoo.npn import natural_relu, normal_loss
+from zoo.training.bagged import link_bags
 
 X, Y, LINKS = made_up_blocks(400, seed=1)
 CIR_ONLY = slice(0, CIR)
@@ -27,6 +29,8 @@ MODELS = {
     "gp": (GaussianProcess(points=60), slice(None)),
     "bregar2023": (Bregar2023(most_steps=300, batch_size=32), CIR_ONLY),
     "ecanet": (ECANet(most_steps=60), CIR_ONLY),
+    "bagged-mlp": (BaggedMLP(steps=200), slice(None)),
+    "small-cnn": (SmallCNN(distilled=False, epochs=12), CIR_ONLY),
 }
 
 
@@ -43,6 +47,7 @@ def fitted(request: pytest.FixtureRequest):
         (ECANet(), 157, 7_383),
         (REMnetLevels(), 166, 4_004),
         (NPN(), 166, 3_266),
+        (BaggedMLP(), 166, 5_185),
     ],
 )
 def test_trainable_parameters(model, width: int, parameters: int) -> None:
@@ -165,3 +170,24 @@ def test_without_levels_or_cir_what_is_left_is_used() -> None:
         assert np.abs(done.predict(kept) - Y).mean() < 0.7 * np.abs(Y - np.median(Y)).mean()
     with pytest.raises(ValueError, match="at least 64 samples, got 0"):
         REMnetLevels().fit(X[:, CIR:], Y)
+
+
+def test_bagged_is_the_weighted_mean_of_its_members() -> None:
+    members = Members(4, 3, torch.tensor([0.1, 0.2, 0.3]), seed=0)
+    with torch.no_grad():
+        members.outer.normal_(generator=torch.Generator().manual_seed(1))
+    network, shares = BaggedNetwork(4, 3, 3), torch.tensor([0.5, 0.2, 0.3])
+    network.take(members, shares)
+    rows = torch.from_numpy(np.random.default_rng(0).normal(size=(7, 4)).astype(np.float32))
+    with torch.no_grad():
+        apart = members(rows.expand(3, -1, -1))
+        assert torch.allclose(network(rows), shares @ apart, atol=1e-6)
+
+
+def test_pairs_of_members_see_every_link_once() -> None:
+    bags = link_bags(9, 6, seed=0)
+    assert bags.shape == (6, 9)
+    assert (bags[0::2] ^ bags[1::2]).all()
+    assert set(bags.sum(1)) == {4, 5}
+    assert link_bags(1, 2, seed=0).all()
+

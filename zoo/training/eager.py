@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -48,7 +49,7 @@ def train(
         return train_until(module, X, y, recipe, recipe.stopping, groups, progress)
     inputs, targets = as_tensors(X, y)
     check_recipe(recipe, len(inputs))
-    loop, losses, started = Loop(module, recipe), [], time.perf_counter()
+    loop, losses, started = Loop(module, recipe, len(inputs)), [], time.perf_counter()
     with torch.random.fork_rng(devices=[]), one_thread():
         torch.manual_seed(recipe.seed)
         module.train()
@@ -80,17 +81,25 @@ def one_thread() -> Iterator[None]:
 class Loop:
     """Adam on one module; counts its steps."""
 
-    def __init__(self, module: nn.Module, recipe: TrainingRecipe) -> None:
+    def __init__(self, module: nn.Module, recipe: TrainingRecipe, rows: int) -> None:
         self._module, self._criterion, self.steps = module, loss_function(recipe.loss), 0
+        self._recipe, self._most = recipe, recipe.epochs * -(-rows // recipe.batch_size)
         self._optimiser = torch.optim.Adam(
             trainable(module), recipe.learning_rate, weight_decay=recipe.weight_decay, fused=True
         )
+
+    def _rate(self) -> float:
+        """Return the learning rate of the next step."""
+        if not self._recipe.decay:
+            return self._recipe.learning_rate
+        return self._recipe.learning_rate * 0.5 * (1 + math.cos(math.pi * self.steps / self._most))
 
     def run(self, batches: Iterator[tuple[Tensor, Tensor]]) -> float:
         """Take a step per batch of inputs and targets; return the loss summed over the rows."""
         total = torch.zeros((), dtype=torch.float64)
         for inputs, targets in batches:
             self._optimiser.zero_grad()
+            self._optimiser.param_groups[0]["lr"] = self._rate()
             error = self._criterion(self._module(inputs), targets)
             error.backward()  # type: ignore[no-untyped-call]
             self._optimiser.step()

@@ -34,7 +34,8 @@ class TrainingRecipe:
     """How a gradient-trained model is trained; every engine takes this and nothing else.
 
     `loss`: "mae" or "mse" (metres, metres squared), or a function of predictions and targets that
-    is a mean over rows. Adam at a constant `learning_rate`; `weight_decay` is its L2 penalty.
+    is a mean over rows. Adam at a constant `learning_rate`, or one that falls to 0 along a half
+    cosine over all epochs (`decay`); `weight_decay` is its L2 penalty.
     `epochs` passes over all rows, unless `stopping` says to train by steps. `seed` drives
     shuffling, dropout and which links are held out.
     """
@@ -46,6 +47,7 @@ class TrainingRecipe:
     weight_decay: float = 0.0
     seed: int = 0
     stopping: Stopping | None = None
+    decay: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,9 +83,11 @@ class TrainingLog:
 
 
 def check_recipe(recipe: TrainingRecipe, rows: int) -> None:
-    """Raise ValueError unless there are rows, and batch size and epochs are positive."""
+    """Raise ValueError unless there are rows, sizes are positive, a falling rate's end is known."""
     if rows < 1:
         raise ValueError("no rows to train on")
     if recipe.batch_size < 1 or recipe.epochs < 1:
         sizes = f"batch_size {recipe.batch_size} and epochs {recipe.epochs}"
         raise ValueError(f"{sizes} must be positive")
+    if recipe.decay and recipe.stopping is not None:
+        raise ValueError("a rate that falls needs to know the last step: no stopping with decay")

@@ -42,11 +42,11 @@ def train_until(
     """
     inputs, targets = as_tensors(X, y)
     check_recipe(recipe, len(inputs))
-    started, links = time.perf_counter(), _labels(groups, len(inputs))
+    started, links = time.perf_counter(), link_numbers(groups, len(inputs))
     held = held_out(links, stopping.share, recipe.seed)
     learn = torch.from_numpy(np.flatnonzero(~held))
     judge = _Judge(module, recipe, inputs[held], targets[held], links[held])
-    loop = Loop(module, recipe)
+    loop = Loop(module, recipe, len(learn))
     with torch.random.fork_rng(devices=[]), one_thread():
         torch.manual_seed(recipe.seed)
         batches = _batches(inputs[learn], targets[learn], recipe)
@@ -68,7 +68,11 @@ def held_out(links: NDArray[np.int64], share: float, seed: int) -> NDArray[np.bo
     return np.isin(links, chosen)
 
 
-def _labels(groups: ArrayLike | None, rows: int) -> NDArray[np.int64]:
+def link_numbers(groups: ArrayLike | None, rows: int) -> NDArray[np.int64]:
+    """Return the links of rows numbered from 0 [rows]; without `groups` each row is its own.
+
+    Raises ValueError where there are not as many groups as rows.
+    """
     if groups is None:
         return np.arange(rows)
     labels = np.unique(np.asarray(groups), return_inverse=True)[1].astype(np.int64)

@@ -42,8 +42,8 @@ def why_not(module: nn.Module, recipe: TrainingRecipe) -> str | None:
         return f"the kernels need 16 features and a module, not {module.features}"
     if recipe.loss != "mae":
         return f"the kernels know the loss 'mae', not {recipe.loss!r}"
-    if recipe.stopping is not None:
-        return "the kernels train whole epochs, none is held out"
+    if recipe.stopping is not None or recipe.decay:
+        return "the kernels train whole epochs at a constant rate, and none is held out"
     if any(not p.requires_grad or p.dtype != torch.float32 for p in module.parameters()):
         return "a parameter is frozen or not float32"
     try:

@@ -48,7 +48,7 @@ def train_stacked(
     likewise. Each network gets the shuffling and dropout that `eager.train` (a REMnet:
     `fused_remnet.train`) would give it with its seed, and ends with the same weights within
     rounding. `loss` must be a mean over rows. Modules that cannot be stacked (see `why_not`)
-    are trained one after the other, as is a recipe with `stopping`.
+    are trained one after the other, as is a recipe with `stopping` or `decay`.
     The recipe's own seed is not used. Logs of stacked networks share the wall time.
     Raises ValueError on unequal numbers of modules, arrays and seeds, or bad data.
     """
@@ -62,7 +62,7 @@ def train_stacked(
         return fused_remnet.train_many(
             remnets, inputs, targets, recipe, seeds=seeds, progress=progress
         )
-    if recipe.stopping is not None or why_not(modules, inputs) is not None:
+    if recipe.stopping is not None or recipe.decay or why_not(modules, inputs) is not None:
         return _train_in_turn(modules, inputs, targets, seeds, recipe, progress)
     return _train_stack(modules, inputs, targets, seeds, recipe, progress)
 

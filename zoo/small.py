@@ -1,0 +1,106 @@
+"""A small convolutional network, taught by REMnet."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from torch import nn
+
+from zoo.base import Floats, Progress, TrainingRecipe
+from zoo.module_model import NeuralModel
+from zoo.modules.preparation import Crop, Preparation
+from zoo.modules.scaling import GlobalScale
+from zoo.modules.small import Shape, SmallNetwork
+from zoo.remnet import REMnet
+
+
+class SmallCNN(NeuralModel):
+    """One strided convolution and a few that halve, on the raw CIR; found by `bench search`.
+
+    Source: the search of docs/search.md over a family of ours, which is REMnet (Angarano et al.
+    2021) without residual paths. MAE, Adam with the rate falling to 0 along a half cosine.
+
+    `distilled`: trained on the mean of the measured error and of what REMnet, fitted on the same
+    rows, says (Hinton, Vinyals and Dean 2015): a teacher's answers are free of the rows' noise.
+    Sizes as in `zoo.modules.small.Shape`.
+
+    >>> rng = np.random.default_rng(0)
+    >>> X, y = rng.rayleigh(100, (40, 16)), rng.normal(0.1, 0.1, 40)
+    >>> SmallCNN(samples=16, epochs=1, distilled=False).fit(X, y).predict(X[:3]).shape
+    (3,)
+    """
+
+    def __init__(
+        self,
+        samples: int = 128,
+        filters: int = 12,
+        kernel: int = 7,
+        stride: int = 2,
+        blocks: int = 3,
+        reduction: int = 0,
+        hidden: int = 0,
+        distilled: bool = True,
+        dropout: float = 0.0,
+        learning_rate: float = 3e-3,
+        epochs: int = 30,
+        batch_size: int = 64,
+        random_state: int = 0,
+    ) -> None:
+        self.samples = samples
+        self.filters = filters
+        self.kernel = kernel
+        self.stride = stride
+        self.blocks = blocks
+        self.reduction = reduction
+        self.hidden = hidden
+        self.distilled = distilled
+        self.dropout = dropout
+        self.learning_rate = learning_rate
+        self.epochs = epochs
+        self.batch_size = batch_size
+        self.random_state = random_state
+
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        progress: Progress | None = None,
+        groups: ArrayLike | None = None,
+    ) -> Self:
+        """Train on CIRs [n, width] and errors [n] in metres; the teacher first, if there is one.
+
+        Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
+        """
+        if not self.distilled:
+            return super().fit(X, y, progress=progress, groups=groups)
+        teacher = REMnet(cir_samples=self.samples, random_state=self.random_state)
+        said = teacher.fit(X, y, progress=_half(progress, 0.0)).predict(X)
+        return super().fit(X, taught(y, said), progress=_half(progress, 0.5), groups=groups)
+
+    def training_recipe(self) -> TrainingRecipe:
+        """Return MAE, Adam at a falling rate."""
+        return TrainingRecipe("mae", self.learning_rate, self.batch_size, self.epochs, decay=True)
+
+    def shape(self) -> Shape:
+        """Return the sizes of the network."""
+        sizes = (self.samples, self.filters, self.kernel, self.stride, self.blocks)
+        return Shape(*sizes, self.reduction, self.hidden)
+
+    def _preparation(self, width: int) -> Preparation:
+        return Preparation(Crop(width, 0, self.samples), GlobalScale())
+
+    def _network(self, preparation: Preparation) -> nn.Module:
+        return SmallNetwork(self.shape(), dropout=self.dropout, seed=self.random_state)
+
+
+def taught(errors_m: ArrayLike, said_m: ArrayLike) -> Floats:
+    """Return what a taught network learns [n]: halfway between the error and the teacher's word."""
+    halfway: Floats = (0.5 * (np.asarray(errors_m) + np.asarray(said_m))).astype(np.float32)
+    return halfway
+
+
+def _half(progress: Progress | None, start: float) -> Any:
+    """Return what tells `progress` of one half of the work."""
+    return None if progress is None else lambda done: progress(start + 0.5 * done)
