@@ -93,6 +93,7 @@ class SearchFile:
     worst_flash: float
     tried: tuple[Tried, ...]
     finals: Mapping[str, Final]
+    declined: Mapping[str, str]
     commit: str
     created_utc: str
 
@@ -242,6 +243,8 @@ def _facts(found: SearchFile) -> Iterator[str]:
         f"{100 * found.worst_cycles:.0f} % (cycles) and {100 * found.worst_flash:.0f} % (flash) "
         "on these."
     )
+    for name, why in found.declined.items():
+        yield f"{name} has no 8-bit C: {why}."
     agreed = all(one.equal == one.rows for one in found.finals.values())
     yield (
         "Every emulated answer was this machine's bit by bit."

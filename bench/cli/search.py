@@ -46,6 +46,9 @@ Examples:
 @click.option(
     "--final-epochs", default=30, show_default=True, metavar="N", help="Epochs of finalists."
 )
+@click.option(
+    "--calibrate", default=8, show_default=True, metavar="N", help="Networks counted beforehand."
+)
 @click.option("--seed", default=0, show_default=True, metavar="N", help="Draws and training.")
 @click.option("--quick", is_flag=True, help="Fewer rows (whole links), kept apart.")
 @click.option(
@@ -74,6 +77,7 @@ def command(
     epochs: int,
     finalists: int,
     final_epochs: int,
+    calibrate: int,
     seed: int,
     quick: bool,
     out: Path,
@@ -99,6 +103,7 @@ def command(
         check_page(page)
     settings = Settings(
         *(candidates, levels, epochs, final_epochs, finalists),
+        calibrate=calibrate,
         device=device,
         compiler=compiler,
         seed=seed,

@@ -85,7 +85,10 @@ def search(context: Context, settings: Settings) -> dict[str, Any]:
     tasks = [_counting(settings, one, settings.final_epochs) for one in (None, *finalists)]
     results = sweep(context, "search-final", count_and_judge, whole, tasks)
     names = [REMNET, *(one.name for one in finalists)]
-    return _content(context, settings, costs, tried, dict(zip(names, results, strict=True)))
+    finals = dict(zip(names, results, strict=True))
+    if not _is_c(finals[REMNET]):
+        raise BenchError(f"{REMNET}, to compare with: {finals[REMNET]['declined']}")
+    return _content(context, settings, costs, tried, finals)
 
 
 def prepared(context: Context, seed: int) -> tuple[Rows, Rows]:
@@ -154,9 +157,18 @@ def _calibrated(context: Context, settings: Settings, inner: Rows) -> CostModel:
     )
     tasks = [_counting(settings, one, 0) for one in chosen]
     found = sweep(context, "search-cost", count_and_judge, few, tasks)
-    sizes = [size_of(one) for one in chosen]
-    cycles = [one["cycles"]["value"] for one in found]
-    return cost_model(sizes, cycles, [one["flash_bytes"] for one in found])
+    taken = [(size_of(one), cost) for one, cost in zip(chosen, found, strict=True) if _is_c(cost)]
+    if len(taken) < FEWEST:
+        raise BenchError(
+            f"only {len(taken)} of {len(chosen)} networks could be counted; expected 4"
+        )
+    sizes, costs = zip(*taken, strict=True)
+    cycles = [one["cycles"]["value"] for one in costs]
+    return cost_model(sizes, cycles, [one["flash_bytes"] for one in costs])
+
+
+def _is_c(found: dict[str, Any]) -> bool:
+    return "declined" not in found
 
 
 def _with_teacher(
@@ -235,7 +247,8 @@ def _content(
         "worst_cycles": costs.worst[0],
         "worst_flash": costs.worst[1],
         "tried": [{k: v for k, v in one.items() if k != "candidate"} for one in tried],
-        "finals": finals,
+        "finals": {name: one for name, one in finals.items() if _is_c(one)},
+        "declined": {name: one["declined"] for name, one in finals.items() if not _is_c(one)},
         "commit": commit(DECISIVE),
         "created_utc": now_utc(),
     }

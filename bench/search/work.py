@@ -83,15 +83,24 @@ def train_and_judge(shared: Rows, trial: Trial) -> dict[str, Any]:
 def count_and_judge(shared: Rows, asked: Counting) -> dict[str, Any]:
     """Return cycles (low, typical, high), flash and RAM (bytes) of the 8-bit C, and `judged`.
 
-    The C is checked against this machine's answers row by row. Raises BenchError where tools are
-    missing or it disagrees.
+    The C is checked against this machine's answers row by row. A network that has no such C gives
+    {"declined": why}. Raises BenchError where tools are missing or answers differ.
     """
+    from backends.base import CannotTakeError
+
+    model = trained(shared, asked.candidate, asked.epochs, asked.seed)
+    try:
+        return _counted(shared, asked, model)
+    except CannotTakeError as problem:
+        return {"declined": str(problem)}
+
+
+def _counted(shared: Rows, asked: Counting, model: NeuralModel) -> dict[str, Any]:
     from backends.base import TrainingData
     from backends.c.int8 import CInt8Backend
     from bench.plugins import find
     from bench.runner.counting import count_artifact, recorded_rows
 
-    model = trained(shared, asked.candidate, asked.epochs, asked.seed)
     with tempfile.TemporaryDirectory(prefix="uwb-search-") as folder:
         data = TrainingData(shared.rows, shared.errors_m, asked.seed)
         artifact = CInt8Backend().build(model, data, Path(folder) / "model.onnx")

@@ -50,7 +50,7 @@ FOUND = SearchFile(
         "unsure": final(2e5, 6_000, judged(0.061, 0.004)),
         "poor": final(2e5, 6_000, judged(0.059), judged(0.2)),
     },
-    "abc", "now",
+    {"odd": "sums too large"}, "abc", "now",
 )  # fmt: skip
 
 
@@ -82,6 +82,7 @@ def test_the_page_names_the_best_and_the_bar() -> None:
     assert "met by small, poor." in text
     assert "no more than REMnet's own cycles: big." in text
     assert "rooms (SIMULATED)" in text
+    assert "odd has no 8-bit C: sums too large." in text
     assert "![MAE against counted cycles](front.png)" in text
     missed = replace(FOUND, finals={name: FOUND.finals[name] for name in ("remnet", "big")})
     assert "missed by every network" in to_markdown(search_page(missed, None))

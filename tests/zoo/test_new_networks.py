@@ -190,4 +190,3 @@ def test_pairs_of_members_see_every_link_once() -> None:
     assert (bags[0::2] ^ bags[1::2]).all()
     assert set(bags.sum(1)) == {4, 5}
     assert link_bags(1, 2, seed=0).all()
-

@@ -14,8 +14,8 @@ from bench.errors import BenchError
 from bench.measure.counting import emulate, find_compiler, load_core
 from bench.recordings import write_recordings
 
-FEW = ["--candidates", "5", "--finalists", "2", "--levels", "1", "--epochs", "1"]
-FEW += ["--final-epochs", "1"]
+FEW = ["--candidates", "5", "--finalists", "1", "--levels", "1", "--epochs", "1"]
+FEW += ["--final-epochs", "1", "--calibrate", "5"]
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_a_search_is_counted_written_and_gone_on_with(tools, table, tmp_path):
     found = json.loads(done.stdout)
     assert len(found["tried"]) == 5
     names = [one["name"] for one in found["tried"] if one["finalist"]]
-    assert list(found["finals"]) == ["remnet", *names]
+    assert {*found["finals"], *found["declined"]} == {"remnet", *names}
     assert all(one["cycles"]["value"] > 1000 for one in found["finals"].values())
     assert all(one["rows"] == one["equal"] == 4 for one in found["finals"].values())
     remnet = found["finals"]["remnet"]["cycles"]["value"]
@@ -54,7 +54,7 @@ def test_a_search_is_counted_written_and_gone_on_with(tools, table, tmp_path):
     text = page.read_text()
     assert "(SIMULATED)" in text
     assert "COUNTED on nrf52832" in text
-    assert all(name in text.replace("\\", "") for name in names)
+    assert names[0] in text.replace("\\", "")
     assert (tmp_path / "front" / "front.png").stat().st_size > 5000
 
     points = out / "reproduction" / "tiny" / "points"
@@ -63,7 +63,7 @@ def test_a_search_is_counted_written_and_gone_on_with(tools, table, tmp_path):
     assert again.exit_code == 0, again.output
     assert json.loads(again.stdout)["finals"] == found["finals"]
     assert {one.name: one.stat().st_mtime_ns for one in points.iterdir()} == before
-    assert len(before) >= 5 + 4 + 3
+    assert len(before) >= 5 + 5 + 2
 
 
 @pytest.mark.parametrize(
