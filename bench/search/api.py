@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.parallel import obey
-from bench.provenance import commit
+from bench.provenance import commit, packages_code_hash
 from bench.reproduce.context import Context
 from bench.reproduce.sweep import sweep
 from bench.runner.records import now_utc
@@ -31,6 +31,7 @@ SCHEMA_VERSION = 1
 HELD_OUT = 0.2  # of the training links, to choose by
 REMNET_MACS = 300_000  # the paper's network, rounded up: nothing dearer is tried
 REMNET = "remnet"
+COUNTING = ("backends", "bench/measure/counting", "bench/runner/counting.py")
 DECISIVE = ("zoo", "backends", "bench")
 
 
@@ -135,9 +136,8 @@ def _check_part(settings: Settings) -> None:
 
 
 def _counting(settings: Settings, candidate: Candidate | None, epochs: int) -> Counting:
-    return Counting(
-        candidate, epochs, settings.seed, settings.device, settings.compiler, settings.count_rows
-    )
+    part = (settings.device, settings.compiler, settings.count_rows)
+    return Counting(candidate, epochs, settings.seed, *part, packages_code_hash(*COUNTING))
 
 
 def _calibrated(context: Context, settings: Settings, inner: Rows) -> CostModel:

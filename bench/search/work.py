@@ -49,7 +49,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Counting:
-    """A trial whose 8-bit C is judged, and counted on a part. `epochs` 0: untrained."""
+    """A trial whose 8-bit C is judged, and counted on a part. `epochs` 0: untrained.
+
+    `code` stands for the source of what writes and counts C: with another, counts are made anew.
+    """
 
     candidate: Candidate | None
     epochs: int
@@ -57,6 +60,7 @@ class Counting:
     device: str
     compiler: str
     count_rows: int
+    code: str
 
 
 @dataclass(frozen=True)
