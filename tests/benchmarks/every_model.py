@@ -19,6 +19,8 @@ MODELS = [one.name for one in plugins("models")]
 QUICKLY: dict[str, dict[str, Any]] = {
     **{name: {"epochs": 2} for name in ("remnet", "cnn1d", "mlp")},
     **{name: {"most_steps": 30} for name in ("npn", "remnet-levels", "bregar2023", "ecanet")},
+    "bagged-mlp": {"steps": 60},
+    "small-cnn": {"epochs": 2, "distilled": False},
     "gbm": {"trees": 20},
     "gp": {"points": 40},
 }

@@ -19,7 +19,7 @@ from zoo.modules.bagged import BaggedNetwork, Members
 from zoo.modules.blocks import Columns, Table
 from zoo.modules.folding import fold
 from zoo.npn import natural_relu, normal_loss
-from zoo.training.bagged import link_bags
+from zoo.training.bagged import Bagging, link_bags
 
 X, Y, LINKS = made_up_blocks(400, seed=1)
 CIR_ONLY = slice(0, CIR)
@@ -47,7 +47,7 @@ def fitted(request: pytest.FixtureRequest):
         (ECANet(), 157, 7_383),
         (REMnetLevels(), 166, 4_004),
         (NPN(), 166, 3_266),
-        (BaggedMLP(), 166, 5_185),
+        (BaggedMLP(), 166, 6_121),
     ],
 )
 def test_trainable_parameters(model, width: int, parameters: int) -> None:
@@ -173,7 +173,9 @@ def test_without_levels_or_cir_what_is_left_is_used() -> None:
 
 
 def test_bagged_is_the_weighted_mean_of_its_members() -> None:
-    members = Members(4, 3, torch.tensor([0.1, 0.2, 0.3]), seed=0)
+    reads = Bagging((0.1, 0.2, 0.3), 1, apart=1).reads(4, 1)
+    assert reads.tolist() == [[1, 1, 1, 0], [1, 1, 1, 1], [1, 1, 1, 0]]
+    members = Members(reads, 3, torch.tensor([0.1, 0.2, 0.3]), seed=0)
     with torch.no_grad():
         members.outer.normal_(generator=torch.Generator().manual_seed(1))
     network, shares = BaggedNetwork(4, 3, 3), torch.tensor([0.5, 0.2, 0.3])

@@ -27,9 +27,8 @@ class BaggedNetwork(nn.Module):
     def take(self, members: Members, shares: Tensor) -> None:
         """Become the members' average, weighted with shares [members] that sum to 1."""
         with torch.no_grad():
-            self.first.weight.copy_(
-                members.inner.transpose(1, 2).reshape(-1, members.inner.shape[1])
-            )
+            inner = members.inner * members.read
+            self.first.weight.copy_(inner.transpose(1, 2).reshape(-1, inner.shape[1]))
             self.first.bias.copy_(members.inner_bias.flatten())
             self.head.weight.copy_((members.outer[..., 0] * shares[:, None]).reshape(1, -1))
             self.head.bias.copy_((members.outer_bias[:, 0, 0] * shares).sum()[None])
@@ -39,12 +38,16 @@ class Members(nn.Module):
     """The same perceptrons apart, to be trained at once: [members, n, columns] -> [members, n].
 
     Weights start Glorot uniform, drawn from `seed`; each output starts at `starts` [members], in
-    metres.
+    metres. `reads` [members, columns] is 0 where a member does not see a column, else 1.
     """
 
-    def __init__(self, columns: int, hidden: int, starts: Tensor, seed: int) -> None:
+    read: Tensor
+
+    def __init__(self, reads: Tensor, hidden: int, starts: Tensor, seed: int) -> None:
         super().__init__()
-        members, generator = len(starts), torch.Generator().manual_seed(seed)
+        members, columns = reads.shape
+        generator = torch.Generator().manual_seed(seed)
+        self.register_buffer("read", reads[:, :, None])
         inner, outer = torch.empty(members, columns, hidden), torch.zeros(members, hidden, 1)
         bound = (6 / (columns + hidden)) ** 0.5
         self.inner = nn.Parameter(inner.uniform_(-bound, bound, generator=generator))
@@ -54,5 +57,5 @@ class Members(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """Return errors [members, n] in metres."""
-        hidden = torch.relu(torch.baddbmm(self.inner_bias, x, self.inner))
+        hidden = torch.relu(torch.baddbmm(self.inner_bias, x, self.inner * self.read))
         return torch.baddbmm(self.outer_bias, hidden, self.outer).squeeze(-1)

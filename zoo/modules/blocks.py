@@ -22,6 +22,7 @@ LEVEL_FIGURES = (
     *(f"{name}_db" for name in LEVELS[4:]),
 )
 _SMALLEST = 1e-3  # counts per symbol: what a logarithm is taken of at least
+_FAINTEST = 1e-2  # of a row's peak, -40 dB: below it a sample is noise
 
 
 class BlockModule(nn.Module):
@@ -65,19 +66,44 @@ class LevelFigures(nn.Module):
         return torch.cat([x[:, :2], x[:, :1] - x[:, 1:2], x[:, 3:4], decibels], 1)
 
 
+class PulseShape(nn.Module):
+    """CIRs [n, width] -> the `samples` after the first four in dB below the row's peak.
+
+    Before the fifth there is noise alone; levels say what the peak is.
+    """
+
+    def __init__(self, width: int, samples: int) -> None:
+        super().__init__()
+        self.samples = max(0, min(samples, width - NOISE_SAMPLES))
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return decibels [n, samples], -40 at least."""
+        kept = x[:, NOISE_SAMPLES : NOISE_SAMPLES + self.samples].abs()
+        relative = kept / x.abs().amax(1, keepdim=True).clamp_min(1e-9)
+        held = torch.where(relative < _FAINTEST, torch.full_like(relative, _FAINTEST), relative)
+        return 20 * torch.log10(held)
+
+
 class Columns(BlockModule):
     """Blocks -> one table [n, columns]: level figures, range, settings, features, CIR bins.
 
-    Each only where the block is there; `features` and `cir_samples` (0: none) of the CIR.
+    Each only where the block is there; `features`, `cir_samples` as they are and
+    `shape_samples` in decibels (0: none) of the CIR.
     """
 
     def __init__(
-        self, inputs: Sequence[Input], *, features: bool = True, cir_samples: int = 0
+        self,
+        inputs: Sequence[Input],
+        *,
+        features: bool = True,
+        cir_samples: int = 0,
+        shape_samples: int = 0,
     ) -> None:
         super().__init__(inputs)
         widths = {one.name: one.width for one in inputs}
         cir = widths.get("cir", 0)
         self.cir_samples = min(cir_samples, cir)
+        self.shape = PulseShape(cir, shape_samples)
         self.figures = LevelFigures()
         self.features = MaranoFeatures(cir) if features and cir > NOISE_SAMPLES else None
         self.width = (
@@ -86,6 +112,7 @@ class Columns(BlockModule):
             + widths.get("settings", 0)
             + len(FEATURES) * (self.features is not None)
             + self.cir_samples
+            + self.shape.samples
         )
 
     def compute(self, blocks: dict[str, Tensor]) -> Tensor:
@@ -96,6 +123,8 @@ class Columns(BlockModule):
             parts.append(self.features(blocks["cir"]))
         if self.cir_samples:
             parts.append(blocks["cir"][:, : self.cir_samples])
+        if self.shape.samples:
+            parts.append(self.shape(blocks["cir"]))
         return torch.cat(parts, 1) if len(parts) > 1 else parts[0]
 
 

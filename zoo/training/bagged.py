@@ -28,11 +28,22 @@ class Bagging:
     """What the members differ in: how strongly their inputs are blurred, and which links they see.
 
     Each of `noises` (in standard deviations of a figure) has equally many members; members come
-    in pairs, one seeing the half of the links that the other does not. `steps` of Adam each.
+    in pairs, one seeing the half of the links that the other does not. The last `apart` columns are
+    seen by every other pair alone. `steps` of Adam each.
     """
 
     noises: tuple[float, ...]
     steps: int
+    apart: int = 0
+
+    def reads(self, columns: int, per_noise: int) -> Tensor:
+        """Return 1 where a member sees a column, else 0 [members, columns]."""
+        seen = torch.ones(len(self.noises), per_noise, columns)
+        for noise in range(len(self.noises)):
+            for member in range(per_noise):
+                if (noise + member // 2) % 2 == 0:
+                    seen[noise, member, columns - self.apart :] = 0
+        return seen.flatten(0, 1)
 
 
 def train_bagged(
@@ -94,7 +105,8 @@ def _trained(
     noises = torch.tensor(bagging.noises).repeat_interleave(len(bags))[:, None, None]
     rows = [np.flatnonzero(bag) for bag in bags] * len(bagging.noises)
     starts = torch.stack([targets[torch.from_numpy(own)].median() for own in rows])
-    members = Members(inputs.shape[1], network.units, starts, recipe.seed)
+    reads = bagging.reads(inputs.shape[1], len(bags))
+    members = Members(reads, network.units, starts, recipe.seed)
     adam = torch.optim.AdamW(members.parameters(), weight_decay=recipe.weight_decay, fused=True)
     rng, blur = np.random.default_rng(recipe.seed), torch.Generator().manual_seed(recipe.seed)
     total = torch.zeros(())
