@@ -24,6 +24,7 @@ import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,7 @@ class ForkServer:
     """The server seen from those who ask it."""
 
     def __init__(self) -> None:
+        self._effects: list[str] = []
         self._process = subprocess.Popen(
             [sys.executable, __file__],
             stdin=subprocess.PIPE,
@@ -55,6 +57,10 @@ class ForkServer:
         """End it."""
         self._process.kill()
         self._process.wait()
+
+    def knows(self, effects: Sequence[str]) -> None:
+        """Have diagnoses know these effects of the library alone; all where none is named."""
+        self._effects = list(effects)
 
     def learn(self, words: Sequence[str], out: Path, cache: Path) -> None:
         """Run a command once and import what it imported."""
@@ -72,7 +78,8 @@ class ForkServer:
         assert stdin is not None
         assert stdout is not None
         said = [word.replace("OUT", str(out)) for word in words]
-        stdin.write(json.dumps({"words": said, "cache": str(cache), **how}) + "\n")
+        request = {"words": said, "cache": str(cache), "effects": self._effects, **how}
+        stdin.write(json.dumps(request) + "\n")
         stdin.flush()
         return Ended(**json.loads(stdout.readline()))
 
@@ -114,8 +121,21 @@ def _import(names: Sequence[str]) -> None:
         if name != "__main__":
             with suppress(Exception):  # what cannot be imported by its name is left to the command
                 importlib.import_module(name)
+    _read_translations_once()
     gc.collect()
     gc.freeze()  # children then copy fewer pages
+
+
+def _read_translations_once() -> None:
+    """Have torch keep its translations for ONNX, which no child then reads anew."""
+    module = sys.modules.get("torch.onnx._internal.exporter._registration")
+    if module is not None:
+        read = cache(module.ONNXRegistry.from_torchlib)
+        module.ONNXRegistry.from_torchlib = staticmethod(read)
+        with suppress(Exception):
+            from backends.export import OPSET
+
+            read(opset_version=OPSET)
 
 
 def _command(request: dict[str, Any], errors: int, modules: int) -> None:
@@ -128,6 +148,8 @@ def _command(request: dict[str, Any], errors: int, modules: int) -> None:
         sys.argv = ["bench", *request["words"]]
         from bench.cli.main import main
 
+        if request["effects"]:
+            _only(request["effects"])
         try:
             main()
         except SystemExit as end:
@@ -140,6 +162,14 @@ def _command(request: dict[str, Any], errors: int, modules: int) -> None:
         with suppress(Exception):
             sys.stderr.flush()
         os._exit(code & 255)
+
+
+def _only(effects: Sequence[str]) -> None:
+    """Have the diagnosis know these effects of the library alone."""
+    from bench.discrepancy.select import candidates
+    from bench.plugins import find
+
+    candidates.plugins = lambda group: [find(group, name) for name in effects]
 
 
 def _streams(errors: int) -> None:
