@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,13 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ["BENCH_WAIT_S"] = "0"  # the tests themselves keep the machine busy
 
 TOGETHER = ("tests/backends/",)  # folders whose fixtures cost more than their tests
-FIRST = (*TOGETHER, "tests/fuzz/", "tests/bench/cli/test_plugin.py")  # long ones, or one waits
+CLUSTER = (  # what a cluster of processes is started for
+    "tests/bench/reproduce/test_sweep.py",
+    "tests/bench/runner/test_spread_fits.py",
+    "tests/bench/discrepancy/select/test_side_by_side.py",
+)
+LONG = ("tests/fuzz/", "tests/bench/cli/test_plugin.py", "tests/bench/reproduce/")
+FIRST = (*TOGETHER, *CLUSTER, *LONG)  # or one process waits for the other in the end
 
 
 @pytest.fixture(autouse=True)
@@ -42,6 +49,18 @@ def real_data() -> Path:
     return Path(named)
 
 
+@pytest.fixture(scope="session")
+def cluster() -> Iterator[str]:
+    """Start a Dask worker with a scheduler on this machine; yield its address."""
+    distributed = pytest.importorskip("distributed")
+    local = distributed.LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None,
+        protocol="tcp://", silence_logs=50,
+    )  # fmt: skip
+    with local:
+        yield local.scheduler_address
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long, so that two processes end at about the same time."""
     items.sort(key=lambda item: not item.nodeid.startswith(FIRST))
@@ -54,6 +73,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
+            if nodeid.startswith(CLUSTER):
+                return "cluster"
             folder = next((one for one in TOGETHER if nodeid.startswith(one)), "")
             return folder or nodeid.partition("::")[0]
 

@@ -8,17 +8,18 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import psutil
 import pytest
+from click.testing import CliRunner
+from light_tasks import Nothing, Number, fail_on_three, square
 
 from bench import parallel as spread
+from bench.cli.reproduce import command
 from bench.errors import BenchError
 from bench.parallel import Spread
 from bench.reproduce.context import Context
@@ -48,38 +49,6 @@ def bars() -> tuple[Classes, list[Bar]]:
     return Classes(parts, parts), [Bar(name, (0, 1, 2), 2) for name in parts]
 
 
-@dataclass(frozen=True)
-class Nothing:
-    """Shared by tasks that need no data."""
-
-
-@dataclass(frozen=True)
-class Number:
-    value: int
-
-
-def square(_: Nothing, task: Number) -> int:
-    return task.value**2
-
-
-def fail_on_three(_: Nothing, task: Number) -> int:
-    if task.value == 3:
-        raise BenchError("three is not possible")
-    return task.value
-
-
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
-    """Start two Dask workers with a scheduler on this machine; yield its address."""
-    distributed = pytest.importorskip("distributed")
-    with ExitStack() as stack:
-        local = distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
-            protocol="tcp://", silence_logs=50,
-        )  # fmt: skip
-        yield stack.enter_context(local).scheduler_address
-
-
 def points(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.rglob("points/*")}
 
@@ -98,8 +67,9 @@ def test_results_do_not_depend_on_how_they_were_spread(
 ) -> None:
     alone = swept(tmp_path / "one", Spread(), work, make())
     assert len(alone) == 2
-    assert swept(tmp_path / "two", Spread(jobs=2), work, make()) == alone
     assert swept(tmp_path / "dask", Spread(scheduler=cluster), work, make()) == alone
+    if work is train_point:  # what processes share is the same for any work
+        assert swept(tmp_path / "two", Spread(jobs=2), work, make()) == alone
 
 
 @pytest.mark.slow
@@ -166,7 +136,8 @@ def test_a_killed_sweep_continues_with_the_same_numbers(deepuwb: Path, tmp_path:
     assert not list(out.rglob("cir-size.json")), "killed before it was done"
     assert all(json.loads(content)["result"] for content in first.values())
     for folder in (out, whole):
-        assert started(folder).wait(BATCH_HANGS_S) == 0
+        asked = ["cir-size", "--data", "deepuwb", "--quick", "--out", str(folder), "--json"]
+        assert CliRunner().invoke(command, asked, catch_exceptions=False).exit_code == 0
     assert first.items() <= points(out).items()
     assert points(out) == points(whole)
     tables = [json.loads(found(folder).read_text())["tables"] for folder in (out, whole)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from bench.recordings.table import Recordings
 from bench.results import RunRecord
 from bench.runner import api
 
-MODELS = "mlp,svm"
+MODEL = "mlp"
 PASSING = {"created_utc", "fit_s", "host", "training", "content_sha256"}
 
 
@@ -29,18 +28,6 @@ def table() -> pd.DataFrame:
     return frame.assign(first_path_index=5.0, los=False, link=[f"l{row // 8}" for row in range(96)])
 
 
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
-    """Start a Dask worker with a scheduler on this machine; yield its address."""
-    distributed = pytest.importorskip("distributed")
-    local = distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None,
-        protocol="tcp://", silence_logs=50,
-    )  # fmt: skip
-    with local:
-        yield local.scheduler_address
-
-
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Time nothing: what is spread is never timed."""
@@ -50,7 +37,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def figures(folder: Path, monkeypatch, **how: Any) -> list[Any]:
     """Return every run's record without what names time and machine, with nothing cached."""
     monkeypatch.setenv("BENCH_CACHE", str(folder / "cache"))
-    asked = {"model": MODELS, "backend": "fp32", "split": "link-kfold:2"}
+    asked = {"model": MODEL, "backend": "fp32", "split": "link-kfold:2"}
     done = bench.run(**asked, data=Recordings(table(), "tiny"), out=folder / "out", **how)
     assert done.failures == []
     return [plain(record) for record in done.runs]
@@ -68,6 +55,6 @@ def test_figures_do_not_depend_on_how_fits_were_spread(
     quick: None, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     alone = figures(tmp_path / "alone", monkeypatch)
-    assert len(alone) == 2
+    assert len(alone) == 1
     assert figures(tmp_path / "jobs", monkeypatch, jobs=2) == alone
     assert figures(tmp_path / "dask", monkeypatch, scheduler=cluster) == alone

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from light_tasks import power
 
 from bench.discrepancy.method import Options, diagnose
 from bench.parallel import Spread, each, spreading
@@ -30,22 +30,6 @@ def recorded() -> Recordings:
     frame["true_range_m"] = np.linspace(2, 12, 12)[link]
     made = SIMULATOR.with_effect(AntennaDelay(delay_ns=2.0)).simulate(frame, seed=8)
     return Recordings(made.frame, "mine")
-
-
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
-    """Start a Dask worker with a scheduler on this machine; yield its address."""
-    distributed = pytest.importorskip("distributed")
-    local = distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None,
-        protocol="tcp://", silence_logs=50,
-    )  # fmt: skip
-    with local:
-        yield local.scheduler_address
-
-
-def power(exponent: int, number: int) -> int:
-    return number**exponent
 
 
 def test_each_keeps_the_order_wherever_it_works(cluster: str) -> None:
