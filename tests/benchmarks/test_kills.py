@@ -171,7 +171,7 @@ def test_kills_end_in_the_results_of_an_undisturbed_run(
         rounds += 1
         if rounds % 10 == 0 or done >= SHARES[name] * KILLS:
             seconds = time.monotonic() - begin
-            print(f"\n{name} ({took_s:.1f} s): {done} kills in {rounds} rounds and {seconds:.0f} s, "
+            print(f"\n{name} ({took_s:.1f} s): {done} kills in {rounds} rounds, {seconds:.0f} s: "
                   "all with equal results", end="", flush=True)  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import constant_graphs
 import numpy as np
 import pandas as pd
 import pytest
@@ -49,6 +50,7 @@ def table(seed: int, links: int = 10, offset_m: float = 0.0, source: str = "t") 
 @pytest.fixture(autouse=True)
 def _untimed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+    monkeypatch.setattr("backends.export.export_module", constant_graphs.export_module)
 
 
 A, B, C = (table(seed, source=name) for seed, name in enumerate(("a", "b", "c")))
