@@ -69,17 +69,24 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     beside = Weighed(found, after if unknown else None)
     if rest is None or not _comparable(found):
         return beside
-    whole = gathered(search.comparison, views, ())
+    named = _ranging(found)
+    kept = tuple(effect for effect in found.added if effect not in named)
+    whole = gathered(search.comparison, views, kept)
     alone = None if whole is None else propose(whole, search.seed)
-    values = sum(effect.freed for effect in found.added)
+    values = sum(effect.freed for effect in named)
     if alone is None or _lead(alone, rest, after, values) < LAW_INSTEAD_NATS:
         return beside
-    return Weighed(found, alone, _without_names(found))
+    return Weighed(found, alone, _without_names(found, kept))
+
+
+def _ranging(found: Selection) -> Added:
+    """Return the named effects of the range alone: what else was named has other evidence."""
+    return tuple(effect for effect in found.added if effect.stage == "ranging")
 
 
 def _comparable(found: Selection) -> bool:
     """Return whether effects shift rows alone: what scatters them is judged by no mean."""
-    kinds = [type(effect) for effect in found.added]
+    kinds = [type(effect) for effect in _ranging(found)]
     return bool(kinds) and not any(kind.per_link or kind.independent for kind in kinds)
 
 
@@ -95,15 +102,18 @@ def _lead(alone: Proposal, rest: Material, after: Proposal | None, values: int) 
     return alone.best.nats - library - (max(after.best.nats, 0.0) if after else 0.0)
 
 
-def _without_names(found: Selection) -> Selection:
-    """Return the selection with its names taken back."""
+def _without_names(found: Selection, kept: Added) -> Selection:
+    """Return the selection with all names taken back but those of `kept` effects."""
     first = next(turn for turn in found.rounds if turn.explanation)
     assert first.explanation is not None
-    names = " and ".join(" or ".join(group) for group in found.names)
+    physics = {effect.physics for effect in kept}
+    stay = tuple(v for v in found.verdicts if physics & set(v.names))
+    gone = [v.names for v in found.verdicts if v.names and v not in stay]
+    names = " and ".join(" or ".join(group) for group in gone)
     tried = {c.name: c.gain.value for c in first.explanation.contenders}
     note = f"a law does better than {names}"
     unknown = Unknown(first.located.findings, first.explanation.removable, tried, note)
-    return replace(found, verdicts=(unknown,), added=())
+    return replace(found, verdicts=(*stay, unknown), added=kept)
 
 
 def borne_out(comparison: Comparison, sealed: View, weighing: Weighed, seed: int) -> Said:
