@@ -19,6 +19,8 @@ from bench.physics.scene import Scene, scene
 from bench.planning.scatter import Floats, Scatter, beyond, components, log_likelihood
 from bench.planning.settings import (
     FIT_MEMBERS,
+    KEPT_DRAWS,
+    KEPT_EVERY,
     LEAST_SCATTER,
     START_SHARE,
     STRETCH,
@@ -139,11 +141,11 @@ def _parametric(effect: Effect) -> tuple[Effect, bool]:
 def posterior(
     score: Callable[[Floats], float], first: Floats, sweeps: int, rng: np.random.Generator
 ) -> Floats:
-    """Return draws [walkers, d] in the unit cube by the stretch move of two halves in turn.
+    """Return draws [n, d] in the unit cube by the stretch move of two halves in turn.
 
     `first` [walkers, d] are where the walkers start.
     """
-    now = first.copy()
+    now, kept = first.copy(), [first]
     scores = np.array([score(point) for point in now])
     half = len(now) // 2
     for sweep in range(2 * sweeps):
@@ -156,4 +158,6 @@ def posterior(
             gain = (now.shape[1] - 1) * np.log(size) + made - scores[mine]
         taken = np.log(rng.random(half)) < np.nan_to_num(gain, nan=-np.inf)
         now[mine[taken]], scores[mine[taken]] = tried[taken], made[taken]
-    return now
+        if sweep % KEPT_EVERY == 0 and sweep >= sweeps:  # the first half is the way there
+            kept.append(now.copy())
+    return np.concatenate(kept[-KEPT_DRAWS // len(now) :])

@@ -10,7 +10,14 @@ from scipy.stats import norm
 
 from bench.planning.outlook import Counts, Outlook
 from bench.planning.scatter import Floats
-from bench.planning.settings import ASSURED_NATS, LINK_NATS, MOST_LINKS, SURE, SURE_NATS
+from bench.planning.settings import (
+    ASSURED_NATS,
+    LINK_NATS,
+    MOST_LINKS,
+    STEP_LINKS,
+    SURE,
+    SURE_NATS,
+)
 
 
 @dataclass(frozen=True)
@@ -81,17 +88,19 @@ def _worth(scale: Scale, place: int) -> Worth:
 def chosen(scale: Scale, links: int | None) -> Counts:
     """Return how many links [c] of each measurement: `links` in all, or until every pair is sure.
 
-    One link after the other, each where it brings the pairs that are not yet sure furthest.
+    A few links at a time, where they bring the pairs that are not yet sure furthest.
     """
+    most = MOST_LINKS if links is None else links
     steps = np.eye(len(scale.single), dtype=int)
     made = np.zeros(len(steps), dtype=int)
-    for _ in range(MOST_LINKS if links is None else links):
-        now = scale.progress(made) if made.any() else np.zeros(1)
+    while (left := most - made.sum()) > 0:
+        now = scale.progress(made)
         if links is None and now.min() >= SURE_NATS:
             break
         cap = SURE_NATS if now.min() < SURE_NATS else np.inf
-        value = [np.minimum(scale.progress(made + step), cap).sum() for step in steps]
-        made = made + steps[int(np.argmax(value))]
+        size = min(STEP_LINKS, int(left))
+        value = [np.minimum(scale.progress(made + size * step), cap).sum() for step in steps]
+        made = made + size * steps[int(np.argmax(value))]
     return made
 
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.special import logsumexp
 
 from bench.physics.scene import scene
 from bench.planning.alternatives import Alternative
 from bench.planning.measurements import Measurement
-from bench.planning.scatter import Floats, Scatter, divergence, log_density
+from bench.planning.scatter import Floats, Scatter
 from bench.planning.settings import FIT_MEMBERS, SCATTER_MEMBERS
 from bench.planning.world import World
 
 Counts = np.ndarray
-Normal = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -30,21 +31,11 @@ class Prediction:
     means: Floats
     scatter: Floats
 
-    def normal(self, links: Counts) -> Normal:
-        """Return mean and covariance of the means over so many links [c] of each measurement.
-
-        Measurements without links are left out. What parameters leave open is shared by all.
-        """
-        used = np.flatnonzero(links)
-        draws = self.means[:, used].reshape(len(self.means), -1)
-        size = self.means.shape[2]
-        total = np.zeros((draws.shape[1],) * 2)
-        for place, at in enumerate(used):
-            part = slice(place * size, (place + 1) * size)
-            total[part, part] = self.scatter[at] / links[at]
-        if len(draws) > 1:
-            total = total + np.atleast_2d(np.cov(draws.T))
-        return draws.mean(axis=0), total
+    def misfit(self, values: Floats) -> Floats:
+        """Return the nats [c, v, s] by which one link's means [v, c, p] miss those of each draw."""
+        gap = values[:, None] - self.means[None]
+        inverse = np.linalg.inv(self.scatter)
+        return np.asarray(np.einsum("vscp,cpq,vscq->cvs", gap, inverse, gap) / 2)
 
 
 @dataclass(frozen=True)
@@ -54,25 +45,37 @@ class Outlook:
     names: tuple[str, ...]
     predictions: tuple[Prediction, ...]
 
+    @cached_property
+    def apart(self) -> list[list[Floats]]:
+        """The misfit [c, s, t] of the draws of one explanation to those of another, [k][k]."""
+        return [[other.misfit(one.means) for other in self.predictions] for one in self.predictions]
+
     def nats(self, links: Counts) -> Floats:
         """Return expected nats [k, k] for row over column if row is true, with so many links [c].
 
-        Zero without any link.
+        Each explanation's density is the mean over its draws, so it may choose, among the
+        parameters left open, those that suit what will be measured.
         """
-        size = len(self.names)
-        if not links.any():
-            return np.zeros((size, size))
-        normals = [one.normal(links) for one in self.predictions]
-        return np.array([[divergence(a, b) if a is not b else 0.0 for b in normals]
-                         for a in normals])  # fmt: skip
+        likely = [[_density(links, misfit) for misfit in row] for row in self.apart]
+        return np.array([[np.mean(row[at] - other) for other in row]
+                         for at, row in enumerate(likely)])  # fmt: skip
 
     def reached(self, links: Counts, values: Floats, right: int, wrong: int) -> float:
         """Return the nats for one explanation over another that were measured.
 
-        `values` [used, p] are the means over the links of each measurement that has some.
+        `values` [c, p] are the means over the links of each measurement; where there are no
+        links, anything finite.
         """
-        one, other = (self.predictions[i].normal(links) for i in (right, wrong))
-        return log_density(values.ravel(), *one) - log_density(values.ravel(), *other)
+        one, other = (
+            _density(links, self.predictions[i].misfit(values[None]))[0] for i in (right, wrong)
+        )
+        return float(one - other)
+
+
+def _density(links: Counts, misfit: Floats) -> Floats:
+    """Return the log density [v] of values under draws that miss them by `misfit` [c, v, s]."""
+    total = -np.tensordot(np.asarray(links, np.float64), misfit, 1)
+    return np.asarray(logsumexp(total, axis=1) - np.log(total.shape[1]))
 
 
 def outlook(
@@ -97,7 +100,9 @@ def _prediction(
     world: World, one: Alternative, planned: object, rows: int, noise: Floats
 ) -> Prediction:
     """Return what one explanation predicts."""
-    members = FIT_MEMBERS if len(one.draws) > 1 else SCATTER_MEMBERS
+    rows_two = world.values(planned, one.draws[0], 2)  # type: ignore[arg-type]
+    members = SCATTER_MEMBERS if len(one.draws) == 1 else FIT_MEMBERS
+    members = members if np.ptp(rows_two, axis=0).any() else 2
     means, scatters = [], []
     for added in one.draws:
         made = world.values(planned, added, members)  # type: ignore[arg-type]

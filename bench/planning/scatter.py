@@ -74,19 +74,3 @@ def log_likelihood(residual: Floats, links: Codes, scatter: Scatter) -> float:
     outside = (counts * np.einsum("lp,lp->l", means, solved)).sum()
     outside += np.linalg.slogdet(total)[1].sum()
     return float(-(inside + outside) / 2)
-
-
-def divergence(one: tuple[Floats, Floats], other: tuple[Floats, Floats]) -> float:
-    """Return the nats by which draws of one normal (mean [q], covariance [q, q]) favour it."""
-    gap = other[0] - one[0]
-    inverse = np.linalg.inv(other[1])
-    size = np.trace(inverse @ one[1]) - len(gap) + gap @ inverse @ gap
-    logs = np.linalg.slogdet(other[1])[1] - np.linalg.slogdet(one[1])[1]
-    return float((size + logs) / 2)
-
-
-def log_density(values: Floats, mean: Floats, covariance: Floats) -> float:
-    """Return the normal log density of values [q], constants left out."""
-    gap = values - mean
-    size = gap @ np.linalg.solve(covariance, gap)
-    return float(-(size + np.linalg.slogdet(covariance)[1]) / 2)

@@ -21,6 +21,7 @@ NEAR_SHARE: Final = (
 )
 BEHIND_NATS: Final = 12.0  # behind the likeliest, from which on it does not [convention]
 MOST_ALTERNATIVES: Final = 5  # [cost]
+STEP_LINKS: Final = 2  # that are added at once [cost]
 MOST_LINKS: Final = 80  # that are counted out before "cannot be told" is said [convention]
 LEAST_NATS: Final = 0.01  # per link; a measurement that brings less is not listed [convention]
 ROWS_PER_LINK: Final = (3, 20)  # of a planned link: as recorded, within these [convention]
@@ -28,6 +29,8 @@ ROWS_PER_LINK: Final = (3, 20)  # of a planned link: as recorded, within these [
 # --- What the recordings leave open (alternatives) -----------------------------------------------
 WALKERS: Final = 24  # parameter sets moved together (Goodman and Weare 2010) [cost]
 SWEEPS: Final = 40  # moves of each walker [cost]
+KEPT_EVERY: Final = 6  # half sweeps, after which walkers are elsewhere [convention]
+KEPT_DRAWS: Final = 96  # parameter sets of an explanation, at most [cost]
 WAVE_SWEEPS: Final = 10  # the same where waveforms are simulated [cost]
 WAVE_ROWS: Final = 150  # recorded rows that are simulated again with waveforms [cost]
 STRETCH: Final = 2.0  # of a move [source: Foreman-Mackey et al. 2013]

@@ -172,7 +172,10 @@ def nats(answer: Answer, case: Case, later: pd.DataFrame, none: pd.DataFrame) ->
     bare = World(Simulator(Base()), tuple(kept), False).values(scene(later[mine]), (), 2)
     values = gap + bare.mean(axis=0)
     place = later.loc[mine, "link"].str.extract(r" (\d+)\.")[0].astype(int).to_numpy()
-    means = np.stack([values[place == p].mean(axis=0) for p in np.unique(place)])
+    used = np.flatnonzero(counts)
+    means = np.zeros((len(counts), len(kept)))
+    for number, at in enumerate(used):
+        means[at] = values[place == number].mean(axis=0)
     reached = answer.outlook.reached(counts, means, right, rival)
     return {"rival": answer.names[rival], "expected_nats": float(expected[rival]),
             "reached_nats": float(reached)}  # fmt: skip
