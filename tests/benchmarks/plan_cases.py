@@ -62,6 +62,7 @@ class Case:
 
 
 def cases() -> list[Case]:
+    """Return every case: seeds, what never varies, what is hidden."""
     return [Case(k, t, s) for s, (k, (_, ts)) in product(SEEDS, KINDS.items()) for t in ts]
 
 
