@@ -29,7 +29,7 @@ from bench.physics.simulator import Simulator
 from bench.planning.plan import Answer, MeasurementPlan
 from bench.planning.world import World
 
-LINKS, ROWS, RATIO = 48, 6, 3
+LINKS, ROWS, RATIO = 32, 4, 3
 SEEDS = (0, 1)
 WALL_M = {"brick": 0.11, "concrete": 0.2}
 # What never varies, and which causes that leaves open: (setting, truths).

@@ -7,7 +7,6 @@ from pathlib import Path
 from time import monotonic
 
 from bench.errors import BenchError
-from bench.parallel import obey
 from bench.recordings.open import Table
 from bench.runner.observer import Observer
 from bench.runner.worth.learners import simulated
@@ -43,7 +42,6 @@ def worth(
     if not folders:
         raise BenchError("no diagnosis named; expected a folder of `bench diagnose -o`")
     watch, end = observer or Observer(), monotonic() + 60 * (minutes or float("inf"))
-    obey()
     made: list[Split] = []
     planned = 0
     _check_apart(folders)

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,11 +13,8 @@ from bench.errors import BenchError
 from bench.files import read_json, write_atomically
 from bench.provenance import decisive_versions, json_digest, packages_code_hash
 from bench.runner.worth import learners
-from bench.runner.worth.learners import Floats
+from bench.runner.worth.learners import Floats, Network
 from bench.runner.worth.site import Examples, Site
-
-if TYPE_CHECKING:
-    from zoo.base import MitigationModel
 
 FILE = "worth.json"
 CODE = ("bench/runner/worth", "zoo")
@@ -58,32 +54,31 @@ def surveyed(site: Site, task: Task) -> Examples:
     return site.survey.of(order[: task.links])
 
 
-def scored(site: Site, task: Task, trained: dict[str, MitigationModel]) -> list[Scored]:
+def scored(site: Site, task: Task, trained: dict[str, Network]) -> list[Scored]:
     """Return how every way does with the links of one draw."""
     made = _without_links(site, trained) if not task.links else _with_links(site, task, trained)
     return [Scored(way, task.links, task.draw, _left(site.sealed, p)) for way, p in made]
 
 
-def _without_links(site: Site, trained: dict[str, MitigationModel]) -> Iterator[tuple[str, Floats]]:
+def _without_links(site: Site, trained: dict[str, Network]) -> Iterator[tuple[str, Floats]]:
     """Yield ways that need no surveyed link."""
     yield "none", np.zeros(len(site.sealed.errors_m))
     for way, model in trained.items():
-        yield way, learners.predicted(model, site.sealed)
+        yield way, model.predict(site.sealed)
 
 
 def _with_links(
-    site: Site, task: Task, trained: dict[str, MitigationModel]
+    site: Site, task: Task, trained: dict[str, Network]
 ) -> Iterator[tuple[str, Floats]]:
     """Yield ways that learn from surveyed links."""
     known, sealed = surveyed(site, task), site.sealed
-    yield "real", learners.predicted(learners.network(known, site.seed), sealed)
+    yield "real", Network(known, site.seed).predict(sealed)
     yield "constant", np.full(len(sealed.errors_m), learners.constant(known))
-    yield "boosting", learners.boosting(known, site.seed)(sealed)
-    further = learners.tuned(trained["after"], known)
-    yield "after+tuned", learners.predicted(further, sealed)
+    yield "boosting", learners.boosting(known, sealed, site.seed)
     for way, model in trained.items():
-        shifted = learners.predicted(model, sealed) + learners.offset(model, known)
-        yield f"{way}+offset", shifted
+        shift = learners.offset(model, known)
+        yield f"{way}+tuned", model.further(known).predict(sealed)
+        yield f"{way}+offset", model.predict(sealed) + shift
 
 
 def _left(sealed: Examples, predicted_m: Floats) -> dict[str, float]:

@@ -29,14 +29,22 @@ from bench.runner.worth.settings import (
     SIMULATED_ROWS,
     STRETCH,
 )
+from zoo.inputs import layout
+from zoo.modules.blocks import Columns
+from zoo.modules.preparation import apply_in_blocks
 
 Floats = NDArray[np.float32]
 READS = ("cir", "levels", "features", "range")
+REGISTERS = 10  # columns of figures in front that need no CIR
 
 
 @dataclass(frozen=True)
 class Examples:
-    """Rows a model reads [n, width] (see `READS`), errors [n] in metres, links [n]."""
+    """Figures of rows float32 [n, columns], errors [n] in metres, links [n].
+
+    Figures: nine of the levels and the range (`REGISTERS`), then the six of the CIR where there
+    is one; NaN where not known.
+    """
 
     rows: Floats
     errors_m: Floats
@@ -57,7 +65,7 @@ class Examples:
 class Site:
     """One split: `survey` and `sealed` RECORDED rows, `before` and `after` SIMULATED ones.
 
-    `seed` is the diagnosis's; `cir` says whether rows hold one.
+    `seed` is the diagnosis's.
     """
 
     survey: Examples
@@ -148,7 +156,9 @@ def _examples(table: Recordings) -> Examples:
     errors = kept.errors_m().astype(np.float32)
     links = kept.frame["link"].astype(str).to_numpy(np.str_)
     material = Material(table.source, kept, "", window.cirs, errors, links, Split("", ()), {})
-    return Examples(rows_for(material, READS), errors, links)
+    rows = rows_for(material, READS)
+    figures = apply_in_blocks(Columns(layout(READS, rows.shape[1])), rows).numpy()
+    return Examples(figures, errors, links)
 
 
 def _whole(table: Recordings) -> CirWindow:

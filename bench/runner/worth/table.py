@@ -18,6 +18,7 @@ WAYS = {
     "after": "(c) diagnosed simulator",
     "after+tuned": "(d) diagnosed simulator, network trained further on the links",
     "after+offset": "(d') diagnosed simulator, plus the links' mean offset",
+    "before+tuned": "original simulator, network trained further on the links",
     "before+offset": "original simulator, plus the links' mean offset",
     "constant": "(e) the links' median error",
     "boosting": "(f) gradient boosting on the links' registers",
