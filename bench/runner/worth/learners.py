@@ -98,7 +98,7 @@ def boosting(known: Examples, some: Examples, seed: int) -> Floats:
         loss="absolute_error", max_iter=TREES, min_samples_leaf=LEAF_ROWS, early_stopping=False,
         random_state=seed,
     )  # fmt: skip
-    able = np.isfinite(known.rows[:, :REGISTERS]).any(axis=0).nonzero()[0]
+    able = np.flatnonzero(np.isfinite(known.rows[:, :REGISTERS]).sum(axis=0))
     model.fit(known.rows[:, able], known.errors_m)
     return np.asarray(model.predict(some.rows[:, able]), np.float64)
 
