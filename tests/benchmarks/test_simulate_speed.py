@@ -15,7 +15,7 @@ from bench.physics.rooms import Rooms
 from bench.physics.scene import scene
 
 ROWS = 32_768
-GOAL_PER_CORE = 10_000  # CIRs per second of processor time: 20 000 on two free cores
+GOAL_PER_CORE = 30_000  # CIRs per second of processor time: 60 000 on two free cores
 
 
 def test_cirs_per_second() -> None:

@@ -184,6 +184,9 @@ def test_a_plugin_that_is_no_simulator_is_one_line(call, monkeypatch):
         (("--hide", "nope"), "nope"),
         (("--environment", "hall"), "environment"),
         (("--observe", "nope"), "observable"),
+        (("--measured", "nope"), "nope"),
+        (("--known", "error_m"), "never known"),
+        (("--known", "true_range_m", "--measured", "true_range_m"), "both"),
     ],
 )
 def test_wrong_options_are_one_line(call, words, said):
@@ -209,9 +212,11 @@ def test_failing_effects_are_told_and_skipped_and_json_is_alone(call, tmp_path):
 
 
 def test_printed_for_people_it_says_verdict_confirmation_and_what_was_skipped(call):
-    code, printed, _ = call(recorded())
+    frame = recorded()
+    code, printed, _ = call(frame.assign(chip_snr_db=np.arange(len(frame)) % 9.0))
     assert code == 0
     assert "temperature-drift" in printed
+    assert "Measured, so not searched over: chip_snr_db (a column of your own" in printed
     links = int(re.search(r"confirm links \((\d+)\)", printed)[1])
     assert ("too few to tell" in printed) == (links < FEWEST_AUC_LINKS)
     assert "skipped broken" in printed
