@@ -55,7 +55,7 @@ def test_the_estimate_contains_the_count(profile, row):
     # floats that 8-bit networks keep cost what no count of multiplications tells.
     if any(layer.macs for layer in _cost(row["network"]).layers):
         soft = row["core"] in ("cortex-m0plus", "rv32imc")
-        assert told.value == pytest.approx(counted.value, rel=0.65 if soft else 0.1)
+        assert told.value == pytest.approx(counted.value, rel=0.7 if soft else 0.1)
 
 
 def test_every_part_and_network_is_there():
