@@ -162,6 +162,7 @@ def _opening(laid: Plan, helpers: set[str]) -> list[str]:
         "#include <string.h>",
         "",
         *prelude.vectors(),
+        *prelude.opaque(),
         *prelude.counting(),
         "",
         "static union {",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends.c.kernels.layer import Context, Layer
+from backends.c.kernels.layer import OPAQUE_Y, Context, Layer
 from backends.c.operators import Array, Convolution
 from backends.c.text import block, floats, indented, integers, table
 
@@ -94,7 +94,7 @@ def _kernel(layer: Convolution, half: bool) -> Kernel:
 def _function(kernel: Kernel) -> list[str]:
     kind = "uint16_t" if kernel.half else "float"
     head = f"static void {kernel.name}(const float *x, const {kind} *w, const float *b, float *y,"
-    lines = [head, "                       int steps)", "{"]
+    lines = [head, "                       int steps)", "{", f"    {OPAQUE_Y}"]
     if kernel.outs == 1:
         return [*lines, *indented(_dot(kernel)), "}"]
     return [*lines, *_by_lanes(kernel), "}"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from backends.c.kernels import integer_convolution
 from backends.c.kernels.fixed import fixed, is_quick
-from backends.c.kernels.layer import Context, Layer, index, merged
+from backends.c.kernels.layer import Context, Layer, index, merged, target
 from backends.c.kernels.loops import nested
 from backends.c.kernels.prelude import SINGLE_UNIT
 from backends.c.operators import (
@@ -57,15 +57,22 @@ def _each(
         value = f"{name}[{value}]"
     shape, (from_x, to_y) = merged(x.shape, [x.strides, y.strides])
     return [
-        _pointer("x", x, context, made, const=True),
-        _pointer("y", y, context, made),
+        _source("x", x, context, made),
+        *_target(y, context, made),
         *nested(shape, [f"y[{index(to_y)}] = {value.format(index(from_x))};"]),
     ]
 
 
-def _pointer(name: str, ref: Ref, context: Context, made: Layer, const: bool = False) -> str:
-    kind = "float" if context.program.buffers[ref.buffer].dtype == "f32" else "uint8_t"
-    return f"{'const ' if const else ''}{kind} *const {name} = {context.pointer(ref, made)};"
+def _source(name: str, ref: Ref, context: Context, made: Layer) -> str:
+    return f"const {_kind(ref, context)} *const {name} = {context.pointer(ref, made)};"
+
+
+def _target(ref: Ref, context: Context, made: Layer) -> list[str]:
+    return target(_kind(ref, context), context.pointer(ref, made))
+
+
+def _kind(ref: Ref, context: Context) -> str:
+    return "float" if context.program.buffers[ref.buffer].dtype == "f32" else "uint8_t"
 
 
 def _pair(operator: IntegerAdd | IntegerMultiply, context: Context, made: Layer) -> list[str]:
@@ -76,9 +83,9 @@ def _pair(operator: IntegerAdd | IntegerMultiply, context: Context, made: Layer)
     value = writer(operator, a, b, context, made)  # type: ignore[arg-type]
     made.helpers.add("narrow")
     return [
-        _pointer("a", operator.a, context, made, const=True),
-        _pointer("b", operator.b, context, made, const=True),
-        _pointer("y", operator.y, context, made),
+        _source("a", operator.a, context, made),
+        _source("b", operator.b, context, made),
+        *_target(operator.y, context, made),
         *nested(shape, [f"y[{index(to_y)}] = uwb_narrow({value});"]),
     ]
 
@@ -160,8 +167,8 @@ def _mean(op: IntegerMean, context: Context, made: Layer) -> list[str]:
     add = block(f"for (int t = 0; t < {steps}; t++)", [f"sum += x[t * {channels} + c];"])
     body = [f"int32_t sum = {-steps * op.x_scale.zero};", *add, f"y[c] = uwb_narrow({value});"]
     return [
-        _pointer("x", op.x, context, made, const=True),
-        _pointer("y", op.y, context, made),
+        _source("x", op.x, context, made),
+        *_target(op.y, context, made),
         *block(f"for (int c = 0; c < {channels}; c++)", body),
     ]
 

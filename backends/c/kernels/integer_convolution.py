@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends.c.kernels.fixed import fixed, is_quick
-from backends.c.kernels.layer import Context, Layer
+from backends.c.kernels.layer import OPAQUE_Y, Context, Layer
 from backends.c.operators import Array, IntegerConvolution
 from backends.c.text import block, floats, integers, table
 
@@ -127,7 +127,7 @@ def _function(kernel: Kernel) -> list[str]:
         f"static void {kernel.name}(const uint8_t *x, const int8_t *w, const int32_t *b,",
         f"    const {scale} *m, {kind} *y, int steps, int32_t zero{last})",
     ]
-    start = ["(void)zero;"] if kernel.ending == "result" else []
+    start = [OPAQUE_Y, *(["(void)zero;"] if kernel.ending == "result" else [])]
     return [*head[:1], *block(head[1], [*start, *_steps(kernel)])]
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from backends.c.operators import Program, Ref, Shape
 from backends.c.plan import Plan
 
+OPAQUE_Y = "UWB_OPAQUE(y);"
+
 
 @dataclass
 class Layer:
@@ -52,6 +54,11 @@ class Context:
     def name(self, what: str) -> str:
         """Return the name of one of the layer's tables."""
         return f"uwb_{what}_{self.number:02d}"
+
+
+def target(kind: str, place: str) -> list[str]:
+    """Return C for `y`, where a layer writes; see `prelude.opaque`."""
+    return [f"{kind} *y = {place};", OPAQUE_Y]
 
 
 def merged(shape: Shape, strides: list[Shape]) -> tuple[Shape, list[Shape]]:

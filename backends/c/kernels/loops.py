@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.c.kernels.layer import Context, Layer, index, merged
+from backends.c.kernels.layer import Context, Layer, index, merged, target
 from backends.c.operators import Argument, Input, Loop, Number, Ref, Result, Shape, Step, Table
 from backends.c.text import block, floats, number, table
 
@@ -20,7 +20,7 @@ def write(loop: Loop, context: Context) -> Layer:
     shape, steps = merged(loop.shape, strides)
     made.body = [
         *(_operand(n, item, context, made) for n, item in enumerate(loop.inputs)),
-        f"float *const y = {context.pointer(loop.y, made)};",
+        *target("float", context.pointer(loop.y, made)),
     ]
     made.helpers |= {step.function for step in loop.steps if step.function in _CALLED}
     if loop.reduction is None:

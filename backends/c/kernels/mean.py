@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.c.kernels.layer import Context, Layer
+from backends.c.kernels.layer import OPAQUE_Y, Context, Layer
 from backends.c.operators import Loop, Ref
 from backends.c.text import block, indented, number
 
@@ -24,6 +24,7 @@ def write(loop: Loop, context: Context) -> Layer:
 
 def _function(name: str, channels: int, by_four: bool) -> list[str]:
     lines = [f"static void {name}(const float *x, float *y, int steps, float count)", "{"]
+    lines.append(f"    {OPAQUE_Y}")
     widths = [n for n in LANES if channels % n == 0]
     for lanes in widths:
         if lanes > 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.c.kernels.layer import Context, Layer
+from backends.c.kernels.layer import Context, Layer, target
 from backends.c.operators import Pool
 from backends.c.text import block, number
 
@@ -14,7 +14,7 @@ def write(pool: Pool, context: Context) -> Layer:
     steps, channels = pool.y.shape
     made.body = [
         f"const {kind} *const x = {context.pointer(pool.x, made)};",
-        f"{kind} *const y = {context.pointer(pool.y, made)};",
+        *target(kind, context.pointer(pool.y, made)),
     ]
     start, count = _window(pool)
     more = block(f"for (int k = 1; k < {count}; k++)", [_joined(pool, channels)])

@@ -52,6 +52,21 @@ def _vector(lanes: int) -> list[str]:
     ]
 
 
+def opaque() -> list[str]:
+    """Return what hides from GCC that a layer's target and sources are parts of one arena.
+
+    GCC 12.2 for Arm, at any -O, derives the one's address from the other's in a loop that
+    transposes, loses sight of what is written, and leaves the whole layer out.
+    """
+    return [
+        "#if defined(__GNUC__) && !defined(__clang__) && !defined(__x86_64__)",
+        '#define UWB_OPAQUE(p) __asm__("" : "+r"(p))',
+        "#else",
+        "#define UWB_OPAQUE(p)",
+        "#endif",
+    ]
+
+
 def counting() -> list[str]:
     """Return what keeps layers apart as functions where instructions are counted by layer."""
     return [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.c.kernels.layer import Context, Layer
+from backends.c.kernels.layer import Context, Layer, target
 from backends.c.operators import Trees
 from backends.c.text import block, floats, integers, number, table
 
@@ -31,7 +31,7 @@ def write(trees: Trees, context: Context) -> Layer:
     ]
     made.body = [
         f"const float *const x = {context.pointer(trees.x, made)};",
-        f"float *const y = {context.pointer(trees.y, made)};",
+        *target("float", context.pointer(trees.y, made)),
         f"float total = {number(trees.base)};",
         *block(f"for (int t = 0; t < {len(trees.root)}; t++)", walk),
         "y[0] = total;",

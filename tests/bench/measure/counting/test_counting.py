@@ -8,6 +8,20 @@ import numpy as np
 import pytest
 import toy
 
+from backends.c.emit import write_program
+from backends.c.operators import (
+    Buffer,
+    Copy,
+    Dequantise,
+    Input,
+    Loop,
+    Program,
+    Quantise,
+    Ref,
+    Scale,
+    Step,
+    Table,
+)
 from bench.errors import BenchError
 from bench.measure.counting import build_image, count_image, emulate, load_core
 from bench.measure.counting.core import core_names
@@ -144,3 +158,25 @@ def test_every_price_has_an_order_and_a_source(name):
 def test_an_unknown_core_is_named():
     with pytest.raises(BenchError, match="did you mean 'cortex-m4f'"):
         load_core("cortex-m4")
+
+
+def test_gcc_leaves_no_transposing_layer_out(tools):
+    """GCC 12.2 for Arm did, at every -O, where it saw that both sides are parts of one arena."""
+    weights = np.arange(64, dtype=np.float32)
+    bytes_in, bytes_out, floats = (Ref(number, (64,), (1,)) for number in (1, 2, 3))
+    product = Step("multiply", (Input(0), Input(1)))
+    result = Ref(4, (1,), (1,))
+    operators = (
+        Quantise(Ref(0, (64,), (1,)), bytes_in, Scale(1.0, 0)),
+        Copy(Ref(1, (8, 8), (1, 8)), Ref(2, (8, 8), (8, 1))),
+        Dequantise(bytes_out, floats, Scale(1.0, 0)),
+        Loop((floats, Table(weights, (1,))), result, (64,), (0,), (product,), "sum", "sum"),
+    )
+    sizes = [(64, "f32", "cir"), (64, "u8", None), (64, "u8", None), (64, "f32", None)]
+    buffers = tuple(Buffer(*one) for one in [*sizes, (1, "f32", None)])
+    source = write_program(Program(operators, buffers, (0,), result))
+    rows = np.random.default_rng(0).integers(0, 200, (2, 64)).astype(np.float32)
+    count = count_image(build_image(dict(source.files), tools), tools, rows)
+    transposed = rows.reshape(-1, 8, 8).transpose(0, 2, 1).reshape(-1, 64)
+    np.testing.assert_array_equal(count.outputs_m, transposed @ weights)
+    assert any(one.kind == "copy" and one.instructions > 64 for one in count.layers)
