@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -77,9 +78,9 @@ def _worth(scale: Scale, place: int) -> Worth:
     def sure(links: int) -> bool:
         return bool(scale.progress(links * one).min() >= SURE_NATS)
 
-    # Nats only grow with the links: where the most are too few, none of the others is tried.
-    able = range(1, MOST_LINKS + 1) if sure(MOST_LINKS) else ()
-    links = next((number for number in able if sure(number)), None)
+    # Nats only grow with the links: halve the numbers in question.
+    every = range(1, MOST_LINKS + 1)
+    links = bisect_left(every, True, key=sure) + 1 if sure(MOST_LINKS) else None
     total = float(np.minimum(nats, LINK_NATS).sum())
     most = int(nats.argmax())
     return Worth(place, total, float(nats.min()), float(nats[most]), names[most], links)

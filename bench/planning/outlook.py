@@ -74,7 +74,8 @@ class Outlook:
 
 def _density(links: Counts, misfit: Floats) -> Floats:
     """Return the log density [v] of values under draws that miss them by `misfit` [c, v, s]."""
-    total = -np.tensordot(np.asarray(links, np.float64), misfit, 1)
+    used = np.flatnonzero(links)
+    total = -np.tensordot(np.asarray(links[used], np.float64), misfit[used], 1)
     return np.asarray(logsumexp(total, axis=1) - np.log(total.shape[1]))
 
 
