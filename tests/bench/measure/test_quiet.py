@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 
 import psutil
@@ -85,3 +87,10 @@ def test_waiting_is_bounded_and_none_by_default_takes_no_time(monkeypatch) -> No
     assert 0.1 <= time.monotonic() - start < 5
     assert not patience.left
     assert not Patience(0).left
+
+
+def test_the_work_of_a_child_that_has_ended_is_our_own() -> None:
+    before = quiet._own_s()
+    code = "import time\nwhile time.process_time() < 0.4: pass"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert quiet._own_s() - before >= 0.35
