@@ -19,6 +19,7 @@ from bench.cli.main import group
 from bench.errors import BenchError
 from bench.export import Chosen, export, from_fit
 from bench.export.report import Figures, report
+from bench.measure.counting.measured import read_measured
 from bench.recordings.io import write_recordings
 
 needs_compiler = pytest.mark.skipif(missing_compiler() is not None, reason=str(missing_compiler()))
@@ -175,3 +176,24 @@ def test_a_report_names_every_input_in_the_order_of_the_call(tmp_path) -> None:
     assert "float cir[A], levels[B], range[C], error_m;" in told
     assert "uwb_predict(cir, levels, range, &error_m)" in told
     assert "`levels`: rx_power_dbm, first_path_power_dbm" in told
+
+
+def test_without_a_compiler_c_is_written_and_says_that_nothing_was_compared(
+    chosen, tmp_path, monkeypatch
+) -> None:
+    from backends.c import compile as compiling
+
+    monkeypatch.setattr(compiling, "compiler", lambda: None)
+    assert export(chosen("int8"), "c", tmp_path).agreement is None
+    assert "not checked: no C compiler" in (tmp_path / "REPORT.md").read_text()
+
+
+@needs_compiler
+def test_cycles_that_the_self_test_prints_are_what_count_measured_reads(firmware, tmp_path) -> None:
+    out = shutil.copytree(firmware, tmp_path / "firmware")
+    text = (out / "uwb_selftest.c").read_text()
+    ticking = "static unsigned long ticks;\n#define CYCLES() (ticks += 1000ul)"
+    assert "#define CYCLES() 0ul" in text
+    (out / "uwb_selftest.c").write_text(text.replace("#define CYCLES() 0ul", ticking))
+    (out / "board.txt").write_text(_make(out).stdout)
+    assert read_measured(out / "board.txt").cycles == (1000,) * 10
