@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.challenge.blind import seal
+from bench.challenge.blind import SEALED, seal
 from bench.challenge.cases import LIMIT_Z
 from bench.challenge.families.case import CONCEALS, KEPT, LADDER, MODES, RATIOS
 from bench.challenge.rates import MEDIAN_SHARE, Rate, causes_of, median_share, rates
@@ -32,7 +32,8 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
     return [
         "## Blind cases",
         "",
-        f"{len(outcomes)} cases (SIMULATED), seed {seed}, `bench.diagnose` with default options. "
+        f"The first {len(outcomes)} of {max(len(outcomes), SEALED)} sealed cases (SIMULATED), "
+        f"seed {seed}, `bench.diagnose` with default options. "
         f"{opened}. Simulated rows per recorded row {ratios}; paired, unpaired and run again; "
         f"mixes equal and different; strengths x {', '.join(f'{s:g}' for s in LADDER)}. Answers "
         f"sealed before the run: sha256 `{seal(len(outcomes), seed, families)}`.",

@@ -21,7 +21,7 @@ from bench.challenge.families.case import (
     turn_of,
     world_of,
 )
-from bench.discrepancy.data.columns import known_columns
+from bench.discrepancy.data.columns import known_columns, with_motion
 from bench.discrepancy.data.observables import observe
 from bench.physics.base import Base
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -115,7 +115,7 @@ def _unnamable(name: str, laws: dict[str, Law], recorded: pd.DataFrame, mode: st
         return True
     kind = load("effects", name)
     torn = not mode.endswith("again") and not kind.on_tables
-    return bool(torn or kind.lacking(known_columns(recorded)))
+    return bool(torn or kind.lacking(known_columns(with_motion(recorded))))
 
 
 def _made(world: Any, mode: str, drawn: Draw, own: int) -> tuple[Tables, Simulator | Recordings]:

@@ -14,6 +14,7 @@ from bench.discrepancy.compare.skill import weight_of
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.settings import RESOLUTION
 
 Floats = NDArray[np.float64]
 MEMBERS = 16
@@ -65,8 +66,9 @@ def _shifted(case: Case, before: Ensemble, range_m: object) -> Ensemble:
 
 
 def _score(ensemble: Ensemble, name: str) -> float:
-    """Return the mean CRPS of an observable in its unit."""
+    """Return the mean CRPS of an observable in its unit, plus what counts as nothing in it."""
     place = ensemble.place(name)
+    least = RESOLUTION.get(ensemble.units[place], 0.0)
     versions = ensemble.versions[..., place : place + 1]
     one = replace(ensemble, names=(name,), units=(ensemble.units[place],), versions=versions)
-    return float(np.nanmean(one.scores()))
+    return float(np.nanmean(one.scores())) + least

@@ -142,7 +142,7 @@ def leading_edge(size: Floats, threshold: Floats) -> Floats:
         half, low = size[row, top] / 2, top
         while low > 0 and size[row, low] > half:
             low -= 1
-        rise = size[row, low + 1] - size[row, low]
+        rise = max(size[row, low + 1] - size[row, low], 1e-9)
         out[row] = np.round(64 * (low + (half - size[row, low]) / rise)) / 64
     return out
 
@@ -196,7 +196,8 @@ def noise(waves: Waves, strength: float, rng: np.random.Generator) -> None:
 def path_loss(waves: Waves, strength: float, rng: np.random.Generator) -> None:
     """Steepen the law of distance, with a step every few metres."""
     steps = np.floor(waves.distance / 6.0) * 0.5
-    waves.attenuated(strength * (40 * np.log10(waves.distance) + steps), rng)
+    loss_db = strength * (40 * np.log10(waves.distance) + steps)
+    waves.attenuated(np.maximum(loss_db, 0.0), rng)
 
 
 def reflections(waves: Waves, strength: float, rng: np.random.Generator) -> None:
