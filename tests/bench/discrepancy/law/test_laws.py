@@ -19,8 +19,8 @@ from bench.physics import Base, Simulator, from_toml, to_toml
 from bench.physics.effects.ranging.law import Law
 
 QUICK = (
-    "scale -1.2 %", "warm-up", "step in time", "one tag squared", "rounded down",
-    "anchor off 0.5 m", "anchors 0 and 1 swapped", "one anchor in feet",
+    "scale -1.2 %", "three lobes", "one tag squared", "rounded down", "anchor off 0.5 m",
+    "anchors 0 and 1 swapped", "one anchor in feet",
 )  # fmt: skip
 
 
@@ -84,9 +84,8 @@ def test_a_hidden_law_is_found(name: str) -> None:
     assert json.loads(json.dumps([law_dict(law), fault_dict(fault)]))[0]["form"] == law.form
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_noise_has_no_law(seed: int) -> None:
-    assert answer(None, 100 + seed) == (None, None)
+def test_noise_has_no_law() -> None:
+    assert answer(None, 100) == (None, None)
 
 
 def test_a_law_that_sealed_links_do_not_bear_out_is_not_said() -> None:
@@ -101,7 +100,7 @@ def test_a_law_that_sealed_links_do_not_bear_out_is_not_said() -> None:
 
 
 def test_the_effect_gives_what_the_law_says() -> None:
-    for name in ("anchor off 0.5 m", "anchors 0 and 1 swapped", "one tag squared", "warm-up"):
+    for name in ("anchor off 0.5 m", "anchors 0 and 1 swapped", "one tag squared", "three lobes"):
         number, case, law, _ = of_name(name)
         assert law is not None
         frame = tables(case, number)[0].drop(columns=["range_m", "error_m"])
