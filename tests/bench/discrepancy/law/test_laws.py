@@ -15,6 +15,8 @@ from bench.discrepancy.law.found import FoundLaw, SetupFault, fault_dict, law_di
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, condition, material
 from bench.discrepancy.law.search import propose
+from bench.discrepancy.law.unexplained import _lead
+from bench.discrepancy.settings import LAW_INSTEAD_NATS
 from bench.physics import Base, Simulator, from_toml, to_toml
 from bench.physics.effects.ranging.law import Law
 
@@ -121,6 +123,18 @@ def test_only_groups_that_a_simulator_knows_are_written_down() -> None:
     assert condition("rx=" + "a" * 41) is None
     for text in ("rx=a'2", 'rx=a"2', "rx=a\\2", "environment=hall (north)"):
         Law(f"{condition(text)[0]} * true_range_m")
+
+
+def test_a_law_leads_names_that_leave_it_and_not_those_that_explain_it() -> None:
+    number, case, _, _ = of_name("anchor off 0.5 m")
+    given = material_of(case, number)
+    alone = propose(part(given, ~given[2]), number)
+    assert alone is not None
+    noise = np.random.default_rng(1).normal(0, alone.scale_m, len(alone.given.links))
+    explained = replace(alone.given, residual_m=noise)
+    assert _lead(alone, alone.given, None, 6) > LAW_INSTEAD_NATS
+    assert _lead(alone, explained, None, 6) < 0
+    assert _lead(alone, alone.given, None, 6) == pytest.approx(alone.best.nats + 6)
 
 
 def test_words_have_units_and_intervals() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
-from unlisted import CASES, Case, tables
 
 from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.discrepancy.report.document import summary
@@ -13,14 +15,17 @@ from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.law import Law
 from bench.recordings.open import read
 
-QUICK = Options(search_rows=300, fit_rows=150, observables=("error_m",), waveform=False)
+sys.path.insert(0, str(Path(__file__).parents[1] / "bench" / "discrepancy" / "law"))
+from unlisted import CASES, Case, tables
+
+QUICK = Options(search_rows=400, fit_rows=200, observables=("error_m",), waveform=False)
 KINDS = {"antenna-delay": AntennaDelay, "device-delay": DeviceDelay}
 
 
 def diagnosed(case: Case) -> Diagnosis:
-    """Return the diagnosis of 80 links of a case, with antenna delays as the whole library."""
+    """Return the diagnosis of 110 links of a case, with antenna delays as the whole library."""
     recorded, simulated = tables(case, 5, 2)
-    some = np.random.default_rng(5).permutation(recorded["link"].unique())[:80]
+    some = np.random.default_rng(5).permutation(recorded["link"].unique())[:110]
     both = [read(t[t["link"].isin(some)].reset_index(drop=True)) for t in (recorded, simulated)]
     return diagnose(*both, QUICK, kinds=KINDS)
 
