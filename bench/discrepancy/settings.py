@@ -272,6 +272,9 @@ FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies 
 
 FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
 
+# --- Words (report) ---------------------------------------------------------------------------
+SHOWN_VALUES: Final = 4  # of a long list of values, that the first screen shows [convention]
+
 # --- A level curve is a constant (select/disguise) ------------------------------------------------
 LEVEL_CURVE_SHARE: Final = 0.2  # of its mean, within which a curve is level [plan cases]
 WIDE_LEVELS_DB: Final = 8.0  # that rows must spread over to say so: half the S-curve [plan cases]

@@ -10,8 +10,7 @@ from itertools import groupby
 
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict
-
-SHOWN = 4  # of one list: a screen has to hold all that was found
+from bench.discrepancy.settings import SHOWN_VALUES
 
 
 def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
@@ -19,8 +18,8 @@ def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
     out = []
     for name, group in groupby(parameters, lambda one: one.name.partition("[")[0]):
         values = list(group)
-        long = len(values) > SHOWN + 1
-        first = sorted(values, key=_distance, reverse=True)[:SHOWN] if long else values
+        long = len(values) > SHOWN_VALUES + 1
+        first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
         out += [f"  - {one} (90 %)" for one in first]
         out += [f"  - {_rest(name, values, first)}"] if long else []
     return out
