@@ -11,9 +11,11 @@ from click.testing import CliRunner
 
 from bench.cli.reproduce import command
 from bench.errors import BenchError
+from bench.plugins import find
 from bench.recordings.table import Recordings
 from bench.reproduce.build import over_links
 from bench.reproduce.catalogue import chosen, experiments
+from bench.reproduce.experiments import latency_vs_accuracy, optimisation
 from bench.reproduce.thinning import thinned
 
 
@@ -27,7 +29,20 @@ def files(folder: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.fixture
+def _two_models(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the experiments on all models take two of them: tests of backends go through them all."""
+    few = ("none", "mlp", "remnet")
+    every = optimisation.MODELS.split(",")
+    assert set(few[1:]) < set(every)
+    monkeypatch.setattr(optimisation, "MODELS", ",".join(few[1:]))
+    monkeypatch.setattr(
+        latency_vs_accuracy, "plugins", lambda group: [find(group, name) for name in few]
+    )
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("_two_models")
 def test_every_experiment_runs_on_the_published_form(deepuwb: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     ask = ("all", "--data", "deepuwb", "--quick", "--out", str(out))
