@@ -31,7 +31,7 @@ def files(folder: Path) -> dict[Path, int]:
 
 @pytest.fixture
 def _two_models(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the experiments on all models take two of them: tests of backends go through them all."""
+    """Have the experiments on all models take two: tests of the backends go through them all."""
     few = ("none", "mlp", "remnet")
     every = optimisation.MODELS.split(",")
     assert set(few[1:]) < set(every)
