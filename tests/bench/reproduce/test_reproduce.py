@@ -11,10 +11,12 @@ from click.testing import CliRunner
 
 from bench.cli.reproduce import command
 from bench.errors import BenchError
+from bench.parallel import Spread
 from bench.plugins import find
 from bench.recordings.table import Recordings
 from bench.reproduce.build import over_links
 from bench.reproduce.catalogue import chosen, experiments
+from bench.reproduce.context import Context
 from bench.reproduce.experiments import latency_vs_accuracy, optimisation
 from bench.reproduce.thinning import thinned
 
@@ -136,6 +138,20 @@ def test_a_damaged_outcome_is_made_again(deepuwb: Path, tmp_path: Path) -> None:
     last = json.loads(path.read_text())
     assert last["longest_s"] == 1e6, "the time of the making that trained is kept"
     assert last["elapsed_s"] < 1e6
+
+
+def test_fits_of_experiments_are_spread_as_asked(deepuwb: Path, tmp_path, monkeypatch) -> None:
+    seen = []
+
+    def noted(plan, material, folder, watch, spread):
+        seen.append(spread)
+        return [], []
+
+    monkeypatch.setattr("bench.reproduce.context.execute", noted)
+    context = Context("deepuwb", tmp_path, spread=Spread(2))
+    context.runs("none", "fp32")
+    context.tried("none", "fp32")
+    assert seen == [Spread(2)] * 2
 
 
 def test_list_names_every_experiment() -> None:

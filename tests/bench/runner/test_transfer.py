@@ -15,6 +15,7 @@ from test_across import A, B, table
 from bench.cli import main as cli
 from bench.errors import BenchError
 from bench.measure.metrics import score
+from bench.parallel import Spread
 from bench.recordings import Recordings, write_recordings
 from bench.results import Interval
 from bench.runner.curve import CurvePoint
@@ -81,6 +82,18 @@ def test_every_data_set_is_tested_with_what_was_learnt_on_every_other(tmp_path: 
     texts = [text.get_text() for ax in draw_matrix(matrix).axes[:2] for text in ax.texts]
     assert f"{own.nlos.mae_m.value:.3f}\n({own.nlos.raw_mae_m:.3f})" in texts
     assert len(texts) == 24
+
+
+def test_processes_asked_for_reach_the_fits(tmp_path: Path, monkeypatch) -> None:
+    seen = []
+
+    def noted(plan: Plan, material: Material, folder: object, watch: object, spread: Spread):
+        seen.append(spread.jobs)
+        return _median(plan, material)
+
+    monkeypatch.setattr("bench.runner.transfer.execute", noted)
+    transfer("constant", data=[A, B], out=tmp_path, jobs=3)
+    assert seen == [3] * 4
 
 
 @pytest.mark.usefixtures("_unbuilt")
