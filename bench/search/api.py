@@ -59,11 +59,11 @@ class Settings:
                 raise BenchError(
                     f"{option} {getattr(self, name)}: expected a whole number of at least {lowest}"
                 )
+        drawn(self.candidates, self.seed, REMNET_MACS)
         if self.finalists > self.candidates:
             raise BenchError(
                 f"--finalists {self.finalists}: expected at most --candidates {self.candidates}"
             )
-        drawn(self.candidates, self.seed, REMNET_MACS)
         _check_part(self)
 
 
