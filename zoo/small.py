@@ -20,7 +20,9 @@ class SmallCNN(NeuralModel):
     """One strided convolution and a few that halve, on the raw CIR; found by `bench search`.
 
     Source: the search of docs/search.md over a family of ours, which is REMnet (Angarano et al.
-    2021) without residual paths. MAE, Adam with the rate falling to 0 along a half cosine.
+    2021) without residual paths: its finalist of least error, with twice the stride. 24 filters of
+    9 taps every second of 96 samples, two blocks that halve, one output: 4 033 parameters. MAE,
+    Adam with the rate falling to 0 along a half cosine.
 
     `distilled`: trained on the mean of the measured error and of what REMnet, fitted on the same
     rows, says (Hinton, Vinyals and Dean 2015): a teacher's answers are free of the rows' noise.
@@ -34,17 +36,17 @@ class SmallCNN(NeuralModel):
 
     def __init__(
         self,
-        samples: int = 128,
-        filters: int = 12,
-        kernel: int = 7,
+        samples: int = 96,
+        filters: int = 24,
+        kernel: int = 9,
         stride: int = 2,
-        blocks: int = 3,
+        blocks: int = 2,
         reduction: int = 0,
         hidden: int = 0,
         distilled: bool = True,
         dropout: float = 0.0,
         learning_rate: float = 3e-3,
-        epochs: int = 30,
+        epochs: int = 20,
         batch_size: int = 64,
         random_state: int = 0,
     ) -> None:
