@@ -48,7 +48,7 @@ def fitted(request: pytest.FixtureRequest):
         (REMnetLevels(), 166, 4_004),
         (NPN(), 166, 3_266),
         (BaggedMLP(), 166, 6_121),
-        (SmallCNN(), 157, 4_033),
+        (SmallCNN(), 157, 1_297),
     ],
 )
 def test_trainable_parameters(model, width: int, parameters: int) -> None:
