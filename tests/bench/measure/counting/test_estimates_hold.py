@@ -51,8 +51,8 @@ def test_the_estimate_contains_the_count(profile, row):
     counted = figure_of(taken, profile).latency_us
     told = estimate(profile, _cost(row["network"]), row["precision"]).latency_us
     assert told.low <= counted.low <= counted.high <= told.high
-    # The middle is a fit: within a third where there is work to fit. Without a floating-point unit the
-    # floats that 8-bit networks keep cost what no count of multiplications tells.
+    # The middle is a fit: within a third where there is work to fit. Without a floating-point
+    # unit the floats that 8-bit networks keep cost what no count of multiplications tells.
     if any(layer.macs for layer in _cost(row["network"]).layers):
         soft = row["core"] in ("cortex-m0plus", "rv32imc")
         assert told.value == pytest.approx(counted.value, rel=0.7 if soft else 0.35)
