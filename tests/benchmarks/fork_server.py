@@ -107,7 +107,10 @@ def _ended(child: int, kill_after_s: float | None) -> int:
     ended, _, _ = select.select([watched], [], [], kill_after_s)
     os.close(watched)
     if not ended:
-        os.killpg(child, signal.SIGKILL)
+        try:
+            os.killpg(child, signal.SIGKILL)
+        except ProcessLookupError:  # so early that it has no group of its own yet
+            os.kill(child, signal.SIGKILL)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
