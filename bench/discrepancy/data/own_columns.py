@@ -27,10 +27,16 @@ WORDS = {
     "amplitude", "ampl", "cir", "confidence", "energy", "error", "fp", "kurtosis", "level",
     "noise", "peak", "power", "quality", "rssi", "rsl", "snr", "residual", "spread", "std",
 }  # fmt: skip  # in the name of what a receiver reports
+CONDITIONS = {
+    "age", "angle", "azimuth", "battery", "channel", "heading", "humidity", "orientation", "pitch",
+    "pressure", "rain", "reply", "roll", "speed", "supply", "temp", "temperature", "time", "tx",
+    "velocity", "voltage", "warmup", "wind", "yaw",
+}  # fmt: skip  # in the name of what is so whatever the receiver reports, however it scatters
 RULE = (
     "a column of your own is taken as measured where its name has a word of what receivers report "
     "(level, peak, quality, snr, ...), or where it scatters from row to row of a link about as "
-    "widely as over the whole table; --measured and --known say otherwise"
+    "widely as over the whole table, unless it is named for a condition (temperature, humidity, "
+    "supply, time, speed, ...); --measured and --known say otherwise"
 )
 
 
@@ -60,7 +66,7 @@ def _looks_measured(frame: pd.DataFrame, name: str) -> bool:
     if not pd.api.types.is_numeric_dtype(frame[name]):
         return False
     words = set(re.split(r"[^a-z]+", name.lower()))
-    return (bool(WORDS & words) and "tx" not in words) or _scatters(frame, name)
+    return not CONDITIONS & words and (bool(WORDS & words) or _scatters(frame, name))
 
 
 def _scatters(frame: pd.DataFrame, name: str) -> bool:

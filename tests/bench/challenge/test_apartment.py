@@ -169,7 +169,8 @@ def test_cli_json_and_a_data_set_that_is_not_here(small, tmp_path, monkeypatch) 
 def test_cli_blind_cases_seal_run_and_report(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("bench.challenge.api.run_blind", lambda *_: [])
     monkeypatch.setattr("bench.challenge.api.rates", lambda _: [SimpleNamespace(
-        words="false alarms", hits=0, cases=2, bar="at most 5 %", met=True)])  # fmt: skip
+        words="false alarms", hits=0, cases=2, bar="at most 5 %", met=True, interval=(0.0, 0.6),
+        causes={})])  # fmt: skip
     monkeypatch.setattr("bench.challenge.api.blind_markdown", lambda *_: ["table"])
     out = RUNNER.invoke(cli.command, ["--cases", "2", "--json", "-o", str(tmp_path)])
     assert out.exit_code == 0, out.output
@@ -180,9 +181,8 @@ def test_cli_blind_cases_seal_run_and_report(tmp_path, monkeypatch) -> None:
 
 def test_cli_page_holds_blind_and_real_cases(small, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("bench.challenge.api.open_recordings", lambda _: (_flat(), None))
-    for name in ("ghent", "outdoor"):
+    for name in REAL:
         monkeypatch.setitem(REAL, name, _made(small))
-    monkeypatch.setitem(REAL, "apartment", _made(small))
     monkeypatch.setattr("bench.challenge.api.run_blind", lambda *_: [])
     monkeypatch.setattr("bench.challenge.api.rates", lambda _: [])
     monkeypatch.setattr("bench.challenge.api.blind_markdown", lambda *_: ["## Blind"])
@@ -193,12 +193,12 @@ def test_cli_page_holds_blind_and_real_cases(small, tmp_path, monkeypatch) -> No
     text = page.read_text()
     assert text.startswith("# Challenge\n")
     assert "## Blind" in text
-    assert text.count("## apartment, labels hidden") == 3
+    assert text.count("## apartment, labels hidden") == len(REAL)
 
 
 def test_cli_help_has_examples_and_bad_input_is_one_line() -> None:
     text = RUNNER.invoke(cli.command, ["--help"]).output
-    assert "bench challenge --case apartment" in text
+    assert "bench challenge --case miluv" in text
     wrong = RUNNER.invoke(cli.command, ["--case", "nowhere"])
     assert wrong.exit_code == 2
     assert "nowhere" in wrong.output

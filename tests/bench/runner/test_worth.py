@@ -76,7 +76,8 @@ def test_a_diagnosed_simulator_teaches_what_the_original_does_not(diagnosed: Pat
 
 def test_what_is_done_is_not_done_again(diagnosed: Path, monkeypatch: pytest.MonkeyPatch):
     first = bench.worth(diagnosed, links=[2], draws=1)
-    monkeypatch.setattr(learners, "network", None)  # nothing is trained
+    for trained in ("MLPRegressor", "HistGradientBoostingRegressor"):
+        monkeypatch.setattr(learners, trained, None)
     monkeypatch.setattr("bench.runner.worth.api.simulated", lambda _: {})
     assert bench.worth(diagnosed, links=[2], draws=1) == first
 

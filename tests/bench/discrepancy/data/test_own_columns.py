@@ -38,6 +38,12 @@ def test_scatter_and_names_give_measured_columns_away(frame):
     assert set(measured_columns(frame)) == {"mystery", "chip_snr_db"}
 
 
+def test_a_condition_is_known_before_however_it_scatters(frame):
+    scattered = frame["mystery"]
+    named = frame.assign(**dict.fromkeys(("supply_v", "humidity", "reply_time_s"), scattered))
+    assert set(measured_columns(named)) == {"mystery", "chip_snr_db"}
+
+
 def test_the_user_knows_better(frame):
     said = measured_columns(frame, ("humidity",), ("mystery", "chip_snr_db"))
     assert said == ("humidity",)
