@@ -25,6 +25,13 @@ PANEL_INCHES = (7.0, 4.6)
 PNG_DPI = 150
 
 
+FAR = 2.0  # times the error without mitigation
+COLOURS = (
+    *(f"C{number}" for number in range(10)),
+    "navy", "gold", "darkgreen", "black", "lightsalmon", "indigo", "turquoise", "silver",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Point:
     """One model on one backend: latency in microseconds and NLoS MAE in metres, with intervals.
@@ -115,12 +122,13 @@ def _latency(entry: Entry, device: str | None) -> tuple[float, float, float] | N
 def _panel(axes: Axes, board: Board, some: Sequence[Point], device: str | None) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-    colours = _assigned((point.model for point in some), [f"C{i}" for i in range(10)])
+    colours = _assigned((point.model for point in some), COLOURS)
     markers = _assigned((point.backend for point in some), MARKERS)
     for point in some:
         _draw(axes, point, colours[point.model], markers[point.backend])
     _draw_front(axes, some)
     _draw_floor(axes, board)
+    _leave_out_far(axes, some, board)
     _legend(axes, colours, markers, any(point.unstable for point in some))
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -174,6 +182,25 @@ def _draw_front(axes: Axes, some: Sequence[Point]) -> None:
 def _draw_floor(axes: Axes, board: Board) -> None:
     scored = [entry.nlos.raw_mae_m for entry in board.entries if entry.nlos is not None]
     axes.axhline(scored[0], color="grey", ls="--", lw=1, label="no mitigation")
+
+
+def _leave_out_far(axes: Axes, some: Sequence[Point], board: Board) -> None:
+    """End the axis above the other points where some are far worse than no mitigation; name them.
+
+    Drawn to scale, one broken model would press all others onto one line.
+    """
+    raw = max(entry.nlos.raw_mae_m for entry in board.entries if entry.nlos is not None)
+    far = [point for point in some if point.mae_m > FAR * raw]
+    if not far or len(far) == len(some):
+        return
+    near = [point.mae_high_m for point in some if point not in far]
+    low = min(point.mae_low_m for point in some)
+    axes.set_ylim(0.9 * low, 1.08 * max(raw, *near))
+    names = ", ".join(f"{one.model}/{one.backend} ({one.mae_m:.2f} m)" for one in far)
+    axes.text(
+        0.5, 0.99, tame(f"above the scale: {names}"), transform=axes.transAxes, fontsize=8,
+        ha="center", va="top",
+    )  # fmt: skip
 
 
 def _legend(axes: Axes, colours: dict[str, str], markers: dict[str, str], unstable: bool) -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -146,3 +147,12 @@ def test_neither_pyplot_nor_matplotlib_is_imported_before_it_is_needed(tmp_path:
         "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_model_far_worse_than_nothing_is_named_and_not_drawn_to_scale(tmp_path: Path) -> None:
+    good, broken = files.run("good", nlos=files.score(0.05)), files.run("broken")
+    broken = replace(broken, nlos=files.score(0.9))
+    timings = [files.timing(good), files.timing(broken, 50.0)]
+    axes = latency_against_error(boards(tmp_path, good, broken, *timings)).axes[0]
+    assert axes.get_ylim()[1] < 0.2
+    assert any("broken/fp32 (0.90 m)" in text.get_text() for text in axes.texts)
