@@ -19,6 +19,7 @@ from bench.text import named
 
 if TYPE_CHECKING:
     from bench.runner import RunSet
+    from reports.document import Table as Figures
 
 
 class RunView(Observer):
@@ -100,7 +101,7 @@ def print_summary(outcome: RunSet) -> None:
     done = [run for run in outcome.runs if run.status == "ok"]
     if done:
         shown.print(_title(done[0]))
-        shown.print(_accuracy_table(done, outcome.timings))
+        _print_accuracy(done, outcome.timings)
     for note in dict.fromkeys(
         f"{r.key.model} on {r.key.backend}: {r.note}" for r in done if r.note
     ):
@@ -125,30 +126,33 @@ def _title(run: RunRecord) -> str:
     return "\n".join(lines)
 
 
-def _accuracy_table(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) -> Table:
+def _print_accuracy(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) -> None:
+    """Print the figures side by side, in as many tables as the width takes: none is ever cut."""
+    from reports.terminal import parts
+
+    shown = console()
+    for part in parts(_accuracy_table(runs, timings), shown.width):
+        shown.print(part)
+    shown.print("below a figure: 95 % interval over links; latency: measured here, one thread")
+
+
+def _accuracy_table(runs: Sequence[RunRecord], timings: Iterable[TimingRecord]) -> Figures:
+    from reports.document import Cell, Column
+    from reports.document import Table as Figures
+
     timed = {(one.model, one.backend, one.data): one for one in timings}
     several = len({run.key.seed for run in runs}) > 1
-    table = Table(
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        caption="below a figure: 95 % interval over links; latency: measured here, one thread",
-    )
-    for title in ("model", "backend", *(["seed"] if several else [])):
-        table.add_column(title, no_wrap=True)
-    for title in (
-        "NLoS MAE\n(m)",
-        "R2",
-        "sigma\n(m)",
-        "LoS MAE\n(m)",
-        "latency\n(us)",
-        "file\n(kB)",
-    ):
-        table.add_column(title, justify="right", no_wrap=True)
+    keys = ["model", "backend", *(["seed"] if several else [])]
+    titles = ["NLoS MAE (m)", "R2", "sigma (m)", "LoS MAE (m)", "latency (us)", "file (kB)"]
+    columns = [Column(key, number=False) for key in keys]
+    columns += [Column(title, "figures") for title in titles]
+    rows = []
     for run in runs:
         timing = timed.get((run.key.model, run.key.backend, run.key.data))
-        seed = [str(run.key.seed)] if several else []
-        table.add_row(run.key.model, run.key.backend, *seed, *_figures(run, timing))
-    return table
+        names = [run.key.model, run.key.backend, *([str(run.key.seed)] if several else [])]
+        cells = [text.split("\n") for text in (*names, *_figures(run, timing))]
+        rows.append(tuple(Cell(first, details=tuple(rest)) for first, *rest in cells))
+    return Figures(tuple(columns), tuple(rows))
 
 
 def _figures(run: RunRecord, timing: TimingRecord | None) -> list[str]:
