@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -67,6 +68,12 @@ class Link:
 
     text: str
     path: str
+
+
+def bounded(items: Sequence[str], most: int = 20) -> Bullets:
+    """Return the first `most` items, and how many more there are: a page stays a page."""
+    more = len(items) - most
+    return Bullets((*items[:most], *((f"and {more} more",) if more > 0 else ())))
 
 
 Block = Heading | Paragraph | Bullets | Table | Image | Link

@@ -7,7 +7,7 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from reports.boards import Board, Entry
-from reports.document import Block, Bullets, Column, Document, Heading, Image, Paragraph
+from reports.document import Block, Bullets, Column, Document, Heading, Image, Paragraph, bounded
 from reports.facts import facts
 from reports.load import Estimate, Interval, Unreadable
 from reports.measures import (
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from reports.ranking.ranks import Ranking
 
 DEVICES_PER_GROUP = 4  # device columns side by side in a terminal
-UNREADABLE_SHOWN = 20
 
 _INTRODUCTION = (
     "Ranging error that remains after mitigation, and what each model costs. Sorted by NLoS MAE; "
@@ -157,8 +156,5 @@ def _models_on(backend: str, entries: Sequence[Entry]) -> set[str]:
 def _left_out(unreadable: Sequence[Unreadable]) -> Document:
     if not unreadable:
         return []
-    items = [f"{one.path}: {one.reason}" for one in unreadable[:UNREADABLE_SHOWN]]
-    if more := len(unreadable) - len(items):
-        items.append(f"and {more} more")
     heading = Heading(f"Files left out: {len(unreadable)}", 2)
-    return [heading, Bullets(tuple(items))]
+    return [heading, bounded([f"{one.path}: {one.reason}" for one in unreadable])]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -102,6 +102,6 @@ def taught(errors_m: ArrayLike, said_m: ArrayLike) -> Floats:
     return halfway
 
 
-def _half(progress: Progress | None, start: float) -> Any:
+def _half(progress: Progress | None, start: float) -> Progress | None:
     """Return what tells `progress` of one half of the work."""
     return None if progress is None else lambda done: progress(start + 0.5 * done)

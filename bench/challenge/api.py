@@ -11,7 +11,7 @@ from typing import Any
 from bench.challenge.apartment import apartment
 from bench.challenge.blind import run_blind, seal
 from bench.challenge.blind_report import blind_markdown
-from bench.challenge.families.case import MODES, SCHEDULE
+from bench.challenge.families.case import FAMILIES, MODES
 from bench.challenge.rates import rates
 from bench.challenge.real import RealCase, ghent, miluv, outdoor
 from bench.discrepancy import write_report
@@ -27,7 +27,6 @@ from bench.runner.observer import Observer
 from bench.text import plain
 
 CODE = ("bench/challenge", "bench/discrepancy", "bench/physics", "bench/recordings")
-FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
 REAL = {"ghent": ghent, "outdoor": outdoor, "apartment": apartment, "miluv": miluv}
 Score = dict[str, Any]
 

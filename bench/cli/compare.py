@@ -84,7 +84,7 @@ def _plain(one: Difference) -> dict[str, Any]:
 
 
 def _document(found: Comparison, first: Path, second: Path) -> Document:
-    from reports.document import Bullets, Cell, Column, Heading, Paragraph, Table
+    from reports.document import Bullets, Cell, Column, Heading, Paragraph, Table, bounded
 
     columns = (
         Column("Run", number=False),
@@ -111,7 +111,7 @@ def _document(found: Comparison, first: Path, second: Path) -> Document:
     if found.refused:
         document += [Paragraph("Not compared:"), Bullets(found.refused)]
     if found.left_out:
-        document += [Paragraph(f"Files left out: {len(found.left_out)}"), Bullets(found.left_out)]
+        document += [Paragraph(f"Files left out: {len(found.left_out)}"), bounded(found.left_out)]
     return document
 
 

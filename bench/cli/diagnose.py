@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from bench.cli.console import say
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.discrepancy import Diagnosis
@@ -101,9 +102,9 @@ def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
         return
     kinds = {type(verdict).__name__ for verdict in diagnosis.selection.verdicts}
     if kinds & {"Ambiguous", "Unknown"}:
-        say(f"what to measure next: bench plan --diagnosis {out}")
+        say(f"what to measure next: bench plan --diagnosis {named(out)}")
     if diagnosis.recommended and diagnosis.simulator is not None:
-        say(f"what it is worth to a correction: bench worth --diagnosis {out}")
+        say(f"what it is worth to a correction: bench worth --diagnosis {named(out)}")
 
 
 def _print(diagnosis: Diagnosis) -> None:

@@ -65,7 +65,7 @@ def _content(found: History) -> dict[str, Any]:
 
 
 def _document(found: History) -> Document:
-    from reports.document import Bullets, Column, Heading, Paragraph, Table
+    from reports.document import Bullets, Column, Heading, Paragraph, Table, bounded
 
     document: Document = [Heading("History", 1), Bullets(found.versions)]
     if found.changes:
@@ -77,7 +77,7 @@ def _document(found: History) -> Document:
     if found.refused:
         document += [Paragraph("Not compared:"), Bullets(found.refused)]
     if found.left_out:
-        document += [Paragraph(f"Files left out: {len(found.left_out)}"), Bullets(found.left_out)]
+        document += [Paragraph(f"Files left out: {len(found.left_out)}"), bounded(found.left_out)]
     return document
 
 

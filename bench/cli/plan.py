@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from bench.cli.console import print_json, print_table, say
+from bench.text import named
 
 if TYPE_CHECKING:
     from bench.planning.choose import Worth
@@ -48,13 +49,13 @@ def command(diagnosis: str, links: int | None, seed: int, out: Path | None, as_j
         print_json(made.summary())
         return
     if not made.answers:
-        say(f"Nothing is ambiguous or unknown in {diagnosis}: no measurement is needed.")
+        say(f"Nothing is ambiguous or unknown in {named(diagnosis)}: no measurement is needed.")
         say(made.headline)
         return
     for one in made.answers:
         _print(one)
     if out is not None and out.exists():
-        say(f"planned links: {out}")
+        say(f"planned links: {named(out)}")
 
 
 def _print(answer: Answer) -> None:

@@ -10,6 +10,7 @@ import click
 
 from bench.cli.console import console, say
 from bench.errors import BenchError
+from bench.text import named
 
 if TYPE_CHECKING:
     from reports.search import SearchFile
@@ -152,4 +153,4 @@ def _print(found: SearchFile, path: Path) -> None:
     from reports.terminal import print_document
 
     print_document(search_page(found, None), console())
-    say(f"The search is in {path}")
+    say(f"The search is in {named(path)}")

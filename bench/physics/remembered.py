@@ -7,46 +7,17 @@ they are those of `Draws` to the last bit, whatever was drawn before.
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.physics.memory import Memory
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes
 
-
-class DrawMemory:
-    """The draws that were used last, at most `most`; threads may share it."""
-
-    def __init__(self, most: int) -> None:
-        self.most = most
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self._lock = Lock()
-
-    def __getstate__(self) -> int:
-        """Return what another process needs: it remembers nothing yet."""
-        return self.most
-
-    def __setstate__(self, most: int) -> None:
-        self.__init__(most)  # type: ignore[misc]
-
-    def get(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """Return what is remembered, else what `make` gives, remembered from now on."""
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return self._kept[key]
-        made = make()
-        with self._lock:
-            self._kept[key] = made
-            while len(self._kept) > self.most:
-                self._kept.popitem(last=False)
-        return made
+DrawMemory = Memory[Any]  # arrays, and for a stream the state that they lead to
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.report.evidence import Evidence
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
@@ -99,7 +100,7 @@ class Past:
 def alternative(past: Past, rest: Added, effect: Effect, noise: Scatter, seed: int) -> Alternative:
     """Return an effect, beside the `rest`, with the parameters that the recordings leave open."""
     effect, known = _parametric(effect)
-    free = [p for p in type(effect).parameters() if p.fitted and p.high > p.low and not p.whole]
+    free = [p for p in free_parameters(type(effect)) if not p.whole]
     if not effect.fitted or not free:
         return Alternative(effect.physics, ((*rest, effect),))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import logsumexp
 
-from bench.physics.scene import scene
+from bench.physics.scene import Scene, scene
 from bench.planning.alternatives import Alternative
 from bench.planning.measurements import Measurement
 from bench.planning.scatter import Floats, Scatter
@@ -90,23 +90,21 @@ def outlook(
     """Return what the explanations predict for measurements of `rows` rows a link."""
     frames = [one.rows(reference, rows, f"plan {i}") for i, one in enumerate(offered)]
     frame = pd.concat(frames, ignore_index=True)
-    made = [
-        _prediction(world, one, scene(frame, "plan"), rows, noise.of_means(rows))
-        for one in alternatives
-    ]
+    planned = scene(frame, "plan")
+    made = [_prediction(world, one, planned, rows, noise.of_means(rows)) for one in alternatives]
     return Outlook(tuple(one.name for one in alternatives), tuple(made))
 
 
 def _prediction(
-    world: World, one: Alternative, planned: object, rows: int, noise: Floats
+    world: World, one: Alternative, planned: Scene, rows: int, noise: Floats
 ) -> Prediction:
     """Return what one explanation predicts."""
-    rows_two = world.values(planned, one.draws[0], 2)  # type: ignore[arg-type]
+    rows_two = world.values(planned, one.draws[0], 2)
     members = SCATTER_MEMBERS if len(one.draws) == 1 else FIT_MEMBERS
     members = members if np.ptp(rows_two, axis=0).any() else 2
     means, scatters = [], []
     for added in one.draws:
-        made = world.values(planned, added, members)  # type: ignore[arg-type]
+        made = world.values(planned, added, members)
         links = made.reshape(members, -1, rows, made.shape[-1]).mean(axis=2)
         apart = links - links.mean(axis=0)
         means.append(links.mean(axis=0))

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from bench.discrepancy.report.folder import INPUTS, REPORT, read_part
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.errors import BenchError
-from bench.files import read_json
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.law import Law
 from bench.physics.simulator import Simulator
@@ -19,8 +19,6 @@ from bench.physics.toml_file import from_toml
 from bench.planning.settings import NEAR_SHARE, WALKERS
 from bench.planning.world import Added
 from bench.plugins import load
-
-REPORT, INPUTS = "diagnosis.json", "inputs.json"
 
 
 @dataclass(frozen=True)
@@ -51,10 +49,7 @@ class Asked:
 
 def read_questions(folder: Path) -> Asked:
     """Read what a diagnosis leaves open. Raises BenchError where there is none, or damaged."""
-    path = folder / REPORT
-    if not path.is_file():
-        raise BenchError(f"{folder}: no diagnosis there; expected a folder of `bench diagnose -o`")
-    report, inputs = read_json(path), read_json(folder / INPUTS)
+    report, inputs = read_part(folder, REPORT), read_part(folder, INPUTS)
     try:
         verdicts = list(report["verdicts"])
         made = [_options(verdict) for verdict in verdicts]
@@ -67,7 +62,8 @@ def read_questions(folder: Path) -> Asked:
         return Asked(str(report["headline"]), asked, simulator)
     except (KeyError, TypeError, AttributeError, ValueError) as problem:
         raise BenchError(
-            f"{path}: not a diagnosis that can be planned from ({type(problem).__name__}: "
+            f"{folder / REPORT}: not a diagnosis that can be planned from "
+            f"({type(problem).__name__}: "
             f"{problem}); run `bench diagnose -o {folder}` again"
         ) from problem
 

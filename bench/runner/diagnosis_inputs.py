@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pandas as pd
 
+from bench.discrepancy.report.folder import INPUTS, read_part
 from bench.errors import BenchError
-from bench.files import read_json, write_atomically
+from bench.files import write_atomically
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import from_toml, to_toml
 from bench.recordings.open import Table, is_path, read
 from bench.recordings.table import Recordings
-
-FILE = "inputs.json"
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ def write_inputs(
         "simulated_fingerprint": mark,
         "simulator_toml": to_toml(simulator),
     }
-    write_atomically(folder / FILE, json.dumps(content, indent=1) + "\n")
+    write_atomically(folder / INPUTS, json.dumps(content, indent=1) + "\n")
 
 
 def _name(given: object) -> str | None:
@@ -65,11 +64,8 @@ def read_inputs(folder: Path, recorded: Table | None = None) -> Inputs:
 
     Raises BenchError where it is not there, is gone, or holds other rows by now.
     """
-    path = folder / FILE
-    if not path.is_file():
-        raise BenchError(f"{folder}: no diagnosis there; expected a folder of `bench diagnose -o`")
-    content = read_json(path)
-    if not isinstance(content, dict) or not isinstance(content.get("simulator_toml"), str):
+    path, content = folder / INPUTS, read_part(folder, INPUTS)
+    if not isinstance(content.get("simulator_toml"), str):
         raise BenchError(f"{path}: not what `bench diagnose` writes")
     table = _opened(path, content, "recorded", "fingerprint", recorded)
     if table is None:

@@ -27,7 +27,7 @@ from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
 from bench.runner.records import finished_record, skipped_record, write_predictions
-from bench.runner.spread_fits import fits_ahead
+from bench.runner.spread_fits import fits_ahead, worth_spreading
 
 if TYPE_CHECKING:
     from backends.base import Backend
@@ -66,7 +66,9 @@ def execute(
     records: list[RunRecord] = []
     failures: list[Failure] = []
     total = len(plan.models) * len(plan.backends) * len(plan.seeds)
-    with fits_ahead(_unfinished(plan, material, folder), material, spread, watch) as ahead:
+    several = worth_spreading(len(plan.models) * len(plan.seeds), material, spread)
+    models = _unfinished(plan, material, folder) if several else []
+    with fits_ahead(models, material, spread, watch) as ahead:
         for model, seed in product(plan.models, plan.seeds):
             ahead.arrived(model, seed)
             for outcome in _run_group(model, seed, plan, material, folder, watch):

@@ -40,10 +40,11 @@ def plan(
     asked = read_questions(folder)
     if out is not None:
         check_output(Path(out))
+    evidence = read_evidence(folder) if asked.questions else None
     answers = []
     for question in asked.questions:
         watch.stage(f"planning: {question.words}")
-        evidence = read_evidence(folder)
+        assert evidence is not None
         answers.append(answer(question, evidence, asked.simulator, links, seed))
     made = MeasurementPlan(str(folder), asked.headline, tuple(answers))
     if out is not None and any(one.planned() for one in answers):

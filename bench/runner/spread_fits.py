@@ -54,6 +54,13 @@ class FitsAhead:
             self._watch.progress(f"fitting: {total} fits", 1 - len(self._waiting) / total)
 
 
+def worth_spreading(models: int, material: Material, spread: Spread | None) -> bool:
+    """Return whether fits of so many models may be spread, were none of them kept."""
+    if spread is not None:
+        return spread.spreads
+    return models * sum(len(fold.train) for fold in material.split.folds) >= MANY_ROWS
+
+
 @contextmanager
 def fits_ahead(
     models: Sequence[tuple[Plugin, int]], material: Material, spread: Spread | None, watch: Observer

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -242,7 +242,7 @@ def _content(
         "simulated": material.recordings.simulated,
         "split": material.split.name,
         "fold": material.split.folds[0].name,
-        "settings": {name: getattr(settings, name) for name in settings.__dataclass_fields__},
+        "settings": asdict(settings),
         "space": {name: list(values) for name, values in CHOICES.items()},
         "worst_cycles": costs.worst[0],
         "worst_flash": costs.worst[1],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from torch import Tensor
 
 from zoo.modules.bagged import BaggedNetwork, Members
 from zoo.training.eager import FloatArray, Progress, as_tensors, one_thread, report
-from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe
+from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe, falling
 from zoo.training.stopping import link_numbers
 
 _BLOCK_ROWS = 4096
@@ -111,7 +110,7 @@ def _trained(
     rng, blur = np.random.default_rng(recipe.seed), torch.Generator().manual_seed(recipe.seed)
     total = torch.zeros(())
     for step in range(bagging.steps):
-        adam.param_groups[0]["lr"] = recipe.learning_rate * _cosine(step / bagging.steps)
+        adam.param_groups[0]["lr"] = falling(recipe.learning_rate, step / bagging.steps)
         chosen = _batches(rows, recipe.batch_size, rng)
         x = inputs[chosen]
         x = x + noises * torch.randn(x.shape, generator=blur)
@@ -124,10 +123,6 @@ def _trained(
             report(progress, step / bagging.steps)
     report(progress, 1.0)
     return members, total / max(bagging.steps, 1)
-
-
-def _cosine(done: float) -> float:
-    return 0.5 * (1 + math.cos(math.pi * done))
 
 
 def _batches(rows: Sequence[NDArray[np.intp]], size: int, rng: np.random.Generator) -> Tensor:

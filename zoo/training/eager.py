@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,7 +12,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
-from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe
+from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe, falling
 
 FloatArray = NDArray[np.float32]
 Progress = Callable[[float], object]
@@ -92,7 +91,7 @@ class Loop:
         """Return the learning rate of the next step."""
         if not self._recipe.decay:
             return self._recipe.learning_rate
-        return self._recipe.learning_rate * 0.5 * (1 + math.cos(math.pi * self.steps / self._most))
+        return falling(self._recipe.learning_rate, self.steps / self._most)
 
     def run(self, batches: Iterator[tuple[Tensor, Tensor]]) -> float:
         """Take a step per batch of inputs and targets; return the loss summed over the rows."""

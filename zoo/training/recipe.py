@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -48,6 +49,11 @@ class TrainingRecipe:
     seed: int = 0
     stopping: Stopping | None = None
     decay: bool = False
+
+
+def falling(learning_rate: float, done: float) -> float:
+    """Return a learning rate that falls to 0 along a half cosine, at a share done of the steps."""
+    return learning_rate * 0.5 * (1 + math.cos(math.pi * done))
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ SCHEDULE = (
     ("ranges", "hall"), ("ranges again", "yard"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
+FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
 COARSE = ("blocked-path", "timestamp-jitter", "range-rounding", "path-loss")
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
 KEPT = ("yard", "loft")
@@ -114,9 +115,8 @@ def turn_of(number: int, families: Sequence[str] = ()) -> Turn:
 
 def world_of(family: str) -> object:
     """Return the module of a family. Raises ValueError for an unknown one."""
-    known = sorted({name for _, name in SCHEDULE})
-    if family not in known:
-        raise ValueError(f"unknown family {family!r}; known: {', '.join(known)}")
+    if family not in FAMILIES:
+        raise ValueError(f"unknown family {family!r}; known: {', '.join(FAMILIES)}")
     return import_module(f"bench.challenge.families.{family}")
 
 

@@ -128,7 +128,7 @@ def _received(loft: Loft) -> pd.DataFrame:
     longer, gain = _ways(loft)
     start = BEFORE + rng.random(len(frame))
     signal = _pulses(start[:, None] + longer / SAMPLE_M, gain) + _haze(loft, start)
-    signal, symbols, turned_db = _controlled(loft, signal)
+    signal, symbols = _controlled(loft, signal)
     noise = rng.normal(0, NOISE * 10 ** (0.15 * loft["noise-floor"]), (2, *signal.shape))
     heard = np.abs(signal + noise[0] + 1j * noise[1] + _foreign(loft, signal.shape))
     if loft["clipped-peaks"]:
@@ -137,8 +137,8 @@ def _received(loft: Loft) -> pd.DataFrame:
         heard = grain * np.round(heard / grain)
     first, peak = _edge(heard, loft["late-detection"])
     energy = (heard**2).sum(axis=1) - 2 * SAMPLES * NOISE**2
-    level = 10 * np.log10(np.maximum(energy, 1e5)) - 160 + turned_db
-    early = 20 * np.log10(heard[np.arange(len(heard)), peak]) - 158 + turned_db
+    level = 10 * np.log10(np.maximum(energy, 1e5)) - 160
+    early = 20 * np.log10(heard[np.arange(len(heard)), peak]) - 158
     error = (first - start) * SAMPLE_M + rng.normal(0, SCATTER_M, len(far)) + _shift(loft, level)
     made = frame.assign(range_m=far + error, error_m=error, rx_power_dbm=level)
     made = made.assign(first_path_power_dbm=early, preamble_count=symbols, first_path_index=first)
@@ -216,15 +216,15 @@ def _haze(loft: Loft, start: Floats) -> Complexes:
     return np.asarray(size * (smooth[0] + 1j * smooth[1]))
 
 
-def _controlled(loft: Loft, signal: Complexes) -> tuple[Complexes, Floats, Floats]:
-    """Return signal, symbols accumulated, and dB that the reported level falls short."""
+def _controlled(loft: Loft, signal: Complexes) -> tuple[Complexes, Floats]:
+    """Return signal and symbols accumulated."""
     top = np.abs(signal).max(axis=1)
     symbols = np.full(len(top), 990.0)
     if not (strength := min(loft["level-control"], 1.6)):
-        return signal, symbols, np.zeros(len(top))
+        return signal, symbols
     over = np.maximum(20 * np.log10(top / np.quantile(top, 0.35)), 0)
     share = 1 / (1 + 0.05 * strength * over) ** 2
-    return signal * share[:, None], np.round(symbols * share), np.zeros(len(top))
+    return signal * share[:, None], np.round(symbols * share)
 
 
 def _foreign(loft: Loft, shape: tuple[int, ...]) -> Complexes:

@@ -9,7 +9,7 @@ from itertools import count
 
 import numpy as np
 
-from bench.discrepancy.compare.prefix_cache import Memory, Prefixes
+from bench.discrepancy.compare.prefix_cache import Prefixes
 from bench.discrepancy.data.observables import (
     RANGE,
     SCALARS,
@@ -29,6 +29,7 @@ from bench.discrepancy.settings import (
 )
 from bench.errors import BenchError
 from bench.physics.batch import Batch
+from bench.physics.memory import Memory
 from bench.physics.pipeline import EffectError, Pipeline
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws

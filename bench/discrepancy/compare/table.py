@@ -18,7 +18,6 @@ from scipy.spatial import cKDTree
 
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.matching import by_link, by_neighbours
-from bench.discrepancy.compare.prefix_cache import Memory
 from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
@@ -50,6 +49,7 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
+from bench.physics.memory import Memory
 from bench.physics.outcome import Outcome
 from bench.physics.remembered import DrawMemory
 from bench.physics.simulator import Simulator

@@ -13,6 +13,7 @@ from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
+from bench.discrepancy.report.folder import REPORT
 from bench.discrepancy.report.parameters import parameter_lines, value_table
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import (
@@ -40,7 +41,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
         write_atomically(folder / "simulator.toml", to_toml(diagnosis.simulator))
     if diagnosis.evidence is not None:
         write_evidence(diagnosis.evidence, folder)
-    write_atomically(folder / "diagnosis.json", json.dumps(summary(diagnosis), indent=1) + "\n")
+    write_atomically(folder / REPORT, json.dumps(summary(diagnosis), indent=1) + "\n")
     path = folder / "report.md"
     write_atomically(path, plain(markdown(diagnosis, figures)))
     return path

@@ -11,8 +11,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.split import link_codes, split_links, thinned
+from bench.discrepancy.report.folder import REPORT, read_part
 from bench.errors import BenchError
-from bench.files import read_json
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import read_toml
 from bench.recordings.open import Table
@@ -101,13 +101,9 @@ def site(folder: Path, recorded: Table | None = None) -> Site:
 
 def seed_of(folder: Path) -> int:
     """Return the seed of a diagnosis. Raises BenchError where there is none."""
-    path = folder / "diagnosis.json"
-    if not path.is_file():
-        raise BenchError(f"{folder}: no diagnosis there; expected a folder of `bench diagnose -o`")
-    content = read_json(path)
-    seed = content.get("seed") if isinstance(content, dict) else None
+    seed = read_part(folder, REPORT).get("seed")
     if not isinstance(seed, int) or seed < 0:
-        raise BenchError(f"{path}: no seed; not what `bench diagnose` writes")
+        raise BenchError(f"{folder / REPORT}: no seed; not what `bench diagnose` writes")
     return seed
 
 
