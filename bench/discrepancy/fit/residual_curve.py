@@ -7,10 +7,10 @@ import numpy as np
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.piecewise import hats, knots_of
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.settings import (
     CURVE_MEMBERS,
-    UNNAMED_KNOTS,
     UNNAMED_RIDGE,
     UNNAMED_ROWS,
     UNNAMED_WIDEST_M,
@@ -40,12 +40,12 @@ def unnamed_effect(
     known = np.isfinite(residual) & np.isfinite(value)
     if known.sum() < UNNAMED_ROWS:
         return None
-    knots = np.unique(np.quantile(value[known], np.linspace(0, 1, UNNAMED_KNOTS)))
-    hats = np.stack([np.interp(value[known], knots, row) for row in np.eye(len(knots))], axis=1)
+    knots = knots_of(value[known])
+    parts = hats(value[known], knots)
     ridge = UNNAMED_RIDGE * np.sqrt(known.sum()) * np.eye(len(knots))
     target = np.concatenate([residual[known], np.zeros(len(knots))])
-    shifts = np.linalg.lstsq(np.vstack([hats, ridge]), target, rcond=None)[0]
-    left = residual[known] - hats @ shifts
+    shifts = np.linalg.lstsq(np.vstack([parts, ridge]), target, rcond=None)[0]
+    left = residual[known] - parts @ shifts
     members = ensemble.simulated_of(RANGE)[:, known]
     own = float(members.var(axis=0, ddof=1).mean()) * (1 + 1 / CURVE_MEMBERS)
     spread = float(np.sqrt(max(left.var() - own, 0.0)))

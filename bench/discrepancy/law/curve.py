@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from bench.discrepancy.data.piecewise import hats, knots_of
 from bench.discrepancy.law.likelihood import linear
 from bench.discrepancy.law.material import Column, Floats, Material
-from bench.discrepancy.settings import UNNAMED_KNOTS, UNNAMED_ROWS
+from bench.discrepancy.settings import UNNAMED_ROWS
 
 
 def best_curve(given: Material) -> tuple[float, int]:
@@ -14,16 +15,14 @@ def best_curve(given: Material) -> tuple[float, int]:
     fits = [
         (linear(design, given.residual_m).likelihood, design.shape[1])
         for column in given.columns
-        if len(given.residual_m) >= UNNAMED_ROWS and (design := hats(column)) is not None
+        if len(given.residual_m) >= UNNAMED_ROWS and (design := _parts(column)) is not None
     ]
     return max(fits, default=(-np.inf, 0))
 
 
-def hats(column: Column) -> Floats | None:
+def _parts(column: Column) -> Floats | None:
     """Return the parts [n, knots] of a piecewise-linear curve; None over an angle."""
-    known = np.isfinite(column.values)
-    knots = np.unique(np.quantile(column.values[known], np.linspace(0, 1, UNNAMED_KNOTS)))
+    knots = knots_of(column.values[np.isfinite(column.values)])
     if column.angle or len(knots) < 3:
         return None
-    parts = [np.interp(column.values, knots, one) for one in np.eye(len(knots))]
-    return np.nan_to_num(np.stack(parts, axis=1))
+    return np.nan_to_num(hats(column.values, knots))

@@ -123,14 +123,7 @@ def _harmonics(column: Column) -> Floats:
 
 def _with(function: Callable[[Floats, Floats], Floats]) -> Callable[..., tuple[Floats, ...]]:
     """Return a basis of one part from a function of values [1, n] and free constants [G, 1]."""
-
-    def basis(column: Column, free: Floats) -> tuple[Floats, ...]:
-        with np.errstate(all="ignore"):
-            made = function(column.values[None, :], np.asarray(free)[:, None])
-        shape = (len(free), len(column.values))
-        return (np.nan_to_num(np.broadcast_to(made, shape), posinf=0, neginf=0),)
-
-    return basis
+    return _scaled(lambda _, x, free: function(x, free))
 
 
 def _scaled(function: Callable[[Column, Floats, Floats], Floats]) -> Callable[..., tuple[Floats]]:
@@ -147,13 +140,15 @@ def _scaled(function: Callable[[Column, Floats, Floats], Floats]) -> Callable[..
 
 def _waves(column: Column, free: Floats) -> tuple[Floats, ...]:
     """Return sine and cosine [G, n] of a period."""
-    phase = TURN * column.values[None, :] / np.asarray(free)[:, None]
-    return np.nan_to_num(np.sin(phase)), np.nan_to_num(np.cos(phase))
+    return _sine_and_cosine(TURN * column.values[None, :] / np.asarray(free)[:, None])
 
 
 def _turns(column: Column, free: Floats) -> tuple[Floats, ...]:
     """Return sine and cosine [G, n] of a multiple of an angle."""
-    phase = np.asarray(free)[:, None] * base_values(column)[None, :]
+    return _sine_and_cosine(np.asarray(free)[:, None] * base_values(column)[None, :])
+
+
+def _sine_and_cosine(phase: Floats) -> tuple[Floats, Floats]:
     return np.nan_to_num(np.sin(phase)), np.nan_to_num(np.cos(phase))
 
 

@@ -115,12 +115,10 @@ def material(
         residual_m[keep],
         links[keep],
     )
-    known = covariates(frame)
     true = numeric(frame, "true_range_m")
     error = numeric(frame, "error_m")
     error = np.where(np.isfinite(error), error, numeric(frame, "range_m") - true)
-    columns = _columns(frame, known) if like is None else _same_columns(frame, like)
-    factors = _factors(columns, known, len(frame)) if like is None else _same_factors(frame, like)
+    columns, factors = _own(frame) if like is None else _same(frame, like)
     names = {end: frame[end].astype(str).to_numpy(object) for end in ("tx", "rx") if end in frame}
     return Material(
         residual_m,
@@ -133,6 +131,18 @@ def material(
         _positions(frame, true),
         "".join(a for a in _AXES if f"tx_{a}_m" in frame and f"rx_{a}_m" in frame),
     )
+
+
+def _own(frame: pd.DataFrame) -> tuple[tuple[Column, ...], tuple[Factor, ...]]:
+    """Return the covariates and factors that rows have."""
+    known = covariates(frame)
+    columns = _columns(frame, known)
+    return columns, _factors(columns, known, len(frame))
+
+
+def _same(frame: pd.DataFrame, like: Material) -> tuple[tuple[Column, ...], tuple[Factor, ...]]:
+    """Return the covariates and factors of another material for these rows."""
+    return _same_columns(frame, like), _same_factors(frame, like)
 
 
 def _columns(frame: pd.DataFrame, known: Covariates) -> tuple[Column, ...]:

@@ -147,9 +147,8 @@ def _runs(law: FoundLaw) -> bool:
 
 def named_fault(found: Selection) -> SetupFault | None:
     """Return the fault of the set-up that a named effect of the library is, None without one."""
-    for verdict in found.verdicts:
-        kind = type(verdict.effect).setup_fault if isinstance(verdict, LeftOut) else ""
-        if kind and isinstance(verdict, LeftOut):
+    for verdict in (one for one in found.verdicts if isinstance(one, LeftOut)):
+        if kind := type(verdict.effect).setup_fault:
             sizes = [
                 LawConstant(p.name, p.value, p.low, p.high, p.unit) for p in verdict.parameters
             ]
