@@ -111,8 +111,10 @@ class Effect(ABC):
     `fitted`: its parameters are fitted by a search; `explains`: the physics it stands for, where
     that is not its own name.
     `contains`: physics that it can do as well, as a special case.
-    `last`: it acts on what the other effects of its stage made, so it comes behind them.
+    `last`: it acts on what the other effects of its stage made, so it comes behind them; `first`:
+    it comes before them.
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
+    `marked`: it is fitted only where recordings bear a mark that no scatter can leave.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
     `needs`: columns without which a table says nothing about it, as alternatives that each are
@@ -132,7 +134,9 @@ class Effect(ABC):
     explains: ClassVar[str] = ""
     contains: ClassVar[tuple[str, ...]] = ()
     last: ClassVar[bool] = False
+    first: ClassVar[bool] = False
     independent: ClassVar[bool] = False
+    marked: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
     needs: ClassVar[tuple[tuple[str, ...], ...]] = ()

@@ -79,9 +79,9 @@ def check_once(effects: Sequence[Effect], where: str = "") -> None:
 
 
 def at_stage(effects: Sequence[Effect], stage: str) -> tuple[Effect, ...]:
-    """Return the effects of one stage: as listed, those marked `last` behind the others."""
+    """Return the effects of one stage: as listed, but `first` and `last` before and behind all."""
     found = [effect for effect in effects if effect.stage == stage]
-    return tuple(sorted(found, key=lambda effect: type(effect).last))
+    return tuple(sorted(found, key=lambda effect: (effect.last, not effect.first)))
 
 
 def _step(effect: Effect, draws: Draws) -> Step:

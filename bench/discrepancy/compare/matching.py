@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE, TIE
+from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE, SAME_PLACE_M, TIE
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -112,3 +113,23 @@ def _stretch(pool: Rows, size: int, version: int) -> Rows:
     stretches = max(len(pool) // max(size, 1), 1)
     start = (version % stretches) * size
     return pool[start : start + size] if len(pool) >= size else pool
+
+
+def same_places(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
+    """Return whether links of one name have one true range in both tables, as far as is known."""
+    if "true_range_m" not in recorded or "true_range_m" not in simulated:
+        return True
+    ours, theirs = (
+        frame["true_range_m"].groupby(frame["link"].astype(str)).median()
+        for frame in (recorded, simulated)
+    )
+    apart = float((ours - theirs.reindex(ours.index)).abs().median())
+    return not apart > SAME_PLACE_M
+
+
+def link_means(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return the means of values [n] or [n, q] over the rows of each link, [L] or [L, q]."""
+    code = np.unique(links, return_inverse=True)[1]
+    if values.ndim == 1:
+        return np.asarray(np.bincount(code, values) / np.bincount(code), np.float64)
+    return np.stack([link_means(column, links) for column in values.T], axis=1)

@@ -16,14 +16,21 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from bench.discrepancy.compare.as_simulated import AsSimulated
 from bench.discrepancy.compare.ensemble import Ensemble, stack
-from bench.discrepancy.compare.matching import by_link, by_neighbours
+from bench.discrepancy.compare.matching import (
+    by_link,
+    by_neighbours,
+    link_means,
+    same_places,
+)
 from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import MEASURED
 from bench.discrepancy.data.observables import (
+    RANGE,
     SCALARS,
     Floats,
     Observables,
@@ -44,7 +51,6 @@ from bench.discrepancy.settings import (
     LEAST_STD,
     MOST_VERSIONS,
     OVERLAP_SHARE,
-    SAME_PLACE_M,
 )
 from bench.errors import BenchError
 from bench.physics.base import Base
@@ -97,7 +103,12 @@ class TableComparison:
             numbers = range(first, first + count)
             made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
             return stack(view.recorded, made, view.links)
-        changes = self._changes(seen, view, added, range(first, first + count))
+        whole = any(effect.last or effect.first for effect in added)
+        changes = (
+            [self._of_whole(seen, view, added, first + i, p) for i, p in enumerate(picks)]
+            if whole
+            else self._changes(seen, view, added, range(first, first + count))
+        )
         replicas = []
         for pick, change in zip(picks, changes, strict=True):
             values = seen.values[pick] + self._nearer(seen, view, pick) + change
@@ -115,6 +126,20 @@ class TableComparison:
         if len(made) > 1 and not rare and np.array_equal(made[0], made[1], equal_nan=True):
             return made + made[:1] * (len(numbers) - 2)
         return made + [self._change(seen, view, added, number) for number in numbers[2:]]
+
+    def _of_whole(
+        self, seen: Observables, view: View, added: Added, replicate: int, pick: Rows
+    ) -> Floats:
+        """Return what the effects change [n, p] where one acts on the range as it was simulated.
+
+        Rounding depends on what is rounded: the matched row's own error is in the range.
+        """
+        if RANGE not in seen.names:
+            return self._change(seen, view, added, replicate)
+        given = np.nan_to_num(seen.column(RANGE)[pick])
+        change = self._change(seen, view, (AsSimulated(given), *added), replicate)
+        change[:, seen.names.index(RANGE)] -= given
+        return change
 
     def _with_cir(
         self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
@@ -262,7 +287,7 @@ class TableComparison:
         if "link" not in self.frame:
             return False
         named = set(frame["link"].astype(str)) <= set(self.frame["link"].astype(str))
-        return named and _same_places(frame, self.frame)
+        return named and same_places(frame, self.frame)
 
     def covered(self, frame: pd.DataFrame) -> NDArray[np.bool_]:
         """Return which recorded rows [n] belong to links that have a simulated counterpart.
@@ -277,7 +302,7 @@ class TableComparison:
         if not alike.names:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
         code = link_codes(frame)
-        ours, theirs = _link_means(alike.left, code), _link_means(alike.right, self.links)
+        ours, theirs = link_means(alike.left, code), link_means(alike.right, self.links)
         # Each number by itself: in many at once every link is far from every other.
         gaps = [
             cKDTree(b[:, None]).query(a[:, None])[0] for a, b in zip(ours.T, theirs.T, strict=True)
@@ -316,28 +341,8 @@ class TableComparison:
 
         out = {}
         for name in shared(view.frame, self.frame, NUMBERS).names:
-            left = _link_means(numeric(view.frame, name), view.links)
-            right = _link_means(numeric(self.frame, name), self.links)
+            left = link_means(numeric(view.frame, name), view.links)
+            right = link_means(numeric(self.frame, name), self.links)
             shift = (left.mean() - right.mean()) / max(float(left.std()), LEAST_STD)
             out[name] = float(shift), float(ks_2samp(left, right).pvalue)
         return out
-
-
-def _same_places(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
-    """Return whether links of one name have one true range in both tables, as far as is known."""
-    if "true_range_m" not in recorded or "true_range_m" not in simulated:
-        return True
-    ours, theirs = (
-        frame["true_range_m"].groupby(frame["link"].astype(str)).median()
-        for frame in (recorded, simulated)
-    )
-    apart = float((ours - theirs.reindex(ours.index)).abs().median())
-    return not apart > SAME_PLACE_M
-
-
-def _link_means(values: Floats, links: NDArray[np.intp]) -> Floats:
-    """Return the means of values [n] or [n, q] over the rows of each link, [L] or [L, q]."""
-    code = np.unique(links, return_inverse=True)[1]
-    if values.ndim == 1:
-        return np.asarray(np.bincount(code, values) / np.bincount(code), np.float64)
-    return np.stack([_link_means(column, links) for column in values.T], axis=1)

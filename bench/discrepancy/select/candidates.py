@@ -317,6 +317,8 @@ def equivalents(
         ahead = gain_interval(other.tally, best.tally, seed)
         close = other.gain.value >= share * best.gain.value
         likely = other.gain.likely_above_zero or not best.gain.above_zero
+        if type(best.effect).marked and type(other.effect).independent:
+            continue  # scatter leaves no such mark
         if close and likely and not ahead.above_zero and _same_links(explanation, best, other):
             same.append(other)
     return tuple(same)

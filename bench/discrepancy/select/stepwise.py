@@ -23,6 +23,7 @@ from bench.discrepancy.settings import (
     SCORE_MEMBERS,
     SEARCH_FIRST,
     SEARCH_MEMBERS,
+    SIMPLER_SHARE,
     SURE_P,
     WAVE_LEFT_SHARE,
     WAVE_MARGIN_NATS,
@@ -106,7 +107,8 @@ def best_contender(explanation: Explanation) -> Contender | None:
     """Return the contender to add: a gain beyond the margin, its one-sided bound above zero.
 
     Independent scatter stands for what cannot be predicted, so it is no answer where a regression
-    removes much more than it.
+    removes much more than it. Nor where something else is seen by a mark that scatter cannot leave,
+    and brings half of its gain.
     """
     structure = max(REMOVED_SHARE * explanation.removable.value, SCATTER_MARGIN_NATS)
     able = (
@@ -115,6 +117,10 @@ def best_contender(explanation: Explanation) -> Contender | None:
         if not type(c.effect).independent or c.gain.value > structure
     )
     best = next(able, None)
+    if best and type(best.effect).independent:
+        least = SIMPLER_SHARE * best.gain.value
+        marked = (c for c in explanation.contenders if type(c.effect).marked)
+        best = next((c for c in marked if c.gain.value >= least), best)
     if best is None or not best.gain.likely_above_zero or best.gain.value <= MARGIN_NATS:
         return None
     return best

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.compare.table import _same_places
+from bench.discrepancy.compare.matching import same_places
 
 
 def table(offset_m: float, moved: int = 0) -> pd.DataFrame:
@@ -29,4 +29,4 @@ def table(offset_m: float, moved: int = 0) -> pd.DataFrame:
 def test_names_that_are_used_again_elsewhere_are_other_links(
     simulated: pd.DataFrame, same: bool
 ) -> None:
-    assert _same_places(table(0.0), simulated) is same
+    assert same_places(table(0.0), simulated) is same
