@@ -33,6 +33,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -319,11 +320,14 @@ def concluded(state: State, journal: Journal) -> Selection:
     if search.work is not None and added:
         last = state.guard.safely("last fit", journal.kept(settled), added)
         added = last(search.comparison, search.work, added)
-    said = journal.kept(verdicts)(search, state.rounds, added)
-    struck = tuple(turn.strike.effect for turn in state.rounds if turn.strike)
-    named = tuple(e for e in (*struck, *added) if any(e.physics in v.names for v in said))
+    search.progress("checking that what was found looks like what was recorded")
+    asis = Checked(added, state.rounds)
+    held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)
+    said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts)
+    struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
+    named = tuple(e for e in (*struck, *held.added) if any(e.physics in v.names for v in said))
     skipped = {**state.skipped, **state.guard.failed}
-    return Selection(said, named, state.rounds, skipped)
+    return Selection(said, named, held.rounds, skipped)
 
 
 def _unnamed(search: Search, found: Selection) -> Added:

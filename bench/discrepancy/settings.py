@@ -247,6 +247,19 @@ BACKFIT_STALLED_NATS: Final = 0.01  # on the fitted rows: another pass is not wo
 CONTROL_ROWS: Final = 10  # that a negative control needs [convention]
 CONTROL_QUIET: Final = 0.25  # of what is left elsewhere may be left where the effect vanishes
 
+# --- A name reproduces what it acts on (select/adequacy) ------------------------------------------
+ADEQUACY_FIRST: Final = 9000  # replicates that nothing else looks at [derived]
+ADEQUACY_MEMBERS: Final = 10  # [cost]
+ADEQUACY_ALPHA: Final = 0.05  # over all places and observables of one name [convention]
+ADEQUACY_LEFT: Final = (0.7, 1.0)  # of the largest response in an observable, that may be left in
+# its mean, in its spread: other forms of the right effect leave up to 0.6, wrong ones more [waves]
+ADEQUACY_OFF_COVARIATE: Final = 0.4  # the same at a place where more is left than the effect does
+ADEQUACY_TOUCHED: Final = 0.3  # of its largest response: an effect acts on an observable
+ADEQUACY_RIVALS: Final = 3  # contenders that are tried in the place of a refuted one [cost]
+ADEQUACY_INTERVALS: Final = 4  # of a covariate [convention]
+ADEQUACY_LEAST: Final = 0.02  # squared scatter that rows have at least, of the typical [convention]
+ADEQUACY_WIDEST: Final = 30.0  # times the scatter, beyond which values are cut [convention]
+
 # --- Links struck at random (select/link_mixture) ------------------------------------------------
 WIDEST_OFFSET_M: Final = 5.0  # unexplained offsets are uniform within: the longest mean detour
 CALM_EXTRA_M: Final = (0.0, 0.003, 0.3, 9)  # scatter beyond the simulator's: 0, from, to, how many

@@ -83,16 +83,26 @@ def filter_rows(made: Parts, values: Parts, lags: Ints, real: Reals, imag: Reals
 
 
 def quantise_rows(
-    signal: Parts, noise: Parts, waveform: Parts, added: Parts, step: float, limit: float
+    signal: Parts,
+    noise: Parts,
+    waveform: Parts,
+    added: Parts,
+    step: float,
+    limit: float,
+    dropped: float = 0.0,
 ) -> None:
     """Write to `noise` the rounded `added`, to `signal` what is left of the rounded sum.
 
     All [n, 2 S]; the sum is `waveform` and rounded noise, rounded and clipped to +-`limit`.
+    `dropped`: 0 rounds to the nearest step, 1 towards zero.
     """
+    half = 0.5 - 0.5 * dropped
     for row in range(waveform.shape[0]):
         for part in range(waveform.shape[1]):
-            low = np.rint(added[row, part] / step) * step
-            whole = np.rint((waveform[row, part] + low) / step) * step
+            low = added[row, part] / step
+            low = step * (np.floor(low + half) if low >= 0 else np.ceil(low - half))
+            whole = (waveform[row, part] + low) / step
+            whole = step * (np.floor(whole + half) if whole >= 0 else np.ceil(whole - half))
             noise[row, part] = low
             signal[row, part] = min(max(whole, -limit), limit) - low
 

@@ -249,7 +249,7 @@ def rivals(
     for other in others:
         if other.name in have:
             continue
-        found = _fitted(comparison, fit, rest, other, kinds)
+        found = beside_others(comparison, fit, rest, other, kinds)
         if found is None:
             continue
         made = contender(comparison, held, rest, found, reference, seed)
@@ -260,7 +260,7 @@ def rivals(
     return tuple(out)
 
 
-def _fitted(
+def beside_others(
     comparison: Comparison,
     fit: View,
     rest: Added,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
@@ -15,6 +17,7 @@ from bench.discrepancy.select.candidates import Explanation, equivalents
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
+from bench.discrepancy.select.refute import Doubt, fits, swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import (
     Ambiguous,
@@ -40,10 +43,18 @@ from bench.physics.base import Base
 from bench.physics.effect import Effect
 
 
-def verdicts(search: Search, rounds: tuple[Round, ...], added: Added) -> tuple[Verdict, ...]:
-    """Return what can be said: names that hold, and what is left."""
+def verdicts(
+    search: Search,
+    rounds: tuple[Round, ...],
+    added: Added,
+    doubts: tuple[Doubt, ...] = (),
+) -> tuple[Verdict, ...]:
+    """Return what can be said: names that hold, and what is left, `doubts` among it."""
     last = rounds[-1]
     struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
+    if doubts:
+        held = verdicts(search, rounds, added) if added else struck
+        return (*(v for v in held if not isinstance(v, Unknown)), _doubted(rounds, doubts))
     if not added and not _real(search, last):
         return struck or (NoMismatch(last.located.detectable, last.located.p),)
     share = _share(search, _since_struck(rounds), added)
@@ -100,6 +111,14 @@ def _unknown(last: Round, note: str) -> Unknown:
     return Unknown(last.located.findings, last.explanation.removable, tried, note)
 
 
+def _doubted(rounds: tuple[Round, ...], doubts: tuple[Doubt, ...]) -> Unknown:
+    """Return the verdict where names that gained most do not reproduce what they act on."""
+    names = {doubt.effect.name for doubt in doubts}
+    turns = [turn for turn in rounds if turn.added and turn.added.name in names]
+    turn = next(turn for turn in (*turns, *rounds) if turn.explanation)
+    return replace(_unknown(turn, ""), note="; ".join(map(str, doubts)))
+
+
 def _share(search: Search, first: Explanation, added: Added) -> float:
     """Return the gain of all added effects as a fraction of the flexible regression's."""
     if not added:
@@ -135,12 +154,21 @@ def _named(
             for i, c in enumerate(same)
         )
         passed = tuple(o for o in options if o.control.passed is not False)
+        passed = tuple(o for o in passed if _reproduces(search, added, effect, o))
         passed = without_disguises(passed, search.searched)
         if not passed:  # a name whose own negative control fails is none
             out.append(_refuted(turn, options[0]))
         else:
             out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
     return tuple(out)
+
+
+def _reproduces(search: Search, added: Added, effect: Effect, option: LeftOut) -> bool:
+    """Return whether an option reproduces what it acts on; `effect` itself is known to."""
+    if option.effect is effect:
+        return True
+    instead = swapped_for(added, effect, option.effect)
+    return fits(search, instead, option.effect).adequate
 
 
 def _refuted(turn: Round, option: LeftOut) -> Unknown:

@@ -156,3 +156,14 @@ def test_quantisation_saturates() -> None:
     assert made.cir_complex is not None
     assert np.abs(made.cir_complex.real).max() <= 32767
     assert made.cir.max() > 30_000
+
+
+def test_bits_dropped_at_read_out_leave_the_reported_noise() -> None:
+    frame = line(256, far_m=100.0)
+    plain = seen(frame)
+    kept = seen(frame, Quantisation(step_counts=64.0, dropped=1.0, read_out=1.0), complex_cir=True)
+    np.testing.assert_allclose(kept.noise_std, plain.noise_std, rtol=1e-3)
+    assert kept.cir_complex is not None
+    whole = kept.cir_complex.real / 64
+    np.testing.assert_allclose(whole, np.rint(whole), atol=0.02)  # the largest value is odd
+    assert (np.rint(whole) == 0).mean() > (np.abs(plain.cir) < 32).mean()  # towards zero

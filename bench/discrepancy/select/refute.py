@@ -1,0 +1,106 @@
+"""Names that do not reproduce what they act on are taken back, or give way to one that does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.select.adequacy import Adequacy, adequacy
+from bench.discrepancy.select.backfitting import beside_others, polished
+from bench.discrepancy.select.candidates import Contender
+from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.settings import ADEQUACY_RIVALS, MARGIN_NATS
+from bench.errors import BenchError
+from bench.physics.effect import Effect
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """An effect that gained most, but whose response recordings do not look like."""
+
+    effect: Effect
+    why: Adequacy
+
+    def __str__(self) -> str:
+        return f"looks most like {self.effect.physics}, but {self.why}"
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The effects that reproduce what they act on, the rounds that name them, and the doubts."""
+
+    added: Added
+    rounds: tuple[Round, ...]
+    doubts: tuple[Doubt, ...] = ()
+
+
+def working(search: Search) -> tuple[View, ...]:
+    """Return all working rows as views."""
+    return (search.fit, search.discover) if search.work is None else (search.work,)
+
+
+def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
+    """Return the effects without those that are refuted, the worst first.
+
+    What is refuted gives way to a rival of its round that is not, where there is one.
+    """
+    doubts: tuple[Doubt, ...] = ()
+    for _ in range(len(added)):
+        worst = _worst(search, added)
+        if worst is None:
+            break
+        rival = _adequate_rival(search, rounds, added, worst.effect)
+        if rival is None:
+            doubts = (*doubts, worst)
+            rest = without(added, worst.effect)
+            added = polished(search.comparison, search.fit, rest, 1, False)
+        else:
+            rounds = tuple(_renamed(turn, worst.effect, rival) for turn in rounds)
+            added = swapped_for(added, worst.effect, rival.effect)
+    return Checked(added, rounds, doubts)
+
+
+def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
+    """Return the adequacy of an effect on all working rows; one that cannot be judged passes."""
+    try:
+        return adequacy(search.comparison, working(search), added, effect)
+    except BenchError:
+        return Adequacy(True)
+
+
+def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:
+    """Return the effects with another one in the place of one."""
+    return tuple(come if effect.name == gone.name else effect for effect in added)
+
+
+def _worst(search: Search, added: Added) -> Doubt | None:
+    """Return the effect of which most is left beyond what is allowed, None where none is."""
+    doubts = [Doubt(effect, fits(search, added, effect)) for effect in added]
+    doubts = [doubt for doubt in doubts if not doubt.why.adequate]
+    return max(doubts, key=lambda doubt: doubt.why.left, default=None)
+
+
+def _adequate_rival(
+    search: Search, rounds: tuple[Round, ...], added: Added, effect: Effect
+) -> Contender | None:
+    """Return the best contender of the effect's round that fits in its place, None without one."""
+    turn = next((t for t in rounds if t.added and t.added.name == effect.name), None)
+    if turn is None or turn.explanation is None:
+        return None
+    rest, have = without(added, effect), {known.physics for known in added}
+    able = [c for c in turn.explanation.contenders if c.name not in have]
+    able = [c for c in able if c.gain.likely_above_zero and c.gain.value > MARGIN_NATS]
+    for one in able[:ADEQUACY_RIVALS]:
+        found = beside_others(search.comparison, search.fit, rest, one, search.kinds)
+        if found and fits(search, (*rest, found.effect), found.effect).adequate:
+            return replace(one, effect=found.effect)
+    return None
+
+
+def _renamed(turn: Round, gone: Effect, come: Contender) -> Round:
+    """Return a round with a rival in the place of what it added."""
+    if turn.added is None or turn.added.name != gone.name or turn.explanation is None:
+        return turn
+    rest = (c for c in turn.explanation.contenders if c.name not in (gone.physics, come.name))
+    explanation = replace(turn.explanation, contenders=(come, *rest))
+    return replace(turn, added=come.effect, explanation=explanation)
