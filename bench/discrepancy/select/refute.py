@@ -9,6 +9,7 @@ from bench.discrepancy.select.adequacy import Adequacy, adequacy
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.settings import ADEQUACY_RIVALS, MARGIN_NATS
 from bench.errors import BenchError
 from bench.physics.effect import Effect
@@ -45,7 +46,7 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
     What is refuted gives way to a rival of its round that is not, where there is one.
     """
     doubts: tuple[Doubt, ...] = ()
-    for _ in range(len(added)):
+    for _ in range(2 * len(added)):
         worst = _worst(search, added)
         if worst is None:
             break
@@ -57,7 +58,13 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
         else:
             rounds = tuple(_renamed(turn, worst.effect, rival) for turn in rounds)
             added = swapped_for(added, worst.effect, rival.effect)
-    return Checked(added, rounds, doubts)
+    needed = doubts and _left(search, rounds, added)
+    return Checked(added, rounds, doubts if needed else ())
+
+
+def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
+    """Return whether the effects that hold leave anything: else what was refuted was not needed."""
+    return not added or locate_left(search, added, len(rounds)).significant
 
 
 def fits(search: Search, added: Added, effect: Effect) -> Adequacy:

@@ -18,12 +18,13 @@ _QUANTILES = (np.arange(256) + 0.5) / 256  # of a noise whose rounding is worked
 
 @dataclass(frozen=True)
 class Quantisation(Effect):
-    """Adds a constant offset to real and imaginary part, rounds both and clips to 16 bits.
+    """Adds a constant offset to real and imaginary part, rounds both and clips.
 
     The offset has a random direction per receiving device and a length of `offset_counts`
-    (30 to 150 recorded). A step of zero neither rounds nor clips. Low bits that are dropped round
-    towards zero (`dropped` 1); dropped where samples are read out (`read_out` 1), they leave the
-    noise as the receiver reports it.
+    (30 to 150 recorded). A step of zero neither rounds nor clips; as delivered only what 24 bits
+    do not hold is clipped: a simulator whose counts have another scale is not to be cut. Low bits
+    that are dropped round towards zero (`dropped` 1); dropped where samples are read out
+    (`read_out` 1), they leave the noise as the receiver reports it.
     """
 
     name = "quantisation"
@@ -36,7 +37,9 @@ class Quantisation(Effect):
 
     step_counts: float = parameter(1, "counts", 0, 256, "rounding step", null=0)
     offset_counts: float = parameter(0, "counts", 0, 1000, "length of the offset", null=0)
-    limit_counts: float = parameter(32767, "counts", 127, 32767, "largest value", fitted=False)
+    limit_counts: float = parameter(
+        8388607, "counts", 127, 8388607, "largest value: 32767 of 16 bits", fitted=False
+    )
     dropped: float = parameter(0, "1", 0, 1, "0 rounds to the nearest step, 1 towards zero")
     read_out: float = parameter(0, "1", 0, 1, "0 in the accumulator, 1 where it is read out")
 

@@ -88,6 +88,7 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
 
     monkeypatch.setattr(refute, "fits", fits)
     monkeypatch.setattr(refute, "polished", lambda _comparison, _rows, added, *_: added)
+    monkeypatch.setattr(refute, "_left", lambda *_: True)
     search = _Search()
     found = refute.checked(search, (), (tail, noise))  # type: ignore[arg-type]
     assert found.added == (noise,)
