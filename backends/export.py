@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import logging
 import pickle
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib import import_module
 from io import BytesIO
+from typing import Any
 
 import torch
 from onnx import ModelProto
@@ -88,13 +91,12 @@ def _kept(request: _Request) -> Exported:
 
 
 def _export(request: _Request) -> Exported:
-    inputs = inputs_of(request.module, request.width)
-    program = export_program(request.module, inputs)
-    if request.rewrite is not None:
-        rewritten = as_module(program)
-        request.rewrite(rewritten)
-        program = export_program(rewritten, inputs)
-    return _to_onnx(program, inputs)
+    inputs, module = inputs_of(request.module, request.width), request.module
+    with quiet(), _no_collecting():
+        if request.rewrite is not None:
+            module = as_module(export_program(module, inputs))
+            request.rewrite(module)
+        return _to_onnx(_program(module, inputs), inputs)
 
 
 class _Fingerprint(pickle.Pickler):
@@ -119,12 +121,16 @@ def _digest(module: nn.Module) -> str | None:
 
 def export_program(module: nn.Module, inputs: Sequence[Input]) -> ExportedProgram:
     """Return the module, in eval mode, as a program of core operators with a free batch size."""
+    with quiet():
+        decomposed: ExportedProgram = _program(module, inputs).run_decompositions({})
+    return decomposed
+
+
+def _program(module: nn.Module, inputs: Sequence[Input]) -> ExportedProgram:
+    """Return the module, in eval mode, as a program with a free batch size."""
     rows = tuple(torch.zeros(2, one.width) for one in inputs)
     free = tuple({0: Dim("n")} for _ in inputs)
-    with quiet():
-        program = torch.export.export(module.eval(), rows, dynamic_shapes=free)
-        decomposed: ExportedProgram = program.run_decompositions({})
-    return decomposed
+    return torch.export.export(module.eval(), rows, dynamic_shapes=free)
 
 
 def as_module(program: ExportedProgram) -> GraphModule:
@@ -137,24 +143,47 @@ def _to_onnx(program: ExportedProgram, inputs: Sequence[Input]) -> Exported:
     """Return an exported program as ONNX.
 
     torch has two exporters. The older, by tracing, takes 0.1 s but is deprecated and silently
-    freezes whatever Python decides; this one (3 to 5 s) reads the program itself, folds its
-    constants, and is paid once per fit.
+    freezes whatever Python decides; this one (1 to 3 s) reads the program itself, takes it apart
+    into core operators, folds its constants, and is paid once per fit.
     """
-    with quiet():
-        made = torch.onnx.export(
-            program,
-            (),
-            dynamo=True,
-            opset_version=OPSET,
-            input_names=[one.name for one in inputs],
-            output_names=OUTPUTS[: len(program.graph_signature.user_outputs)],
-            verbose=False,
-        )
-        assert made is not None
-        assert made.exported_program is not None
-        # the exporter stops folding at 8 KiB, which leaves slices of weights to every call
-        fold_constants(made.model, input_size_limit=_NO_LIMIT, output_size_limit=_NO_LIMIT)
+    _list_operators_once()
+    made = torch.onnx.export(
+        program,
+        (),
+        dynamo=True,
+        opset_version=OPSET,
+        input_names=[one.name for one in inputs],
+        output_names=OUTPUTS[: len(program.graph_signature.user_outputs)],
+        verbose=False,
+    )
+    assert made is not None
+    assert made.exported_program is not None
+    # the exporter stops folding at 8 KiB, which leaves slices of weights to every call
+    fold_constants(made.model, input_size_limit=_NO_LIMIT, output_size_limit=_NO_LIMIT)
     return Exported(made.model_proto, made.exported_program)
+
+
+@cache
+def _list_operators_once() -> None:
+    """Have the exporter keep its list of a thousand operators: each export makes it anew, 0.4 s."""
+    with suppress(ImportError, AttributeError):  # private to torch: without it, exports take longer
+        private: Any = import_module("torch.onnx._internal._lazy_import").onnxscript_apis
+        private.get_torchlib_ops = cache(private.get_torchlib_ops)
+
+
+@contextmanager
+def _no_collecting() -> Iterator[None]:
+    """Leave the garbage until later: an export makes a million small objects, few of them garbage.
+
+    They are all looked through at every collection, a sixth of the time.
+    """
+    before = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if before:
+            gc.enable()
 
 
 @contextmanager

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.fx import GraphModule, Node
 
 from backends.quantise import Range
+from backends.rounding import Steps, gradients, rounded
 from zoo.inputs import Input
 
 _aten = torch.ops.aten
@@ -28,23 +31,30 @@ class _RoundToScale(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, x: Tensor, scale: Tensor, zero_point: int) -> Tensor:
-        # plain passes: torch's own fake quantisation works value by value, at four times the time
-        steps = torch.mul(x, 1 / scale).round_()
-        held = steps.clamp(-zero_point, LARGEST - zero_point)
-        outside, rounded = held != steps, held.mul_(scale)
-        ctx.save_for_backward(x, scale, rounded, outside)
-        return rounded
+        x = x.contiguous()
+        ctx.save_for_backward(x, scale)
+        ctx.steps = _steps(scale, zero_point)
+        out = torch.empty_like(x)
+        rounded(_flat(x), ctx.steps, _flat(out))
+        return out
 
     @staticmethod
-    def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor, Tensor, None]:
-        x, scale, rounded, outside = ctx.saved_tensors
-        through = gradients[0].masked_fill(outside, 0)
-        shift = _dot(gradients[0], rounded) - _dot(through, x)
+    def backward(ctx: Any, *given: Tensor) -> tuple[Tensor, Tensor, None]:
+        x, scale = ctx.saved_tensors
+        through = torch.empty_like(x)
+        shift = gradients(_flat(x), _flat(given[0].contiguous()), ctx.steps, _flat(through))
         return through, shift / scale, None
 
 
-def _dot(a: Tensor, b: Tensor) -> Tensor:
-    return torch.dot(a.reshape(-1), b.reshape(-1))
+def _steps(scale: Tensor, zero_point: int) -> Steps:
+    found = (1 / scale, scale, -zero_point, LARGEST - zero_point)
+    return tuple(np.float32(float(one)) for one in found)
+
+
+def _flat(x: Tensor) -> NDArray[np.float32]:
+    """Return a contiguous tensor's values [n], not copied."""
+    values: NDArray[np.float32] = x.detach().numpy().reshape(-1)
+    return values
 
 
 class FakeActivation(nn.Module):
@@ -71,8 +81,8 @@ class FakeActivation(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """Return x rounded."""
-        rounded: Tensor = _RoundToScale.apply(x, self.scale(), self.zero_point)  # type: ignore[no-untyped-call]
-        return rounded
+        held: Tensor = _RoundToScale.apply(x, self.scale(), self.zero_point)  # type: ignore[no-untyped-call]
+        return held
 
 
 class FakeWeight(nn.Module):

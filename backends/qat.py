@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from backends.quantise import Range
     from zoo.base import MitigationModel, Progress, TrainingRecipe
 
-EPOCHS = 8
+EPOCHS = 3
 BATCH_ROWS = 256
-PACE = 0.3  # of the recipe's learning rate
+PACE = 0.3  # of the recipe's learning rate, at the start; it falls to 0
 
 KEPT = 32
 _LEARNT: dict[str, Learnt] = {}
@@ -40,8 +40,8 @@ class QatBackend(Backend):
     from `int8` in weights and ranges alone.
 
     The model's own recipe is followed but for three things: `EPOCHS` passes are enough from a
-    fitted start, batches are at least `BATCH_ROWS` to keep it short, and the learning rate is
-    `PACE` of the recipe's, as weights only have to settle. Dropout is off.
+    fitted start, batches are at least `BATCH_ROWS` to keep it short, and the learning rate falls
+    from `PACE` of the recipe's to 0, as weights only have to settle. Dropout is off.
     """
 
     name: ClassVar[str] = "qat"
@@ -133,6 +133,7 @@ def train_quantised(
         epochs=EPOCHS,
         seed=data.seed,
         stopping=None,
+        decay=True,
     )
     train(whole, data.cirs, data.errors_m, further, progress=progress)
     weights = {name: value.detach().numpy() for name, value in rounded.named_parameters()}

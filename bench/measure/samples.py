@@ -86,6 +86,13 @@ def summarise(batch: int, rounds: Sequence[Round]) -> Latency:
     )
 
 
+def width(rounds: Sequence[Round]) -> float:
+    """Return how wide the 95 % interval of the median of at least 6 rounds is, over the median."""
+    medians = np.asarray([np.median(one.samples_us) for one in rounds], np.float64)
+    low, high = median_interval(medians)
+    return (high - low) / float(np.median(medians))
+
+
 def median_interval(values: NDArray[np.float64]) -> tuple[float, float]:
     """Return the 95 % order-statistic interval of the median of at least 6 values."""
     rank = median_rank(len(values))

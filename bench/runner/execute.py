@@ -1,54 +1,25 @@
-"""Fit every model once per fold and seed, run every backend on it, write each run when done."""
+"""Every model and seed of a plan on every backend, spread over processes where that takes long."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Sequence
-from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterator
 from itertools import product
-from time import perf_counter
-from typing import TYPE_CHECKING
 
-from bench.errors import BenchError, WriteError
-from bench.files import atomic_path
-from bench.parallel import Spread, obey
+from bench.errors import BenchError
+from bench.parallel import Spread, obey, threads
 from bench.plugins import Plugin
-from bench.provenance import file_sha256
-from bench.results import RunKey, RunRecord
-from bench.runner.evaluate import evaluate
-from bench.runner.failure import DeclinedError, Failure, said
-from bench.runner.fits import fit_fold
+from bench.results import RunRecord
+from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
-from bench.runner.inputs import missing
+from bench.runner.groups import run_group
 from bench.runner.keys import run_key
 from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
-from bench.runner.records import finished_record, skipped_record, write_predictions
 from bench.runner.spread_fits import fits_ahead, worth_spreading
+from bench.runner.spread_groups import Outcomes, Shared, groups_ahead
 
-if TYPE_CHECKING:
-    from backends.base import Backend
-    from zoo.base import MitigationModel
-
-
-@dataclass(frozen=True)
-class Job:
-    """One run to do."""
-
-    model: Plugin
-    backend: Plugin
-    key: RunKey
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A model fitted on every fold, and how long the fits took in this process."""
-
-    models: Sequence[MitigationModel]
-    fit_s: float
+Groups = list[tuple[Plugin, int]]
 
 
 def execute(
@@ -60,21 +31,56 @@ def execute(
 ) -> tuple[list[RunRecord], list[Failure]]:
     """Do every run of the plan that is not done yet; one that breaks does not stop the others.
 
-    The fits are spread (None: over the cores where they are long); nothing else is.
+    `spread` None: over the cores, where the fits are long. Whole models are then given to other
+    processes, or, where these are more or a cluster, their fits alone; no latency is measured here.
     """
     obey()
     records: list[RunRecord] = []
     failures: list[Failure] = []
     total = len(plan.models) * len(plan.backends) * len(plan.seeds)
+    for outcomes in _outcomes(plan, material, folder, watch, spread):
+        for outcome in outcomes:
+            (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
+        watch.runs(len(records) + len(failures), total)
+    return records, failures
+
+
+def _outcomes(
+    plan: Plan, material: Material, folder: ResultFolder, watch: Observer, spread: Spread | None
+) -> Iterator[Outcomes]:
+    """Yield what every model and seed gave, in the order of the plan."""
     several = worth_spreading(len(plan.models) * len(plan.seeds), material, spread)
-    models = _unfinished(plan, material, folder) if several else []
-    with fits_ahead(models, material, spread, watch) as ahead:
+    groups = _unfinished(plan, material, folder) if several else []
+    if groups and _in_groups(groups, spread):
+        yield from _made_ahead(groups, plan, material, folder, watch, spread)
+        return
+    with fits_ahead(groups, material, spread, watch) as ahead:
         for model, seed in product(plan.models, plan.seeds):
             ahead.arrived(model, seed)
-            for outcome in _run_group(model, seed, plan, material, folder, watch):
-                (failures if isinstance(outcome, Failure) else records).append(outcome)  # type: ignore[arg-type]
-                watch.runs(len(records) + len(failures), total)
-    return records, failures
+            yield run_group(model, seed, plan, material, folder, watch)
+
+
+def _in_groups(groups: Groups, spread: Spread | None) -> bool:
+    """Tell whether whole groups keep the processes busy; a cluster does not see the folder."""
+    asked = spread or Spread(threads())
+    return asked.scheduler is None and 1 < asked.jobs <= 2 * len(groups)
+
+
+def _made_ahead(
+    groups: Groups,
+    plan: Plan,
+    material: Material,
+    folder: ResultFolder,
+    watch: Observer,
+    spread: Spread | None,
+) -> Iterator[Outcomes]:
+    import torch
+
+    shared = Shared(plan, material, folder, torch.get_num_threads())
+    with groups_ahead(groups, shared, spread or Spread(threads()), watch) as ahead:
+        for model, seed in product(plan.models, plan.seeds):
+            found = ahead.arrived(model, seed)
+            yield run_group(model, seed, plan, material, folder, watch) if found is None else found
 
 
 def _unfinished(plan: Plan, material: Material, folder: ResultFolder) -> list[tuple[Plugin, int]]:
@@ -88,115 +94,3 @@ def _unfinished(plan: Plan, material: Material, folder: ResultFolder) -> list[tu
 
     every = [(model, seed) for model in plan.models for seed in plan.seeds]
     return [(m, seed) for m, seed in every if not all(done(m, b, seed) for b in plan.backends)]
-
-
-def _run_group(
-    model: Plugin, seed: int, plan: Plan, material: Material, folder: ResultFolder, watch: Observer
-) -> list[RunRecord | Failure]:
-    """Run one model and seed on every backend; the fits are shared and made only when needed."""
-    outcomes: list[RunRecord | Failure] = []
-    fitted: Fitted | BenchError | None = None
-    for backend in plan.backends:
-        try:
-            job = Job(model, backend, run_key(model, backend, material, seed))
-        except BenchError as problem:
-            outcomes.append(_failure(model, backend, seed, problem, watch))
-            continue
-        if (known := folder.find_run(job.key, watch.note)) is not None:
-            outcomes.append(known)
-            continue
-        if reason := missing(material, job.model.load()):
-            outcomes.append(_skipped(job, reason, folder, watch))
-            continue
-        fitted = fitted or _fit(job, material, watch)
-        outcomes.append(_run_one(job, fitted, material, folder, watch))
-    return outcomes
-
-
-def _fit(job: Job, material: Material, watch: Observer) -> Fitted | BenchError:
-    start = perf_counter()
-    folds = range(len(material.split.folds))
-    try:
-        models = []
-        for fold in folds:
-            what = f"fitting {job.model.name}, seed {job.key.seed}, fold {fold + 1}/{len(folds)}"
-            watch.progress(what, 0.0)
-            tell = partial(watch.progress, what)
-            models.append(fit_fold(job.model, material, fold, job.key.seed, tell))
-        return Fitted(models, perf_counter() - start)
-    except (WriteError, KeyboardInterrupt):
-        raise
-    except BaseException as problem:  # a plug-in must not end the harness
-        return BenchError(said(problem))
-
-
-def _run_one(
-    job: Job,
-    fitted: Fitted | BenchError,
-    material: Material,
-    folder: ResultFolder,
-    watch: Observer,
-) -> RunRecord | Failure:
-    """Return the record of one run, or its failure as one line."""
-    try:
-        if isinstance(fitted, BenchError):
-            raise fitted
-        return _record(job, fitted, material, folder, watch)
-    except (WriteError, KeyboardInterrupt):
-        raise
-    except BaseException as problem:  # a plug-in must not end the harness
-        return _failure(job.model, job.backend, job.key.seed, problem, watch)
-
-
-def _failure(
-    model: Plugin, backend: Plugin, seed: int, problem: BaseException, watch: Observer
-) -> Failure:
-    failure = Failure(model.name, backend.name, seed, said(problem))
-    watch.note(str(failure))
-    return failure
-
-
-def _record(
-    job: Job, fitted: Fitted, material: Material, folder: ResultFolder, watch: Observer
-) -> RunRecord:
-    backend = job.backend.make()
-    reason = backend.supports(fitted.models[0])
-    if reason is not None:
-        return _skipped(job, str(reason), folder, watch)
-    try:
-        record = _evaluate(job, backend, fitted, material, folder, watch)
-    except DeclinedError as problem:
-        return _skipped(job, str(problem), folder, watch)
-    folder.write_run(record)
-    return record
-
-
-def _skipped(job: Job, reason: str, folder: ResultFolder, watch: Observer) -> RunRecord:
-    watch.note(f"{job.model.name} on {job.backend.name} skipped: {reason}")
-    record = skipped_record(job.key, reason)
-    folder.write_run(record)
-    return record
-
-
-def _evaluate(
-    job: Job,
-    backend: Backend,
-    fitted: Fitted,
-    material: Material,
-    folder: ResultFolder,
-    watch: Observer,
-) -> RunRecord:
-    digest = job.key.digest()
-    what = f"{job.model.name} on {job.backend.name}, seed {job.key.seed}"
-    watch.progress(what, 0.0)
-    with ExitStack() as stack, warnings.catch_warnings():
-        warnings.simplefilter("ignore", FutureWarning)  # exporters warn of their own internals
-        targets = [folder.artifact_path(digest, fold) for fold in range(len(fitted.models))]
-        paths = [stack.enter_context(atomic_path(target)) for target in targets]
-        tell = partial(watch.progress, what)
-        done = evaluate(fitted.models, backend, material, job.key.seed, paths, tell)
-        record = finished_record(job.key, material, done, fitted.models, fitted.fit_s)
-        record = replace(record, artifacts_sha256=tuple(map(file_sha256, paths)))
-    predictions = folder.predictions_path(digest)
-    write_predictions(predictions, material, done)
-    return replace(record, predictions_sha256=file_sha256(predictions))

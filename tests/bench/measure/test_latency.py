@@ -29,6 +29,15 @@ def per_row(path, threads):
         return x.sum(axis=1)
     return run
 
+def wavers(path, threads):
+    step = float(path.read_text())
+    def run(x):
+        end = time.perf_counter() + step * len(x) * (1 + int(time.time() * 20) % 3)
+        while time.perf_counter() < end:
+            pass
+        return x.sum(axis=1)
+    return run
+
 def big(path, threads):
     weights = np.ones(60 * 2**20 // 8)
     return lambda x: x[:, 0] * weights[0]
@@ -138,7 +147,7 @@ def test_on_a_busy_machine_there_is_no_figure_and_a_reason(toy, monkeypatch) -> 
 
 
 def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> None:
-    # Others come back for the first three rounds: those are dropped, and six more taken.
+    # Others come back for the first three rounds: those are dropped, and three more taken.
     monkeypatch.setattr(
         latency, "undisturbed", lambda rounds, _: [r for r in rounds if r.others <= 0]
     )
@@ -147,7 +156,15 @@ def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> Non
     [found] = measure([toy("per_row", "1e-5")], rounds=8, patience=Patience(60))
     assert found.withheld is None
     assert found.rounds - found.dropped >= 8
-    assert found.rounds == 14
+    assert found.rounds == 11
+
+
+def test_a_steady_target_needs_fewer_rounds_than_one_that_is_not(toy) -> None:
+    found = measure([toy("per_row", "2e-5"), toy("wavers", "2e-5")], rounds=21)
+    steady, wavering = found
+    assert isinstance(steady, Timing)
+    assert isinstance(wavering, Timing)
+    assert latency.FIRST_ROUNDS <= steady.rounds < wavering.rounds == 21
 
 
 def test_a_figure_has_a_ratio_to_the_reference_loop(toy) -> None:

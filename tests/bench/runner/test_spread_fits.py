@@ -1,4 +1,4 @@
-"""`bench.run` with its fits spread: the same figures however they were spread."""
+"""`bench.run` with its work spread: the same figures however it was spread."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ import bench
 from bench.recordings.table import Recordings
 from bench.results import RunRecord
 from bench.runner import api
+from bench.runner.spread_groups import Notes
 
-MODEL = "mlp"
+MODELS = "mlp,constant"
 PASSING = {"created_utc", "fit_s", "host", "training", "content_sha256"}
 
 
@@ -37,9 +38,11 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def figures(folder: Path, monkeypatch, **how: Any) -> list[Any]:
     """Return every run's record without what names time and machine, with nothing cached."""
     monkeypatch.setenv("BENCH_CACHE", str(folder / "cache"))
-    asked = {"model": MODEL, "backend": "fp32", "split": "link-kfold:2"}
-    done = bench.run(**asked, data=Recordings(table(), "tiny"), out=folder / "out", **how)
+    asked = {"model": MODELS, "backend": "fp32,fp16", "split": "link-kfold:2"}
+    heard, data = Notes(), Recordings(table(), "tiny")
+    done = bench.run(**asked, data=data, out=folder / "out", observer=heard, **how)
     assert done.failures == []
+    assert heard.lines == ["constant on fp16 skipped: Constant has no weights"]
     return [plain(record) for record in done.runs]
 
 
@@ -51,10 +54,10 @@ def plain(record: RunRecord) -> Any:
 
 
 @pytest.mark.slow
-def test_figures_do_not_depend_on_how_fits_were_spread(
+def test_figures_do_not_depend_on_how_the_work_was_spread(
     quick: None, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     alone = figures(tmp_path / "alone", monkeypatch)
-    assert len(alone) == 1
+    assert len(alone) == 4
     assert figures(tmp_path / "jobs", monkeypatch, jobs=2) == alone
     assert figures(tmp_path / "dask", monkeypatch, scheduler=cluster) == alone
