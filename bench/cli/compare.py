@@ -12,6 +12,8 @@ import click
 
 from bench.cli.console import console, say
 from bench.errors import BenchError
+from bench.files import check_output, write_atomically
+from bench.text import named
 
 if TYPE_CHECKING:
     from reports.document import Document
@@ -22,14 +24,28 @@ LEVEL = 0.05
 
 @click.command(
     epilog="Examples:\n\n  bench compare results-before results-after\n\n"
-    "  bench compare results/runs/1f0c.json results/runs/9ab3.json"
+    "  bench compare results/runs/1f0c.json results/runs/9ab3.json\n\n"
+    "  bench compare results --against gbm --out tables.md"
 )
 @click.argument("first", type=click.Path(path_type=Path))
-@click.argument("second", type=click.Path(path_type=Path))
+@click.argument("second", type=click.Path(path_type=Path), required=False)
+@click.option("--against", metavar="MODEL", help="Compare every model of FIRST with this one.")
+@click.option("--backend", default="fp32", show_default=True, help="With --against: the backend.")
+@click.option("--out", type=click.Path(path_type=Path), help="With --against: Markdown to write.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-def command(first: Path, second: Path, seed: int, as_json: bool) -> None:
+def command(
+    first: Path,
+    second: Path | None,
+    against: str | None,
+    backend: str,
+    out: Path | None,
+    seed: int,
+    as_json: bool,
+) -> None:
     """Compare two result folders, or two run records, on the same rows.
+
+    With --against MODEL: every model of one folder with that one, a table per data set.
 
     Differences of MAE in metres (negative: SECOND is better) with 95 % intervals over links, the
     chance of such a difference where there is none (adjusted for all comparisons), and the ratio
@@ -40,8 +56,13 @@ def command(first: Path, second: Path, seed: int, as_json: bool) -> None:
     from reports.ranking.compare import compare
 
     for source in (first, second):
-        if not source.exists():
+        if source is not None and not source.exists():
             raise BenchError(f"{source} is not here: expected a result folder or a run record")
+    if against is not None and not (as_json or second):
+        _tables(first, against, backend, out, seed)
+        return
+    if second is None or against is not None or out is not None:
+        raise BenchError("expected FIRST and SECOND, or FIRST with --against MODEL [--out FILE]")
     try:
         found = compare(first, second, seed)
     except ReportError as problem:
@@ -50,6 +71,25 @@ def command(first: Path, second: Path, seed: int, as_json: bool) -> None:
         say(json.dumps(_content(found), indent=1, default=str))
         return
     _print(_document(found, first, second))
+
+
+def _tables(folder: Path, model: str, backend: str, out: Path | None, seed: int) -> None:
+    """Print or write every model of a folder against one of them."""
+    from reports import ReportError, read_results
+    from reports.against import against
+    from reports.markdown import to_markdown
+
+    if out is not None:
+        check_output(out)
+    try:
+        made = against(read_results(folder), model, backend, seed)
+    except ReportError as problem:
+        raise BenchError(str(problem)) from problem
+    if out is None:
+        _print(made)
+        return
+    write_atomically(out, to_markdown(made))
+    say(f"wrote {named(out)}")
 
 
 def _print(document: Document) -> None:

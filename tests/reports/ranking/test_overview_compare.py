@@ -146,3 +146,24 @@ def test_the_picture_shows_every_model_once_and_a_bar_per_group(tmp_path: Path) 
     assert "SIMULATED" in axes.get_title()
     with pytest.raises(ReportError, match="nothing to draw"):
         tie_groups([])
+
+
+def test_every_model_of_a_folder_against_one_of_them(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "r", {"gbm": 0.05, "good": 0.02, "bad": 0.2})
+    written = tmp_path / "tables.md"
+    done = CliRunner().invoke(command, [str(folder), "--against", "gbm", "--out", str(written)])
+    assert done.exit_code == 0, done.output
+    lines = written.read_text().splitlines()
+    rows = {line.split("|")[1].strip(): line.split("|") for line in lines if line.startswith("| ")}
+    assert set(rows) >= {"good", "gbm", "bad"}
+    assert rows["good"][3].strip().startswith("**-0.03")
+    assert rows["bad"][3].strip().startswith("+0.1")
+    assert any("At least as good as gbm" in line and line.endswith(": good.") for line in lines)
+    assert any("Worse than gbm" in line and line.endswith(": bad.") for line in lines)
+    with pytest.raises(BenchError, match="svm was run on no data set with backend fp32"):
+        CliRunner().invoke(
+            command,
+            [str(folder), "--against", "svm"],
+            catch_exceptions=False,
+            standalone_mode=False,
+        )
