@@ -156,7 +156,7 @@ def test_every_model_of_a_folder_against_one_of_them(tmp_path: Path) -> None:
     lines = written.read_text().splitlines()
     rows = {line.split("|")[1].strip(): line.split("|") for line in lines if line.startswith("| ")}
     assert set(rows) >= {"good", "gbm", "bad"}
-    assert rows["good"][3].strip().startswith("**-0.03")
+    assert rows["good"][3].strip().startswith("**-0.02")
     assert rows["bad"][3].strip().startswith("+0.1")
     assert any("At least as good as gbm" in line and line.endswith(": good.") for line in lines)
     assert any("Worse than gbm" in line and line.endswith(": bad.") for line in lines)
