@@ -15,10 +15,12 @@ from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import LeftOut, Unknown
-from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_VALUE_NATS
+from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_NATS, LAW_VALUE_NATS
 from bench.errors import BenchError
+from bench.physics.effects.ranging.law import Law
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def weighed(search: Search, found: Selection) -> Weighed:
     anything (a clock that wanders follows a warm-up). Where it fails, what the library says stands.
     """
     unknown = any(isinstance(verdict, Unknown) for verdict in found.verdicts)
-    if not unknown and not _comparable(found):
+    if not unknown and not _shifting(found):
         return Weighed(found)
     search.progress("looking for a law without a name")
     return Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
@@ -67,39 +69,61 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     rest = gathered(search.comparison, views, found.added)
     after = propose(rest, search.seed) if rest is not None else None
     beside = Weighed(found, after if unknown else None)
-    if rest is None or not _comparable(found):
+    named = _shifting(found)
+    if rest is None or not named:
         return beside
-    named = _ranging(found)
     kept = tuple(effect for effect in found.added if effect not in named)
     whole = gathered(search.comparison, views, kept)
     alone = None if whole is None else propose(whole, search.seed)
-    values = sum(effect.freed for effect in named)
-    if alone is None or _lead(alone, rest, after, values) < LAW_INSTEAD_NATS:
+    if alone is None:
         return beside
-    return Weighed(found, alone, _without_names(found, kept))
+    struck = [effect for effect in named if type(effect).strikes]
+    better = _calms(search, kept, alone) if struck else _leads(alone, rest, after, named)
+    return Weighed(found, alone, _without_names(found, kept)) if better else beside
 
 
-def _ranging(found: Selection) -> Added:
-    """Return the named effects of the range alone: what else was named has other evidence."""
-    return tuple(effect for effect in found.added if effect.stage == "ranging")
+def _shifting(found: Selection) -> Added:
+    """Return the named effects that shift ranges: those of the range, and what strikes links.
+
+    What else was named has other evidence. Scatter shifts nothing: a law leaves it to the scale.
+    """
+    return tuple(
+        effect
+        for effect in found.added
+        if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
+    )
 
 
-def _comparable(found: Selection) -> bool:
-    """Return whether effects shift rows alone: what scatters them is judged by no mean."""
-    kinds = [type(effect) for effect in _ranging(found)]
-    return bool(kinds) and not any(kind.per_link or kind.independent for kind in kinds)
+def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
+    """Return whether no link is struck any more where a law is in place.
+
+    Nobody can predict what is struck at random: where a law over known covariates does, it is none.
+    """
+    if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
+        return False
+    added = (*kept, _effect(alone))
+    return strike(search.comparison, search.work, added, added, search.kinds) is None
 
 
-def _lead(alone: Proposal, rest: Material, after: Proposal | None, values: int) -> float:
-    """Return by how many nats a law alone beats the named effects, and a law of what they leave.
+def _effect(proposal: Proposal) -> Law:
+    """Return a proposed law as an effect of the simulator."""
+    best = proposal.best
+    texts = (f"{name} = {value!r} {unit}" for name, value, unit in best.fitted.constants)
+    return Law(best.structure.expression, tuple(texts))
+
+
+def _leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added) -> bool:
+    """Return whether a law alone beats the named effects, and them with a law of what they leave.
 
     The law pays for its form among all and for its constants; a library effect only what its
     values gain from noise, so that one that is the truth is not beaten.
     """
     before = unmoved(alone.given.residual_m).likelihood
     library = alone.share * (unmoved(rest.residual_m).likelihood - before)
-    library -= LAW_VALUE_NATS * values
-    return alone.best.nats - library - (max(after.best.nats, 0.0) if after else 0.0)
+    library -= LAW_VALUE_NATS * sum(effect.freed for effect in named)
+    lead = alone.best.nats - library
+    both = lead - (max(after.best.nats, 0.0) if after else 0.0)
+    return lead >= LAW_INSTEAD_NATS and both >= LAW_NATS
 
 
 def _without_names(found: Selection, kept: Added) -> Selection:

@@ -15,9 +15,9 @@ from bench.discrepancy.law.found import FoundLaw, SetupFault, fault_dict, law_di
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, condition, material
 from bench.discrepancy.law.search import propose
-from bench.discrepancy.law.unexplained import _lead
-from bench.discrepancy.settings import LAW_INSTEAD_NATS
+from bench.discrepancy.law.unexplained import _leads
 from bench.physics import Base, Simulator, from_toml, to_toml
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.law import Law
 
 QUICK = (
@@ -132,9 +132,10 @@ def test_a_law_leads_names_that_leave_it_and_not_those_that_explain_it() -> None
     assert alone is not None
     noise = np.random.default_rng(1).normal(0, alone.scale_m, len(alone.given.links))
     explained = replace(alone.given, residual_m=noise)
-    assert _lead(alone, alone.given, None, 6) > LAW_INSTEAD_NATS
-    assert _lead(alone, explained, None, 6) < 0
-    assert _lead(alone, alone.given, None, 6) == pytest.approx(alone.best.nats + 6)
+    named = (AntennaDelay(delay_ns=0.1),)
+    assert _leads(alone, alone.given, None, named)
+    assert not _leads(alone, explained, None, named)
+    assert not _leads(alone, alone.given, alone, named)  # the names leave all of it
 
 
 def test_words_have_units_and_intervals() -> None:
