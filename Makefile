@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test lint unit benchmark mutants fuzz leaderboard clean help
+.PHONY: demo test lint unit coverage benchmark mutants fuzz leaderboard clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -35,7 +35,10 @@ lint: $(VENV)/installed-dev  ## ruff, mypy strict, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-unit: $(VENV)/installed-dev  ## the test suite with coverage
+unit: $(VENV)/installed-dev  ## the test suite on two cores
+	$(BIN)/python -m pytest -n 2
+
+coverage: $(VENV)/installed-dev  ## the test suite with its coverage: a third slower
 	$(BIN)/python -m pytest -n 2 --cov --cov-report=term:skip-covered
 
 benchmark: $(VENV)/installed-dev  ## speed, as ratios within one run; some 15 minutes on two quiet cores

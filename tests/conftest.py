@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,18 @@ LONG = ("tests/fuzz/", "tests/bench/cli/test_plugin.py", "tests/bench/reproduce/
 FIRST = (*TOGETHER, *CLUSTER, *LONG)  # or one process waits for the other in the end
 
 
+@pytest.fixture(scope="session")
+def _caches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return fresh paths; `mktemp` per test looks through those of all tests before."""
+    folder = tmp_path_factory.mktemp("caches")
+    return (folder / str(number) for number in count())
+
+
 @pytest.fixture(autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("BENCH_CACHE", str(tmp_path_factory.mktemp("cache")))
+def _own_cache(_caches: Iterator[Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    own = next(_caches)
+    own.mkdir()
+    monkeypatch.setenv("BENCH_CACHE", str(own))
     _read_translations_once()
 
 

@@ -169,7 +169,9 @@ class Batch:
         """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""
         if self.range_m is None:
             raise ValueError("ranges exist only at the ranging stage")
-        return replace(self, range_m=self.range_m + by_m)
+        made = object.__new__(type(self))  # `replace` costs more than adding to some hundred rows
+        made.__dict__.update(self.__dict__, range_m=self.range_m + by_m)
+        return made
 
     def later(self, by_ns: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_ns` nanoseconds of one-way delay."""

@@ -1,6 +1,6 @@
 """Random tables never end in a traceback: a diagnosis, or one clear line.
 
-`BENCH_RANDOM_TABLES` says how many are tried (default 25).
+`BENCH_RANDOM_TABLES` says how many are tried (default 12).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
 
-TABLES = int(os.environ.get("BENCH_RANDOM_TABLES", "25"))
+TABLES = int(os.environ.get("BENCH_RANDOM_TABLES", "12"))
 QUICK = Options(search_rows=60, fit_rows=40, confirm_rows=40)
 
 

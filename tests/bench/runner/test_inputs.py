@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import constant_graphs
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,6 +16,18 @@ from bench.runner.inputs import missing, rows_for
 from bench.runner.intervals import intervals_of
 from bench.runner.material import load_material
 from zoo import Constant, ConstantByLevel, GradientBoosting, NoMitigation, REMnet
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Time nothing."""
+    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+
+
+@pytest.fixture
+def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write the graphs of constants by hand."""
+    monkeypatch.setattr("backends.export.export_module", constant_graphs.export_module)
 
 
 def table(rows: int = 120, levels: bool = True) -> Recordings:
@@ -53,9 +66,8 @@ def test_a_model_that_lacks_what_it_reads_says_what() -> None:
 
 @pytest.mark.slow
 def test_a_table_without_a_cir_runs_every_model_that_needs_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    quick: None, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
     done = bench.run(
         "none,constant,constant-by-level,gbm,remnet", "fp32", table(), split="link-kfold:3",
         out=tmp_path / "r",
@@ -70,10 +82,9 @@ def test_a_table_without_a_cir_runs_every_model_that_needs_none(
 
 @pytest.mark.slow
 def test_a_deviation_goes_with_the_predictions_and_intervals_are_made_of_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    quick: None, by_hand: None, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
-    done = bench.run("gp,constant", "fp32", table(), split="link-kfold:3", out=tmp_path / "r")
+    done = bench.run("gp,constant", "fp32", table(), split="link-kfold:2", out=tmp_path / "r")
     assert not done.failures
     found = {run.key.model: intervals_of(ResultFolder(done.folder), run, 0.8) for run in done.runs}
     assert found["constant"].crps_m is None
@@ -83,12 +94,9 @@ def test_a_deviation_goes_with_the_predictions_and_intervals_are_made_of_them(
 
 
 @pytest.mark.slow
-def test_a_guarded_model_has_a_name_of_its_own_and_floors_stay(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_, **__: ([], []))
+def test_a_guarded_model_has_a_name_of_its_own_and_floors_stay(quick: None, tmp_path: Path) -> None:
     done = bench.run(
-        "gp,constant", "fp32", table(), split="link-kfold:3", out=tmp_path / "r", guard=True
+        "gp,constant", "fp32", table(), split="link-kfold:2", out=tmp_path / "r", guard=True
     )
     assert not done.failures
     scores = {run.key.model: run.los for run in done.runs}
