@@ -260,6 +260,14 @@ ADEQUACY_INTERVALS: Final = 4  # of a covariate [convention]
 ADEQUACY_LEAST: Final = 0.02  # squared scatter that rows have at least, of the typical [convention]
 ADEQUACY_WIDEST: Final = 30.0  # times the scatter, beyond which values are cut [convention]
 
+# --- An effect over levels at a fixed distance (select/fixed_distance) ----------------------------
+FADING_M: Final = 0.06  # a wavelength at 5 GHz: within it the level of a path stays [derived]
+FOLLOWING_PLACES: Final = 40  # that must be known [convention]
+FOLLOWING_KNOTS: Final = 6  # of what is usual at a distance [convention]
+FOLLOWING_WIDEST: Final = 3.0  # standard deviations beyond which a row is cut [convention]
+FOLLOWING_DRAWS: Final = 200  # of links [cost]
+FOLLOWING_LEAST: Final = 0.5  # of the response, that the interval must reach [convention]
+
 # --- Links struck at random (select/link_mixture) ------------------------------------------------
 WIDEST_OFFSET_M: Final = 5.0  # unexplained offsets are uniform within: the longest mean detour
 CALM_EXTRA_M: Final = (0.0, 0.003, 0.3, 9)  # scatter beyond the simulator's: 0, from, to, how many

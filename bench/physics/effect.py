@@ -117,6 +117,7 @@ class Effect(ABC):
     `marked`: it is fitted only where recordings bear a mark that no scatter can leave.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
+    `follows`: the measured column that its error follows, at a fixed distance too.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
     and for how hard, where it does. `setup_fault`: the kind of fault of the set-up that it is, such
@@ -137,6 +138,7 @@ class Effect(ABC):
     first: ClassVar[bool] = False
     independent: ClassVar[bool] = False
     marked: ClassVar[bool] = False
+    follows: ClassVar[str] = ""
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
     needs: ClassVar[tuple[tuple[str, ...], ...]] = ()

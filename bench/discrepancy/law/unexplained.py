@@ -18,7 +18,7 @@ from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import LeftOut, Unknown
-from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_NATS, LAW_VALUE_NATS
+from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_TIED_NATS, LAW_VALUE_NATS
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law
 
@@ -116,14 +116,15 @@ def _leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added
     """Return whether a law alone beats the named effects, and them with a law of what they leave.
 
     The law pays for its form among all and for its constants; a library effect only what its
-    values gain from noise, so that one that is the truth is not beaten.
+    values gain from noise, so that one that is the truth is not beaten. One law goes before names
+    and a law that do about as well.
     """
     before = unmoved(alone.given.residual_m).likelihood
     library = alone.share * (unmoved(rest.residual_m).likelihood - before)
     library -= LAW_VALUE_NATS * sum(effect.freed for effect in named)
     lead = alone.best.nats - library
     both = lead - (max(after.best.nats, 0.0) if after else 0.0)
-    return lead >= LAW_INSTEAD_NATS and both >= LAW_NATS
+    return lead >= LAW_INSTEAD_NATS and both >= -LAW_TIED_NATS
 
 
 def _without_names(found: Selection, kept: Added) -> Selection:

@@ -8,6 +8,7 @@ from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.select.adequacy import Adequacy, adequacy
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
+from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.settings import ADEQUACY_RIVALS, MARGIN_NATS
@@ -70,7 +71,10 @@ def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
 def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return the adequacy of an effect on all working rows; one that cannot be judged passes."""
     try:
-        return adequacy(search.comparison, working(search), added, effect)
+        found = adequacy(search.comparison, working(search), added, effect)
+        if not found.adequate or search.work is None:
+            return found
+        return follows(search.comparison, search.work, added, effect)
     except BenchError:
         return Adequacy(True)
 

@@ -50,6 +50,7 @@ class PowerCurve(Effect):
     stage = "ranging"
     source = "Decawave application note APS011, version 1.0; curve fitted to recordings"
     signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
+    follows = "rx_power_dbm"
     needs = (("rx_power_dbm",),)
 
     levels_dbm: tuple[float, ...] = (-77.0,)

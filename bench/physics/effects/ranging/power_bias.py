@@ -25,6 +25,7 @@ class PowerBias(Effect):
     stage = "ranging"
     source = "Decawave application note APS011, version 1.0, table 2"
     signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
+    follows = "rx_power_dbm"
 
     scale: float = parameter(1, "ratio", 0, 3, "of the published curve", null=0)
     shift_db: float = parameter(0, "dB", -20, 20, "the level at which the published 0 dB lies")
