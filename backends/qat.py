@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from backends.quantise import Range
     from zoo.base import MitigationModel, Progress, TrainingRecipe
 
-EPOCHS = 3
+EPOCHS = 4
 BATCH_ROWS = 256
-PACE = 0.3  # of the recipe's learning rate, at the start; it falls to 0
 
 KEPT = 32
 _LEARNT: dict[str, Learnt] = {}
@@ -41,7 +40,7 @@ class QatBackend(Backend):
 
     The model's own recipe is followed but for three things: `EPOCHS` passes are enough from a
     fitted start, batches are at least `BATCH_ROWS` to keep it short, and the learning rate falls
-    from `PACE` of the recipe's to 0, as weights only have to settle. Dropout is off.
+    from the recipe's to 0, so that weights settle. Dropout is off.
     """
 
     name: ClassVar[str] = "qat"
@@ -128,7 +127,6 @@ def train_quantised(
     whole = Fed(rounded, graph_inputs(form.graph))
     further = replace(
         recipe,
-        learning_rate=PACE * recipe.learning_rate,
         batch_size=max(recipe.batch_size, BATCH_ROWS),
         epochs=EPOCHS,
         seed=data.seed,

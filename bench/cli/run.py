@@ -88,6 +88,7 @@ Examples:
     is_flag=True,
     help="Do not wait (up to two minutes) for a quiet machine to time on.",
 )
+@click.option("--no-timing", is_flag=True, help="Measure no latency.")
 @click.option(
     "--guard",
     is_flag=True,
@@ -108,6 +109,7 @@ def command(
     backend: str,
     plot: Path | None,
     no_wait: bool,
+    no_timing: bool,
     intervals: float | None,
     as_json: bool,
     **rest: Any,
@@ -126,7 +128,9 @@ def command(
     if intervals is not None and not 0 < intervals < 1:
         raise BenchError(f"--intervals {intervals}: expected a level between 0 and 1, such as 0.9")
     with RunView(quiet=as_json) as view:
-        outcome: RunSet = run(model, backend, **rest, observer=view, wait=not no_wait)
+        outcome: RunSet = run(
+            model, backend, **rest, observer=view, wait=not no_wait, timed=not no_timing
+        )
     if outcome.curve and not as_json:
         print_curve(outcome)
     else:

@@ -75,6 +75,7 @@ def run(
     scheduler: str | None = None,
     observer: Observer | None = None,
     wait: bool = True,
+    timed: bool = True,
     guard: bool = False,
 ) -> RunSet:
     """Benchmark models on backends and return the records, also written under `out`.
@@ -86,7 +87,8 @@ def run(
     a core, what a call takes is counted in an emulator where that is installed. `jobs` processes
     (None: as many as there are cores where the fits are long) or a Dask `scheduler` share the fits,
     never the timings. `wait` waits up to two minutes for a
-    quiet machine before timing; what a busy one disturbed is not reported either way.
+    quiet machine before timing; what a busy one disturbed is not reported either way. Not `timed`:
+    no latency is measured.
 
     Across data: `train` (names with commas, or several) and `test` train on some and test on
     another; each is a data set, a recordings file or a simulator's TOML. `links`, a number or
@@ -125,7 +127,9 @@ def run(
     if across and across.links:
         curve = curve_points(runs, materials, across.links, folder)
         return RunSet(runs, [], failures, folder.root, plan.devices, curve)
-    timings, late = time_artifacts(runs, folder, widths(plan.models, materials[0]), watch, wait)
+    timings, late = list[TimingRecord](), list[Failure]()
+    if timed:
+        timings, late = time_artifacts(runs, folder, widths(plan.models, materials[0]), watch, wait)
     if device.strip() != "all":
         count_runs(runs, plan.devices, materials[0], folder, watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)
