@@ -145,6 +145,7 @@ class Effect(ABC):
     strikes: ClassVar[tuple[str, str] | None] = None
     values_unit: ClassVar[str] = ""
     setup_fault: ClassVar[str] = ""
+    essential: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

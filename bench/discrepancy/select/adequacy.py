@@ -49,15 +49,18 @@ class Adequacy:
 
     `left` is what is left over the largest response of the effect in the same observable, `z` the
     same in standard errors, `where` the place and observable in words; `adequate` whether that
-    may be chance or another form of the same effect.
+    may be chance or another form of the same effect. `note`: another reason why it is not.
     """
 
     adequate: bool
     left: float = 0.0
     z: float = 0.0
     where: str = ""
+    note: str = ""
 
     def __str__(self) -> str:
+        if self.note:
+            return self.note
         return f"{self.left:.0%} of its response is left in {self.where} (z = {self.z:.1f})"
 
 

@@ -29,6 +29,7 @@ from bench.discrepancy.settings import (
     EQUIVALENT_SHARE,
     FAR_BEHIND,
     FIT_MEMBERS,
+    NEARLY_SHARE,
     REFINED,
     SAME_LINKS,
     SCORE_FIRST,
@@ -322,6 +323,17 @@ def equivalents(
         if close and likely and not ahead.above_zero and _same_links(explanation, best, other):
             same.append(other)
     return tuple(same)
+
+
+def nearly_as_good(explanation: Explanation, same: tuple[Contender, ...]) -> tuple[Contender, ...]:
+    """Return contenders that gain nearly as much as the best on the same links.
+
+    A form that is a little wrong costs that much, also where scores put it behind beyond doubt.
+    """
+    best, known = explanation.contenders[0], {one.name for one in same}
+    able = [c for c in explanation.contenders if c.name not in known and c.gain.above_zero]
+    near = (c for c in able if c.gain.value >= NEARLY_SHARE * best.gain.value)
+    return tuple(c for c in near if _same_links(explanation, best, c))
 
 
 def _same_links(explanation: Explanation, best: Contender, other: Contender) -> bool:

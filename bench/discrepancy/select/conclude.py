@@ -13,7 +13,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
-from bench.discrepancy.select.candidates import Explanation, equivalents
+from bench.discrepancy.select.candidates import Explanation, equivalents, nearly_as_good
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
@@ -143,6 +143,8 @@ def _named(
         if effect is None or any(effect.physics in v.names for v in out):
             continue
         same = equivalents(turn.explanation, search.seed)
+        if search.fit.waveform:
+            same = (*same, *nearly_as_good(turn.explanation, same))
         if len(added) > 1:
             views = (search.fit, search.discover)
             held = rivals(
@@ -153,29 +155,34 @@ def _named(
             _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
             for i, c in enumerate(same)
         )
-        passed = tuple(o for o in options if o.control.passed is not False)
-        passed = tuple(o for o in passed if _reproduces(search, added, effect, o))
+        objections = [objection(search, added, effect, option) for option in options]
+        passed = tuple(o for o, why in zip(options, objections, strict=True) if not why)
         passed = without_disguises(passed, search.searched)
         if not passed:  # a name whose own negative control fails is none
-            out.append(_refuted(turn, options[0]))
+            out.append(_refuted(turn, objections[0]))
         else:
             out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
     return tuple(out)
 
 
-def _reproduces(search: Search, added: Added, effect: Effect, option: LeftOut) -> bool:
-    """Return whether an option reproduces what it acts on; `effect` itself is known to."""
+def objection(search: Search, added: Added, effect: Effect, option: LeftOut) -> str:
+    """Return why an option for `effect` is no name, "" where it may be.
+
+    `effect` itself is known to reproduce what it acts on.
+    """
+    name = option.names[0]
+    if option.control.passed is False:
+        return f"{name} gains most, but it is there too in {option.control.words}"
     if option.effect is effect:
-        return True
-    instead = swapped_for(added, effect, option.effect)
-    return fits(search, instead, option.effect).adequate
+        return ""
+    found = fits(search, swapped_for(added, effect, option.effect), option.effect)
+    return "" if found.adequate else f"looks most like {name}, but {found}"
 
 
-def _refuted(turn: Round, option: LeftOut) -> Unknown:
-    """Return the verdict where what gained most is still there where it must vanish."""
+def _refuted(turn: Round, note: str) -> Unknown:
+    """Return the verdict where what gained most is no name."""
     assert turn.explanation is not None
     tried = {c.name: c.gain.value for c in turn.explanation.contenders}
-    note = f"{option.names[0]} gains most, but it is there too in {option.control.words}"
     return Unknown(turn.located.findings, turn.explanation.removable, tried, note)
 
 

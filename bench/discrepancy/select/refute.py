@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
-from bench.discrepancy.settings import ADEQUACY_RIVALS, MARGIN_NATS
+from bench.discrepancy.settings import ADEQUACY_RIVALS, ESSENTIAL_SHARE, MARGIN_NATS
 from bench.errors import BenchError
-from bench.physics.effect import Effect
+from bench.physics.effect import Effect, Parameter
 
 
 @dataclass(frozen=True)
@@ -71,12 +73,33 @@ def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
 def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return the adequacy of an effect on all working rows; one that cannot be judged passes."""
     try:
+        idle = _idle(search, added, effect)
+        if idle:
+            return Adequacy(False, 1.0, note=f"without its {idle} it would do as well")
         found = adequacy(search.comparison, working(search), added, effect)
         if not found.adequate or search.work is None:
             return found
         return follows(search.comparison, search.work, added, effect)
     except BenchError:
         return Adequacy(True)
+
+
+def _idle(search: Search, added: Added, effect: Effect) -> str:
+    """Return an essential parameter that may be where it does nothing, "" where none is."""
+    wanted = {p.name: p for p in effect.parameters() if p.name in type(effect).essential}
+    if not wanted:
+        return ""
+    rest = without(added, effect)
+    found = parameter_intervals(search.comparison, search.sharpest, rest, effect)
+    idle = (one.name for one in found if one.name in wanted and _is_null(wanted[one.name], one))
+    return next(idle, "")
+
+
+def _is_null(item: Parameter, found: ParameterEstimate) -> bool:
+    """Return whether a parameter may be where it does nothing."""
+    null = float(item.null or 0.0)
+    near = abs(found.value - null) < ESSENTIAL_SHARE * (item.high - item.low)
+    return near or found.low <= null <= found.high
 
 
 def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:

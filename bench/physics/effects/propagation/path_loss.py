@@ -25,6 +25,7 @@ class PathLoss(Effect):
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2"
     signature = "receive level over log distance has another slope; scatter per position"
     per_link = True  # the shadowing
+    essential = ("exponent",)
 
     exponent: float = parameter(2, "1", 1, 5, "n", null=2)
     offset_db: float = parameter(0, "dB", -6, 30, "loss beyond free space at 1 m", null=0)

@@ -34,6 +34,7 @@ class Quantisation(Effect):
     signature = "whole numbers; a constant added to every complex sample"
     needs = (("cir",),)
     without_cir = False
+    essential = ("step_counts",)
 
     step_counts: float = parameter(1, "counts", 0, 256, "rounding step", null=0)
     offset_counts: float = parameter(0, "counts", 0, 1000, "length of the offset", null=0)
