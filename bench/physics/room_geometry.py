@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.physics.room_plan import HEIGHT_M, ROW_TOTAL, ROWS_PER_LINK, Place, places, things
+from bench.physics.room_plan import HEIGHT_M, ROW_TOTAL, ROWS_PER_LINK, Place, Plan, Thing, plan
 from bench.physics.units import Floats
 
 _RATE_HZ = 10.0  # ranges per second, as the laser tracker of the paper
@@ -24,29 +24,34 @@ class _Links:
     """One place's links: L of them, `rows` [L] rows each, `sight` [L] line of sight."""
 
     place: Place
+    things: tuple[Thing, ...]
     rows: NDArray[np.intp]
     sight: NDArray[np.bool_]
     anchor: Floats
     tag: Floats
 
 
-def room_geometry(rng: np.random.Generator, rows: int = ROW_TOTAL) -> pd.DataFrame:
+def room_geometry(
+    rng: np.random.Generator, rows: int = ROW_TOTAL, of: Plan | None = None
+) -> pd.DataFrame:
     """Return the geometry columns of the rooms: 55 000 rows, or fewer of the same mixture.
 
-    Nothing is simulated yet: positions, true range, sight, obstacles, devices, link, time.
+    Nothing is simulated yet: positions, true range, sight, obstacles, devices, link, time. The
+    plan is that of `rooms`, or another one `of` the same structure.
     """
-    counts = _shared_out(rows)
+    of = of or plan()
+    counts = _shared_out(of.places, rows)
     parts = [
-        _place(place, rng, *count)
-        for place, count in zip(places(), counts, strict=True)
+        _place(place, of.things, rng, *count)
+        for place, count in zip(of.places, counts, strict=True)
         if sum(count)
     ]
     return pd.concat(parts, ignore_index=True)
 
 
-def _shared_out(rows: int) -> list[tuple[int, int]]:
+def _shared_out(places: tuple[Place, ...], rows: int) -> list[tuple[int, int]]:
     """Return rows without and with sight of each place, `rows` in all, in the full mixture."""
-    whole = np.array([[place.nlos_rows, place.los_rows] for place in places()])
+    whole = np.array([[place.nlos_rows, place.los_rows] for place in places])
     exact = whole * rows / whole.sum()
     counts = np.floor(exact).astype(int)
     most = np.argsort((counts - exact).ravel(), kind="stable")[: rows - counts.sum()]
@@ -54,20 +59,24 @@ def _shared_out(rows: int) -> list[tuple[int, int]]:
     return [(int(blocked), int(clear)) for blocked, clear in counts]
 
 
-def _place(place: Place, rng: np.random.Generator, nlos: int, los: int) -> pd.DataFrame:
+def _place(
+    place: Place, things: tuple[Thing, ...], rng: np.random.Generator, nlos: int, los: int
+) -> pd.DataFrame:
     """Return the rows of one environment."""
-    links = _links(place, rng, nlos, los)
+    links = _links(place, things, rng, nlos, los)
     frame = _walk(links, rng)
     return _with_obstacles(frame, links, rng)
 
 
-def _links(place: Place, rng: np.random.Generator, nlos: int, los: int) -> _Links:
+def _links(
+    place: Place, things: tuple[Thing, ...], rng: np.random.Generator, nlos: int, los: int
+) -> _Links:
     """Draw the links: how many rows each, and where anchor and tag stand."""
     blocked, clear = _sizes(rng, nlos), _sizes(rng, los)
     rows = np.concatenate([blocked, clear])
     sight = np.arange(len(rows)) >= len(blocked)
     anchor, tag = _ends(place, rng, len(rows))
-    return _Links(place, rows, sight, anchor, tag)
+    return _Links(place, things, rows, sight, anchor, tag)
 
 
 def _sizes(rng: np.random.Generator, total: int) -> NDArray[np.intp]:
@@ -197,7 +206,7 @@ def _drawn(
     links: _Links, at: int, rng: np.random.Generator
 ) -> tuple[list[str], Floats, Floats, Floats, Floats, Floats]:
     """Draw the obstacles of one link: one, sometimes two; none with line of sight."""
-    known = things()
+    known = links.things
     if links.sight[at]:
         chosen = []
     else:

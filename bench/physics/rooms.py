@@ -1,6 +1,7 @@
 """The simulated default data: three rooms, an open place and a wall, out of physics alone.
 
 The simulator is `rooms.toml` beside this file; the plan of rooms and obstacles is in `room_plan`.
+docs/rooms.md says what it takes from real recordings and why; `IdealRooms` is what it was before.
 """
 
 from __future__ import annotations
@@ -8,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 import pandas as pd
 
-from bench.physics.room_plan import LICENCE, ROW_TOTAL
+from bench.physics.room_plan import LICENCE, ROW_TOTAL, Plan, ideal_plan, plan
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import SimulatorPlugin
 from bench.physics.stream import rooms as room_rows
@@ -24,14 +26,19 @@ class Rooms(SimulatorPlugin):
     """The `rooms` simulator with a geometry of its own; SIMULATED, reproducible from a seed."""
 
     rows = ROW_TOTAL
+    file: ClassVar[str] = "rooms.toml"
 
     def __init__(self, seed: int | None = None) -> None:
-        read = read_toml(Path(__file__).parent / "rooms.toml")
+        read = read_toml(Path(__file__).parent / self.file)
         self.simulator: Simulator = read if seed is None else replace(read, seed=seed)
+
+    def plan(self) -> Plan:
+        """Return the rooms and obstacles that rows are drawn from."""
+        return plan()
 
     def geometry(self, rows: int, seed: int) -> Iterator[pd.DataFrame]:
         """Yield rows in the rooms; beyond 55 000, in further campaigns of measurement."""
-        return room_rows(rows, seed)
+        return room_rows(rows, seed, self.plan())
 
     def generate(self, rows: int = ROW_TOTAL) -> Recordings:
         """Return 55 000 simulated recordings, or `rows` of the same mixture."""
@@ -44,6 +51,16 @@ class Rooms(SimulatorPlugin):
         versions = {library: package_version(library) for library in ("numpy", "scipy", "pandas")}
         code = packages_code_hash("bench/physics")
         return json_digest([to_toml(self.simulator), code, versions])
+
+
+class IdealRooms(Rooms):
+    """`rooms` as it was before docs/rooms.md: the same numbers to the last bit; SIMULATED."""
+
+    file = "rooms_ideal.toml"
+
+    def plan(self) -> Plan:
+        """Return the plan with nothing unlisted behind the obstacles."""
+        return ideal_plan()
 
 
 def simulator() -> Simulator:

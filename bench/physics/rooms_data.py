@@ -15,6 +15,7 @@ from bench.physics.room_plan import LICENCE
 from bench.recordings.sources.base import Source
 
 if TYPE_CHECKING:
+    from bench.physics.rooms import Rooms
     from bench.recordings.table import Recordings
 
 
@@ -36,11 +37,10 @@ class RoomsSource(Source):
 
         Where the cache cannot be written the rows are returned all the same.
         """
-        from bench.physics.rooms import Rooms
         from bench.recordings.io import read_recordings, write_recordings
 
-        rooms = Rooms()
-        target = cache_dir() / "simulated" / f"rooms-{rooms.key()}.parquet"
+        rooms = self._rooms()
+        target = cache_dir() / "simulated" / f"{self.name}-{rooms.key()}.parquet"
         if target.exists():
             try:
                 return read_recordings(target)
@@ -52,3 +52,21 @@ class RoomsSource(Source):
         except BenchError:
             return made
         return read_recordings(target)
+
+    def _rooms(self) -> Rooms:
+        """Return the simulator with its rows."""
+        from bench.physics.rooms import Rooms
+
+        return Rooms()
+
+
+class IdealRoomsSource(RoomsSource):
+    """`rooms` as it was before docs/rooms.md, to repeat figures published with it (SIMULATED)."""
+
+    name = "rooms-ideal"
+    title = "Simulated rooms without what real recordings show (docs/rooms.md)"
+
+    def _rooms(self) -> Rooms:
+        from bench.physics.rooms import IdealRooms
+
+        return IdealRooms()

@@ -16,7 +16,7 @@ from bench.errors import BenchError
 from bench.files import atomic_path
 from bench.physics.randomness import BLOCK
 from bench.physics.room_geometry import room_geometry
-from bench.physics.room_plan import ROW_TOTAL
+from bench.physics.room_plan import ROW_TOTAL, Plan
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
@@ -160,12 +160,12 @@ def _opened(path: Path) -> Iterator[pq.ParquetFile]:
         raise BenchError(f"{path}: cannot be read as recordings Parquet: {reason}") from problem
 
 
-def rooms(rows: int, seed: int) -> Iterator[pd.DataFrame]:
+def rooms(rows: int, seed: int, of: Plan | None = None) -> Iterator[pd.DataFrame]:
     """Yield `rows` rows of room geometry; beyond 55 000, from further campaigns."""
     for campaign, start in enumerate(range(0, rows, ROW_TOTAL)):
         wanted = min(ROW_TOTAL, rows - start)
         rng = np.random.default_rng([seed, campaign] if campaign else seed)
-        frame = room_geometry(rng, wanted)
+        frame = room_geometry(rng, wanted, of)
         if campaign:
             frame = frame.assign(link=f"campaign-{campaign}-" + frame["link"])
         yield frame

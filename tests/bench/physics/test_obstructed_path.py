@@ -37,6 +37,17 @@ def test_obstructed_links_lose_power_and_read_long() -> None:
     assert np.median(struck.error_m - plain.error_m) == pytest.approx(0.3, abs=0.03)
 
 
+def test_the_delay_may_differ_between_links_but_not_within_one() -> None:
+    plain = _seen()
+    struck = _seen(
+        ObstructedPath(share=1.0, loss_db=3, loss_spread_db=0, delay_m=0.3, delay_spread=1)
+    )
+    late = (struck.error_m - plain.error_m).reshape(LINKS, 4)
+    assert late.mean() == pytest.approx(0.3, abs=0.15)
+    assert late.mean(axis=1).std() > 0.15
+    assert np.median(late.std(axis=1)) < 0.02
+
+
 def test_where_the_straight_path_is_lost_the_detour_is_ranged() -> None:
     tail = DiffuseTail(level_db=-8, distance_exponent=0)
     gone = ObstructedPath(share=1.0, loss_db=60, loss_spread_db=0, common=0, detour_m=1.0)

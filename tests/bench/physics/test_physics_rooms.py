@@ -6,7 +6,7 @@ import pytest
 
 from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import places, things
-from bench.physics.rooms import Rooms
+from bench.physics.rooms import IdealRooms, Rooms
 from bench.recordings.open import open_recordings
 from bench.recordings.table import Recordings
 
@@ -53,7 +53,7 @@ def test_cir_has_157_samples_five_of_them_before_the_first_path(rooms: Recording
     assert np.mean((index >= 5) & (index < 6)) > 0.999
     assert np.all((index >= 0) & (index < 157))
     peaks = np.median(cir.max(axis=1))
-    assert 14_000 < peaks < 20_000  # as recorded accumulators hold it
+    assert 5_000 < peaks < 10_000  # 128 symbols; miluv: 5 300 to 6 100
 
 
 def test_links_are_short_walks_that_share_nothing(rooms: Recordings) -> None:
@@ -105,25 +105,63 @@ def test_errors_come_from_physics(rooms: Recordings) -> None:
     frame = rooms.frame[rooms.frame["environment"].isin(ROOMS)]
     alone = frame[frame["obstacles"].map(len) <= 1]
     kind = alone["obstacles"].map(lambda cell: cell[0] if len(cell) else "none")
-    mean = alone["error_m"].groupby(kind).mean()
-    assert mean["metal plate"] > mean["cardboard box"] > mean["polystyrene plate"]
-    assert abs(mean["polystyrene plate"] - mean["none"]) < 0.02  # foam is air, nearly
+    mean, median = (getattr(alone["error_m"].groupby(kind), of)() for of in ("mean", "median"))
+    assert mean["metal plate"] > mean["cardboard box"] > mean["polystyrene plate"] > mean["none"]
+    assert abs(median["polystyrene plate"] - median["none"]) < 0.05  # foam is air, nearly
     foot = alone["rx_power_dbm"] - alone["first_path_power_dbm"]
-    assert foot.groupby(kind).mean()["metal plate"] > foot.groupby(kind).mean()["none"] + 2
+    assert foot.groupby(kind).mean()["metal plate"] > foot.groupby(kind).mean()["none"] + 1
 
 
-def test_cir_tells_of_the_error_on_links_never_seen(rooms: Recordings) -> None:
+def left(rooms: Recordings, samples: int) -> np.ndarray:
+    """Return what trees leave of the medium room's NLoS errors, trained on the other rooms."""
     from sklearn.ensemble import HistGradientBoostingRegressor
 
     frame, error = rooms.frame, rooms.errors_m()
     blocked = (~frame["los"]).to_numpy()
     train = np.flatnonzero(blocked & frame["environment"].isin(("big", "small")))[::6]
     test = np.flatnonzero(blocked & (frame["environment"] == "medium").to_numpy())[::3]
-    cir = np.log(np.stack(frame["cir"])[:, :32] + 50.0)
+    cir = np.log(np.stack(frame["cir"])[:, :samples] + 50.0)
+    rest = np.sqrt(np.mean(np.exp(2 * cir[:, 8:]), axis=1, keepdims=True)) if samples > 8 else 0
+    cir = np.column_stack([cir[:, :8], rest + np.zeros((len(cir), 1))])
     model = HistGradientBoostingRegressor(loss="absolute_error", max_iter=40, random_state=0)
-    left = error[test] - model.fit(cir[train], error[train]).predict(cir[test])
-    gain = 1 - np.abs(left).mean() / np.abs(error[test]).mean()
-    assert 0.25 < gain < 0.75
+    return error[test] - model.fit(cir[train], error[train]).predict(cir[test])
+
+
+def test_cir_tells_of_the_error_on_links_never_seen(rooms: Recordings) -> None:
+    before = errors(rooms, "medium", los=False)[::3]
+    few, many = left(rooms, 8), left(rooms, 32)
+    assert 0.25 < 1 - np.abs(many).mean() / np.abs(before).mean() < 0.6
+    assert 0.35 < 1 - many.var() / before.var() < 0.7  # the paper's REMnet: 0.56
+    assert np.abs(many).mean() < 0.96 * np.abs(few).mean()  # the paper's sweep falls with K
+
+
+def test_level_goes_with_the_error_as_recorded(rooms: Recordings) -> None:
+    """Recorded links without sight (apartment): rank correlation -0.65, spread 4 dB."""
+    found = _level_over_links(rooms.frame)
+    assert -0.75 < found[0] < -0.5
+    assert 2.0 < found[1] < 5.0
+
+
+def test_the_rooms_before_stay_to_be_had(rooms: Recordings) -> None:
+    before = IdealRooms().generate(8000)
+    assert before.label == "rooms-ideal (SIMULATED)"
+    assert IdealRooms().key() != Rooms().key()
+    correlation, spread_db = _level_over_links(before.frame)
+    assert abs(correlation) < 0.4
+    assert spread_db < 1.0
+
+
+def _level_over_links(frame: pd.DataFrame) -> tuple[float, float]:
+    """Return rank correlation of level and error over NLoS links, and the level's spread in dB.
+
+    The level is what a straight line over log distance leaves of the receive level.
+    """
+    inside = frame[frame["environment"].isin(ROOMS) & ~frame["los"]]
+    far, level = np.log10(inside["true_range_m"]), inside["rx_power_dbm"]
+    rest = level - np.polyval(np.polyfit(far, level, 1), far)
+    links = pd.DataFrame({"rest": rest, "error": inside["error_m"], "link": inside["link"]})
+    means = links.groupby("link").mean()
+    return means["rest"].corr(means["error"], "spearman"), means["rest"].std()
 
 
 def test_fewer_rows_keep_the_mixture_and_the_seed_decides() -> None:

@@ -18,10 +18,10 @@ class ObstructedPath(Effect):
     """In a share of the links something unlisted weakens and delays the straight path.
 
     An obstructed link's loss is normal over links around `loss_db`, never negative; all its other
-    paths have `common` of it too. Its straight path is later by `delay_m`, and no other path
-    arrives before its detour, exponential over links with mean `detour_m`: where the straight
-    path is lost under the threshold, the detour is what is ranged. Where sight is not known, any
-    link may be obstructed.
+    paths have `common` of it too. Its straight path is later by `delay_m` (`delay_spread` of it
+    exponential over links: materials differ in delay per dB), and no other path arrives before its
+    detour, exponential over links with mean `detour_m`: where the straight path is lost under the
+    threshold, the detour is what is ranged. Where sight is not known, any link may be obstructed.
     """
 
     name = "obstructed-path"
@@ -41,6 +41,9 @@ class ObstructedPath(Effect):
     loss_spread_db: float = parameter(8, "dB", 0, 20, "its std over obstructed links")
     common: float = parameter(0.3, "ratio", 0, 1, "of that loss that every other path has too")
     delay_m: float = parameter(0.1, "m", 0, 1, "of the straight path behind the obstacle")
+    delay_spread: float = parameter(
+        0, "ratio", 0, 1, "share of the delay that is exponential over links", fitted=False
+    )
     detour_m: float = parameter(0.5, "m", 0, 10, "mean extra length of the first other path")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -50,10 +53,15 @@ class ObstructedPath(Effect):
         loss = self.loss_db + self.loss_spread_db * draws.group_normal(links, 1)
         loss = np.where(struck, np.clip(loss, 0, 90), 0)
         detour = -np.log(draws.group_uniform(links, 2)) * self.detour_m / C_M_PER_NS
-        behind = np.where(struck, self.delay_m / C_M_PER_NS, 0)
+        behind = np.where(struck, self._delay_m(batch, draws) / C_M_PER_NS, 0)
         batch = batch.louder(-self.common * loss)
         batch = batch.direct_changed((1 - self.common) * loss, behind)
         return batch.silenced(np.where(struck, detour, -np.inf), direct=False)
+
+    def _delay_m(self, batch: Batch, draws: Draws) -> Floats:
+        """Return the straight path's delay [n] in metres: the same, or drawn per link."""
+        drawn = -np.log(draws.group_uniform(batch.rows.group("link"), 3))
+        return np.asarray(self.delay_m * (1 - self.delay_spread + self.delay_spread * drawn))
 
     def struck(self, batch: Batch, draws: Draws) -> NDArray[np.bool_]:
         """Return which rows [n] are of an obstructed link."""
