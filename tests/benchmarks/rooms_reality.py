@@ -1,4 +1,4 @@
-"""How unlike recordings the simulators `rooms` and `rooms-ideal` are, by the diagnosis's own scores.
+"""How unlike recordings `rooms` and `rooms-ideal` are, by the scores of the diagnosis.
 
     BENCH_DATA=FOLDER python tests/benchmarks/rooms_reality.py apartment miluv
 
