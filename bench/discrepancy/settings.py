@@ -272,6 +272,8 @@ FOLLOWING_WIDEST: Final = 3.0  # standard deviations beyond which a row is cut [
 FOLLOWING_DRAWS: Final = 200  # of links [cost]
 FOLLOWING_LEAST: Final = 0.5  # of the response, that the interval must reach [convention]
 
+SCATTER_SHAPE_P: Final = 1e-3  # of a distribution, to be another than scatter's [convention]
+
 # --- Links struck at random (select/link_mixture) ------------------------------------------------
 WIDEST_OFFSET_M: Final = 5.0  # unexplained offsets are uniform within: the longest mean detour
 CALM_EXTRA_M: Final = (0.0, 0.003, 0.3, 9)  # scatter beyond the simulator's: 0, from, to, how many
@@ -287,6 +289,8 @@ SHORTEST_DETOUR_M: Final = 0.3  # half a pulse of 500 MHz: a shorter one merges 
 STRIKE_NATS: Final = 6.0  # for two parameters: p = 0.0025 by chi-squared [derived]
 LEAD_NATS: Final = 3.0  # by which the likeliest must lead: 20 to 1 [convention]
 OFFSET_NATS: Final = 5.0  # for offsets per link: p = 0.0008 by chi-squared [derived]
+ROWS_STRUCK_SHARE: Final = 0.25  # of the share of struck links: of rows off their link, allowed
+ROW_OFF_STD: Final = 5.0  # standard deviations within links, to be off it [convention]
 STRAY_SHARE: Final = 0.2  # of the outliers may be left unexplained [blind]
 PROFILE_90_NATS: Final = 1.353  # half the 90 % point of chi-squared, 1 degree [derived]
 BEND_M: Final = 0.05  # offsets beyond are smoothed by their logarithm [convention]

@@ -24,6 +24,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select.within_links import link_medians, rows_off
 from bench.discrepancy.settings import (
     BEHIND_M,
     BEND_M,
@@ -34,6 +35,7 @@ from bench.discrepancy.settings import (
     OFFSET_FIRST,
     OFFSET_MEMBERS,
     PROFILE_90_NATS,
+    ROWS_STRUCK_SHARE,
     SHORTEST_DETOUR_M,
     SMALLEST_STRIKE,
     STRAY_SHARE,
@@ -160,6 +162,8 @@ def _one(
         return None
     if (likeliest == 2).sum() > STRAY_SHARE * outlying.sum():
         return None
+    if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
+        return None  # what strikes rows, not links
     effect = _striking(kind, mixed.share, mixed.size)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
     evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
@@ -231,13 +235,6 @@ def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect]
     spared = np.bincount(code, inert) == np.bincount(code)
     scatter = per_version[1:].std(axis=0, ddof=1) * np.sqrt(1 + 1 / members)
     return Offsets(links, per_version[0], np.maximum(scatter, LEAST_SCATTER_M), spared, members)
-
-
-def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
-    """Return the median over the rows of each link, [v, L], of values [v, n]."""
-    order = np.argsort(code, kind="stable")
-    parts = np.split(values[:, order], np.flatnonzero(np.diff(code[order])) + 1, axis=1)
-    return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
 
 
 def _share_and_size(kind: type[Effect]) -> tuple[Parameter, Parameter]:

@@ -11,6 +11,7 @@ from bench.discrepancy.select.adequacy import Adequacy, adequacy
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.fixed_distance import follows
+from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.settings import ADEQUACY_RIVALS, ESSENTIAL_SHARE, MARGIN_NATS
@@ -79,7 +80,9 @@ def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
         found = adequacy(search.comparison, working(search), added, effect)
         if not found.adequate or search.work is None:
             return found
-        return follows(search.comparison, search.work, added, effect)
+        found = follows(search.comparison, search.work, added, effect)
+        shape = scatters_alike(search.comparison, search.work, added, effect)
+        return found if shape.adequate else shape
     except BenchError:
         return Adequacy(True)
 

@@ -1,0 +1,42 @@
+"""Independent scatter has one hump; a detour strikes links, not rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.select.scatter_shape import shape
+from bench.discrepancy.select.within_links import rows_off
+
+LINKS = np.repeat(np.arange(60), 5)
+
+
+def ensemble(error_m: np.ndarray, scatter_m: float) -> Ensemble:
+    """Recorded errors beside twelve versions of normal scatter."""
+    rng = np.random.default_rng(1)
+    simulated = rng.normal(0, scatter_m, (12, len(error_m)))
+    versions = np.concatenate([error_m[None], simulated])[..., None]
+    return Ensemble(("error_m",), ("m",), versions, LINKS)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_scatter_of_the_same_kind_is_taken_as_such(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    assert shape(ensemble(rng.normal(0, 0.07, 300), 0.07)).adequate
+    assert shape(ensemble(rng.laplace(0, 0.05, 300), 0.07)).adequate
+
+
+def test_rows_that_jump_are_no_scatter() -> None:
+    rng = np.random.default_rng(2)
+    jumped = rng.normal(0, 0.022, 300) + 0.4 * (rng.random(300) < 0.3) - 0.12
+    assert not shape(ensemble(jumped, float(jumped.std()))).adequate
+
+
+def test_detours_strike_links_and_jumps_strike_rows() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.normal(0, 0.022, 300)
+    links, rows = rng.random(60) < 0.2, rng.random(300) < 0.3
+    assert rows_off(ensemble(noise + 0.8 * links[LINKS], 0.022)) == 0
+    assert rows_off(ensemble(noise + 0.4 * rows, 0.022)) > 0.15
+    assert rows_off(ensemble(rng.normal(0, 0.1, 300), 0.022)) < 0.02
