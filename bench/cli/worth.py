@@ -83,6 +83,18 @@ def _print(made: Worth) -> None:
             if any((way, count) in cells for count in counts)
         ]
         print_table(title, ("learnt from", *head), rows)
+    _print_remains(made)
     say(f"{made.sealed_links} sealed links in {made.splits} split(s)")
     if made.done < made.planned:
         say(f"NOT FINISHED: {made.done} of {made.planned} fits; run it again to go on")
+
+
+def _print_remains(made: Worth) -> None:
+    """Print what still tells simulated errors from recorded ones."""
+    rows = [
+        (f"{one.figure}, m" if one.unit == "m" else f"error goes with {one.figure}, rank corr.",
+         *(f"{value:.2f}" for value in (one.recorded, one.original, one.diagnosed)))
+        for one in made.remains
+    ]  # fmt: skip
+    title = "what remains: surveyed RECORDED links beside SIMULATED ones"
+    print_table(title, ("figure", "recorded", "original simulator", "diagnosed simulator"), rows)

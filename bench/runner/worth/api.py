@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
@@ -10,6 +11,7 @@ from bench.errors import BenchError
 from bench.recordings.open import Table
 from bench.runner.observer import Observer
 from bench.runner.worth.learners import simulated
+from bench.runner.worth.remains import remains
 from bench.runner.worth.scores import Kept, Task, scored, tasks
 from bench.runner.worth.settings import DRAWS, LINKS
 from bench.runner.worth.site import Site, seed_of, site
@@ -43,15 +45,17 @@ def worth(
         raise BenchError("no diagnosis named; expected a folder of `bench diagnose -o`")
     watch, end = observer or Observer(), monotonic() + 60 * (minutes or float("inf"))
     made: list[Split] = []
+    sites: list[Site] = []
     planned = 0
     _check_apart(folders)
     for folder in map(Path, folders):
         watch.stage(f"{folder}: simulating")
         here = site(folder, recorded)
+        sites.append(here)
         todo = tasks(here, counts, draws)
         planned += len(todo)
         made.append(_split(folder, here, todo, end, watch))
-    return table(made, counts, planned)
+    return replace(table(made, counts, planned), remains=remains(sites))
 
 
 def _checked(links: Sequence[int], draws: int, minutes: float | None) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.runner.worth.remains import Remains
 from bench.runner.worth.scores import Scored
 
 WAYS = {
@@ -43,7 +44,8 @@ class Worth:
 
     `left` maps (way, links) to the mean over links with a 95 % interval over links, `links` 0
     meaning all; `paired` maps (way, links) to how much less it leaves than surveyed links alone
-    (positive is better). `done` of `planned` tasks are in.
+    (positive is better). `done` of `planned` tasks are in. `remains`: what still tells the
+    diagnosed simulator from the recordings.
     """
 
     left: dict[tuple[str, int], Estimate]
@@ -53,6 +55,7 @@ class Worth:
     sealed_links: int
     done: int
     planned: int
+    remains: tuple[Remains, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """Return the table as plain data."""
@@ -62,6 +65,7 @@ class Worth:
             "done": self.done,
             "planned": self.planned,
             "left_m": [_plain(key, one) for key, one in self.left.items()],
+            "remaining_mismatch": [vars(one) for one in self.remains],
             "less_than_surveyed_links_alone_m": [_plain(k, one) for k, one in self.paired.items()],
         }
 

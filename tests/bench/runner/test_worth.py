@@ -74,6 +74,21 @@ def test_a_diagnosed_simulator_teaches_what_the_original_does_not(diagnosed: Pat
     assert made.paired["after+offset", 2].low <= made.paired["after+offset", 2].value
 
 
+def test_what_remains_of_the_mismatch_is_shown(diagnosed: Path, capsys, monkeypatch):
+    found = {one.figure: one for one in bench.worth(diagnosed, links=[2], draws=1).remains}
+    middle = found["error, 50th percentile"]
+    assert (middle.unit, middle.recorded) == ("m", pytest.approx(0.3, abs=0.05))
+    assert middle.original == pytest.approx(0.0, abs=0.05)
+    assert middle.diagnosed == pytest.approx(0.3, abs=0.05)
+    assert all(abs(one.recorded) <= 1 for one in found.values() if one.unit == "1")
+    words = ["bench", "worth", "--diagnosis", str(diagnosed), "--links", "2", "--draws", "1"]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 0
+    assert "what remains" in capsys.readouterr().out
+
+
 def test_what_is_done_is_not_done_again(diagnosed: Path, monkeypatch: pytest.MonkeyPatch):
     first = bench.worth(diagnosed, links=[2], draws=1)
     for trained in ("MLPRegressor", "HistGradientBoostingRegressor"):
