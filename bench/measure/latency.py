@@ -130,11 +130,12 @@ def measure(
 def _open_all(runs: list[_Run]) -> None:
     """Start the workers, as many at once as there are threads: nothing is timed yet."""
     at_once = threads()
-    for first in range(0, len(runs), at_once):
-        for run in runs[first : first + at_once]:
-            run.step(run.start)
-        for run in runs[first : first + at_once]:
-            run.step(run.await_open)
+    for run in runs[:at_once]:
+        run.step(run.start)
+    for at, run in enumerate(runs):
+        run.step(run.await_open)
+        for following in runs[at + at_once : at + at_once + 1]:
+            following.step(following.start)
 
 
 class _Session:

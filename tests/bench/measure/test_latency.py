@@ -29,15 +29,6 @@ def per_row(path, threads):
         return x.sum(axis=1)
     return run
 
-def wavers(path, threads):
-    step = float(path.read_text())
-    def run(x):
-        end = time.perf_counter() + step * len(x) * (1 + int(time.time() * 20) % 3)
-        while time.perf_counter() < end:
-            pass
-        return x.sum(axis=1)
-    return run
-
 def big(path, threads):
     weights = np.ones(60 * 2**20 // 8)
     return lambda x: x[:, 0] * weights[0]
@@ -159,12 +150,15 @@ def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> Non
     assert found.rounds == 11
 
 
-def test_a_steady_target_needs_fewer_rounds_than_one_that_is_not(toy) -> None:
-    found = measure([toy("per_row", "2e-5"), toy("wavers", "2e-5")], rounds=21)
-    steady, wavering = found
-    assert isinstance(steady, Timing)
-    assert isinstance(wavering, Timing)
-    assert latency.FIRST_ROUNDS <= steady.rounds < wavering.rounds == 21
+def test_a_target_with_narrow_intervals_is_done_before_the_others(toy, monkeypatch) -> None:
+    def quick_ones_are_narrow(rounds) -> float:
+        return 0.0 if statistics.median(rounds[0].samples_us) < 150 else 1.0
+
+    monkeypatch.setattr(latency, "width", quick_ones_are_narrow)
+    narrow, wide = measure([toy("per_row", "1e-6"), toy("per_row", "2e-4")], rounds=12)
+    assert isinstance(narrow, Timing)
+    assert isinstance(wide, Timing)
+    assert (narrow.rounds, wide.rounds) == (latency.FIRST_ROUNDS, 12)
 
 
 def test_a_figure_has_a_ratio_to_the_reference_loop(toy) -> None:
