@@ -24,7 +24,7 @@ from zoo.svm import FeatureSVM
 WIDTH = 157
 MODELS: dict[str, Callable[[], MitigationModel]] = {
     "remnet": lambda: REMnet(epochs=20, learning_rate=2e-3),
-    "cnn1d": lambda: CNN1D(epochs=15, learning_rate=1e-3),
+    "cnn1d": lambda: CNN1D(epochs=8, learning_rate=2e-3),
     "svm": lambda: FeatureSVM(),
     "mlp": lambda: FeatureMLP(epochs=20),
     "none": lambda: NoMitigation(),
