@@ -107,7 +107,11 @@ def blank(case: Case, number: int, score: str, words: str) -> Outcome:
 
 
 def scored(case: Case, found: Diagnosis) -> str:
-    """Return right, ambiguous, partly, wrong, unknown, missed, or (empty cases) clean, alarm."""
+    """Return right, ambiguous, partly, wrong, unknown, missed, or (empty cases) clean, alarm.
+
+    Something without a name beside the right ones is true where something is outside the library,
+    and where errors were bent into another histogram, which no effect does.
+    """
     verdicts = found.selection.verdicts
     said = {name for group in found.selection.names for name in group}
     silent = isinstance(verdicts[0], NoMismatch)
@@ -125,7 +129,8 @@ def scored(case: Case, found: Diagnosis) -> str:
         return "partly"
     unknown = any(isinstance(v, Unknown) for v in verdicts)
     alone = all(len(group) == 1 for group in found.selection.names)
-    return "right" if alone and (not unknown or case.outside) else "ambiguous"
+    left = bool(case.outside) or case.drawn.concealed == "aggregate"
+    return "right" if alone and (not unknown or left) else "ambiguous"
 
 
 def _side(case: Case) -> set[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -12,8 +12,10 @@ from bench.challenge.blind import run_blind, seal
 from bench.challenge.blind_report import blind_markdown
 from bench.challenge.cases import LIMIT_Z, Case, drawn_of, make_case
 from bench.challenge.rates import Rate, cause, median_share, rates
-from bench.challenge.scoring import Outcome, blank
+from bench.challenge.scoring import Outcome, blank, scored
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.select.verdict import Unknown
 from bench.errors import BenchError
 from bench.parallel import Spread
 
@@ -58,6 +60,45 @@ def test_an_effect_whose_columns_are_missing_counts_as_outside():
 def _unlisted_wall(number: int) -> bool:
     _, drawn = drawn_of(number, 1, ("hall",))
     return "material-delay" in drawn.hidden and not drawn.listed
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a diagnosis says, as far as scores ask."""
+
+    verdicts: tuple[object, ...]
+    names: tuple[tuple[str, ...], ...]
+
+    @property
+    def selection(self) -> Said:
+        """Itself."""
+        return self
+
+
+def _said(*names: str) -> Said:
+    rest = Unknown((), Estimate(1.0, 0.5, 1.5), {}, "")
+    return Said((rest,), tuple((name,) for name in names))
+
+
+@pytest.mark.parametrize(
+    ("concealed", "names", "score"),
+    [
+        ("plain", ("temperature-drift",), "ambiguous"),
+        ("aggregate", ("temperature-drift",), "right"),
+        ("aggregate", ("temperature-drift", "timestamp-jitter"), "right"),
+        ("aggregate", ("temperature-drift", "power-bias"), "wrong"),
+        ("plain", ("temperature-drift", "timestamp-jitter"), "wrong"),
+    ],
+)
+def test_what_a_concealment_does_is_true_where_it_is_said(case, concealed, names, score):
+    bent = replace(case, drawn=replace(case.drawn, concealed=concealed))
+    assert scored(bent, _said(*names)) == score
+
+
+def test_effects_of_motion_belong_to_the_library_where_things_move():
+    moving = {"time-lag", "exchange-motion"}
+    drawn = (n for n in range(60) if moving & set(drawn_of(n, 2, ("yard",))[1].hidden))
+    assert not moving & set(make_case(next(drawn), 2, ("yard",)).outside)
 
 
 def _outcome(number: int, what: tuple[str, ...], score: str, **known: object) -> Outcome:
