@@ -74,9 +74,9 @@ def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
 def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return the adequacy of an effect on all working rows; one that cannot be judged passes."""
     try:
-        idle = _idle(search, added, effect)
-        if idle:
-            return Adequacy(False, 1.0, note=f"without its {idle} it would do as well")
+        wrong = _idle(search, added, effect)
+        if wrong:
+            return Adequacy(False, 1.0, note=wrong)
         found = adequacy(search.comparison, working(search), added, effect)
         if not found.adequate or search.work is None:
             return found
@@ -88,21 +88,24 @@ def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
 
 
 def _idle(search: Search, added: Added, effect: Effect) -> str:
-    """Return an essential parameter that may be where it does nothing, "" where none is."""
+    """Return what is wrong with an essential parameter, in words, "" where nothing is."""
     wanted = {p.name: p for p in effect.parameters() if p.name in type(effect).essential}
     if not wanted:
         return ""
     rest = without(added, effect)
     found = parameter_intervals(search.comparison, search.sharpest, rest, effect)
-    idle = (one.name for one in found if one.name in wanted and _is_null(wanted[one.name], one))
-    return next(idle, "")
+    every = (idle(wanted[one.name], one) for one in found if one.name in wanted)
+    return next((words for words in every if words), "")
 
 
-def _is_null(item: Parameter, found: ParameterEstimate) -> bool:
-    """Return whether a parameter may be where it does nothing."""
-    null = float(item.null or 0.0)
-    near = abs(found.value - null) < ESSENTIAL_SHARE * (item.high - item.low)
-    return near or found.low <= null <= found.high
+def idle(item: Parameter, found: ParameterEstimate) -> str:
+    """Return in words whether a parameter may do nothing, or would go beyond physics, else ""."""
+    null, close = float(item.null or 0.0), ESSENTIAL_SHARE * (item.high - item.low)
+    if abs(found.value - null) < close or found.low <= null <= found.high:
+        return f"without its {item.name} it would do as well"
+    if min(found.value - item.low, item.high - found.value) < close:
+        return f"only with its {item.name} at the bound of physics"
+    return ""
 
 
 def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:

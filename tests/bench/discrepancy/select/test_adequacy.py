@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.hypotheses import Place
 from bench.discrepancy.select import refute
 from bench.discrepancy.select.adequacy import Adequacy, judged
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
+from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 LINKS, ROWS, MEMBERS = 30, 2, 10
@@ -106,3 +108,15 @@ def test_an_effect_takes_the_place_of_another() -> None:
     tail, noise = DiffuseTail(), NoiseFloor()
     other = replace(noise, level_db=3.0)
     assert refute.swapped_for((tail, noise), noise, other) == (tail, other)
+
+
+def test_an_essential_parameter_does_something_within_its_bounds() -> None:
+    (item,) = (p for p in PathLoss.parameters() if p.name in PathLoss.essential)
+    words = [
+        refute.idle(item, ParameterEstimate(item.name, value, value - 0.2, value + 0.2, "1"))
+        for value in (2.7, 2.05, 2.15, 1.03)
+    ]
+    assert words[0] == ""
+    assert "do as well" in words[1]
+    assert "do as well" in words[2]
+    assert "bound" in words[3]
