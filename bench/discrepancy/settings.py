@@ -253,6 +253,7 @@ ADEQUACY_MEMBERS: Final = 10  # [cost]
 ADEQUACY_ALPHA: Final = 0.05  # over all places and observables of one name [convention]
 ADEQUACY_LEFT: Final = (0.7, 1.0)  # of the largest response in an observable, that may be left in
 # its mean, in its spread: other forms of the right effect leave up to 0.6, wrong ones more [waves]
+ADEQUACY_CUT: Final = 0.5  # of what was there, that an effect has done its part by [convention]
 ADEQUACY_OFF_COVARIATE: Final = 0.4  # the same at a place where more is left than the effect does
 ADEQUACY_TOUCHED: Final = 0.3  # of its largest response: an effect acts on an observable
 NEARLY_SHARE: Final = 0.8  # of the best gain: another form may make up for the rest [waves]

@@ -25,6 +25,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Place
 from bench.discrepancy.settings import (
     ADEQUACY_ALPHA,
+    ADEQUACY_CUT,
     ADEQUACY_FIRST,
     ADEQUACY_INTERVALS,
     ADEQUACY_LEAST,
@@ -85,16 +86,15 @@ def judged(
 ) -> Adequacy:
     """Return the adequacy of an effect that `whole` has and `rest` has not.
 
-    Both are of the same rows and observables; `weights` [n, C] say which rows a place has. Three
-    numbers per cell, in its standard errors: what is left, the response, and the largest response
-    of any observable at this place.
+    Both are of the same rows and observables; `weights` [n, C] say which rows a place has. What
+    the effect has cut down enough is not held against it: other causes may have left the rest.
     """
-    response, left = _cells(whole, rest, weights)
+    response, left, before = _cells(whole, rest, weights)
     left = left / crowding
     own = response.max(axis=(0, 2))  # of each observable
     acts = own > ADEQUACY_TOUCHED * own.max(initial=0.0)
     beyond = norm.isf(ADEQUACY_ALPHA / 2 / max(left[:, acts].size, 1))
-    seen = (left > beyond) & acts[None, :, None]
+    seen = (left > beyond) & (left > ADEQUACY_CUT * before / crowding) & acts[None, :, None]
     share = np.where(seen, left / np.maximum(own, 1.0)[None, :, None], 0.0)
     here = response[:, acts].max(axis=(1, 2), initial=0.0)[:, None, None]
     allowed = np.where(left > here, ADEQUACY_OFF_COVARIATE, np.array(ADEQUACY_LEFT))
@@ -105,19 +105,24 @@ def judged(
     return Adequacy(bool(share[worst] <= allowed[worst]), *figures, where)
 
 
-def _cells(whole: Ensemble, rest: Ensemble, weights: Floats) -> tuple[Floats, Floats]:
-    """Return the response and what is left, in standard errors, both [C, p, 2]: mean, spread."""
+def _cells(whole: Ensemble, rest: Ensemble, weights: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the response, what is left, and what was left without the effect.
+
+    In standard errors, all [C, p, 2]: of the mean, of the spread.
+    """
     scale, links = _scales(whole, rest), whole.links
     after, before = _moments(whole, scale), _moments(rest, scale)
     simulated = np.stack([_link_sums(one, weights, links) for one in after[1:]])
     m = len(simulated)
     scatter = simulated.var(axis=0, ddof=1).sum(axis=0) * (1 + 1 / m)
     least = ADEQUACY_LEAST * (weights**2).sum(axis=0)[:, None, None]
-    error, level = np.sqrt(scatter + least), simulated.mean(axis=0).sum(axis=0)
-    left = np.abs(_link_sums(after[0], weights, links).sum(axis=0) - level) / error
+    error = np.sqrt(scatter + least)
+    left, without_it = (each[0] - each[1:].mean(axis=0) for each in (after, before))
     change = after[1:].mean(axis=0) - before[1:].mean(axis=0)
     change[..., 0] = np.nan_to_num(_clipped((_centre(whole) - _centre(rest)) / scale))
-    return np.abs(_link_sums(change, weights, links).sum(axis=0)) / error, left
+    sums = (_link_sums(each, weights, links).sum(axis=0) for each in (change, left, without_it))
+    response, after_it, before_it = (np.abs(each) / error for each in sums)
+    return response, after_it, before_it
 
 
 def _moments(ensemble: Ensemble, scale: Floats) -> Floats:
