@@ -52,7 +52,7 @@ def test_the_right_effect_in_another_form_is_adequate() -> None:
     assert _judged([6, 5, 4, 0], [6, 5, 4, 0]).adequate
     found = _judged([6, 5, 4, 0], [5, 5, 5, 0])
     assert found.adequate
-    assert 0 < found.left < 0.4
+    assert found.left < 0.4
 
 
 def test_an_effect_of_another_shape_is_not() -> None:
