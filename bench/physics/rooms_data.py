@@ -64,6 +64,7 @@ class IdealRoomsSource(RoomsSource):
     """`rooms` as it was before docs/rooms.md, to repeat figures published with it (SIMULATED)."""
 
     name = "rooms-ideal"
+    superseded = True
     title = "Simulated rooms without what real recordings show (docs/rooms.md)"
 
     def _rooms(self) -> Rooms:

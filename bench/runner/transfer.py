@@ -63,12 +63,16 @@ class TransferMatrix:
 
 
 def here() -> list[str]:
-    """Return the data sets on this machine whose readers have seen real files, by name."""
+    """Return the data sets on this machine whose readers have seen real files, by name.
+
+    Those kept only to repeat older figures are left out.
+    """
     found = []
     for plugin in plugins("datasets"):
         try:
             source = open_source(plugin.name)
-            if source.untested is None and source.available() is None:
+            wanted = source.untested is None and not source.superseded
+            if wanted and source.available() is None:
                 found.append(plugin.name)
         except BenchError:
             continue

@@ -38,7 +38,8 @@ class Source(ABC):
     `test_environment` is the environment that leave-environment-out tests on by default.
     `publisher` is where the files come from, None where there are none to fetch. `variants` are
     other readings of the same files, by name: asked for as `NAME:VARIANT`, they stand in `variant`.
-    `untested` says so where the reader never saw a real file.
+    `untested` says so where the reader never saw a real file. `superseded` data are kept to repeat
+    older figures: by name alone, never among all that are here.
     """
 
     name: ClassVar[str]
@@ -49,6 +50,7 @@ class Source(ABC):
     publisher: ClassVar[Publisher | None] = None
     variants: ClassVar[Mapping[str, str]] = {}
     untested: ClassVar[str | None] = None
+    superseded: ClassVar[bool] = False
     variant: str | None = None
 
     @property
