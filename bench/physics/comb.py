@@ -49,17 +49,16 @@ def comb(measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]) -> Comb |
     """
     if len(measured_m) < 2 or not np.ptp(measured_m) > STEPS_M[0]:
         return None
-    frequency, clear = _spectrum(measured_m), _spectrum(plain_m)
-    shared = min(len(frequency[1]), len(clear[1]))
-    lead = frequency[1][:shared] - clear[1][:shared]
-    found = _fundamental(measured_m, float(frequency[0][int(np.argmax(lead))]))
+    span = max(float(np.ptp(measured_m)), float(np.ptp(plain_m)))
+    (frequency, length), (_, clear) = (_spectrum(v, span) for v in (measured_m, plain_m))
+    found = _fundamental(measured_m, float(frequency[int(np.argmax(length - clear))]))
     own, other = _phase(measured_m, found), _phase(plain_m, found)
     if abs(own) < max(COHERENT, CLEARER * abs(other)):
         return None
     exact = abs(own) > EXACT[0] and links.max() + 1 >= EXACT[1]
     tried = np.ptp(measured_m) * (1 / STEPS_M[0] - 1 / STEPS_M[1])
-    length = (abs(own) * len(measured_m)) ** 2 / _by_chance(measured_m, plain_m, links, found)
-    if not exact and length - np.log(max(tried, 1.0)) < NATS:
+    beyond = (abs(own) * len(measured_m)) ** 2 / _by_chance(measured_m, plain_m, links, found)
+    if not exact and beyond - np.log(max(tried, 1.0)) < NATS:
         return None
     origin = float(np.angle(own)) / (2 * np.pi * found)
     return Comb(1 / found, origin, float(abs(own)))
@@ -70,13 +69,13 @@ def _phase(values: Floats, frequency: float) -> complex:
     return complex(np.exp(2j * np.pi * frequency * values).mean())
 
 
-def _spectrum(values: Floats) -> tuple[Floats, Floats]:
+def _spectrum(values: Floats, span_m: float) -> tuple[Floats, Floats]:
     """Return the frequencies of all steps looked for, and the length of the mean phase at each."""
     width = STEPS_M[0] / BINS
     low, high = np.quantile(values, (0.005, 0.995))
     inside = values[(values >= low) & (values <= high)]
     place = np.asarray((inside - inside.min()) / width, np.intp)
-    size = 1 << int(np.ceil(np.log2(max(FINE * (place.max() + 1), 2))))
+    size = 1 << int(np.ceil(np.log2(max(FINE * (span_m / width + 1), 2))))
     size = min(max(size, 1 << 12), LONGEST)
     counted = np.bincount(place[place < size], minlength=size)[:size]
     length = np.abs(np.fft.rfft(counted)) / len(inside)
