@@ -11,6 +11,7 @@ from backends.c.operators import Array, Convolution
 from backends.c.text import block, floats, indented, integers, table
 
 LANES = (16, 8, 4, 1)
+LONG, BLOCK = 256, 64  # products: sums from LONG on are made of exactly added sums of BLOCK
 
 
 @dataclass(frozen=True)
@@ -190,19 +191,49 @@ def _relu(value: str, lanes: int) -> str:
 
 def _dot(kernel: Kernel) -> list[str]:
     """Return one output as eight running sums, the same ones at every vector width."""
-    whole = kernel.span // 8 * 8
     body = ["float total = b[0];", f"const float *p = x + t * {kernel.hop};"]
     weights = "uint16_t" if kernel.half else "float"
     body += [f"const {weights} *q = w;"]
-    inner = _dot_sums(whole, kernel.half)
-    inner += [
-        f"total += p[{i}] * {_weight(str(i), kernel.half)};" for i in range(whole, kernel.span)
-    ]
+    long = kernel.taps == 1 and kernel.span >= LONG
+    inner = _long(kernel) if long else _products(kernel.span, kernel.half)
     if kernel.taps > 1:
         inner += [f"p += {kernel.reach};", f"q += {kernel.span};"]
         inner = block(f"for (int k = 0; k < {kernel.taps}; k++)", inner)
     body += [*inner, f"y[t] = {_relu('total', 1) if kernel.relu else 'total'};"]
     return block("for (int t = 0; t < steps; t++)", body)
+
+
+def _long(kernel: Kernel) -> list[str]:
+    """Return a long sum as sums of blocks, and what each of their additions rounds off beside it.
+
+    Opposing weights, such as a support vector machine's, let a sum run up before it cancels. The
+    rounded-off part of before + sum is exact (Knuth's two-sum) as long as contraction is off.
+    """
+    body = [
+        "const float before = total;",
+        "total = 0.0f;",
+        *_products(BLOCK, kernel.half),
+        "const float sum = total;",
+        "total = before + sum;",
+        "const float part = total - before;",
+        "lost += (before - (total - part)) + (sum - part);",
+        f"p += {BLOCK};",
+        f"q += {BLOCK};",
+    ]
+    blocks = kernel.span // BLOCK * BLOCK
+    return [
+        "float lost = 0.0f;",
+        *block(f"for (int n = 0; n < {blocks}; n += {BLOCK})", body),
+        *_products(kernel.span - blocks, kernel.half),
+        "total += lost;",
+    ]
+
+
+def _products(span: int, half: bool) -> list[str]:
+    """Return the addition of `span` products to `total`."""
+    whole = span // 8 * 8
+    rest = [f"total += p[{i}] * {_weight(str(i), half)};" for i in range(whole, span)]
+    return [*_dot_sums(whole, half), *rest]
 
 
 def _weight(place: str, half: bool) -> str:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
@@ -117,6 +116,8 @@ def in_the_open(rows: Scene) -> NDArray[np.bool_]:
 
 def _decayed(starts: Floats, decay_taps: Floats) -> Reals:
     """Return each row of `starts` followed by exponential decay over `decay_taps` [n] taps."""
+    from scipy.signal import lfilter  # slow to import, and `bench export` has no use for it
+
     made = np.empty(starts.shape, np.float32)
     for decay in np.unique(decay_taps):
         rows = decay_taps == decay
