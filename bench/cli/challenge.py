@@ -25,7 +25,7 @@ REAL = ("ghent", "outdoor", "apartment", "miluv")
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
 @click.option(
     "--families", default="all", show_default=True, metavar="NAMES",
-    help="Generators of blind cases, with commas between: hall, box, wave, yard, loft.",
+    help="Generators of blind cases, with commas between, such as hall,box.",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")

@@ -18,17 +18,17 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "hall"), ("CIR", "box"), ("ranges again", "hall"), ("ranges", "yard"),
-    ("CIR again", "wave"), ("ranges", "hall"), ("CIR", "loft"), ("ranges again", "yard"),
-    ("ranges", "yard"), ("CIR", "box"), ("CIR again", "wave"), ("ranges", "yard"),
-    ("ranges again", "hall"), ("CIR", "loft"), ("ranges", "hall"), ("CIR again", "wave"),
-    ("ranges", "hall"), ("ranges again", "yard"),
+    ("ranges", "quay"), ("CIR", "box"), ("ranges again", "hall"), ("CIR again", "stage"),
+    ("ranges", "yard"), ("CIR", "stage"), ("ranges again", "quay"), ("CIR again", "wave"),
+    ("ranges", "hall"), ("CIR", "loft"), ("ranges again", "yard"), ("CIR again", "stage"),
+    ("ranges", "quay"), ("CIR", "stage"), ("ranges again", "quay"), ("CIR again", "wave"),
+    ("ranges", "hall"), ("CIR", "loft"), ("ranges again", "yard"), ("CIR again", "wave"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
 COARSE = ("blocked-path", "timestamp-jitter", "range-rounding", "path-loss")
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("yard", "loft")
+KEPT = ("quay", "stage")
 """Families that were written last, and opened for the report alone."""
 
 

@@ -10,7 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.challenge.cases import make_case
 from bench.challenge.families.case import (
+    KEPT,
+    MODES,
     RATIOS,
     SCHEDULE,
     Draw,
@@ -20,9 +23,10 @@ from bench.challenge.families.case import (
     turn_of,
     world_of,
 )
+from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
-OWN = ("hall", "box", "yard", "loft")  # with a simulator of their own
+OWN = ("hall", "box", "yard", "loft", "quay", "stage")  # with a simulator of their own
 
 
 def _world(family: str) -> Any:
@@ -44,12 +48,23 @@ def test_turns_number_every_mode_and_family_by_itself() -> None:
     assert {turn.family for turn in (turn_of(n, ("box",)) for n in range(9))} == {"box"}
 
 
+def test_any_first_part_holds_all_modes_and_two_fifths_are_of_the_kept() -> None:
+    turns = [turn_of(number) for number in range(360)]
+    assert Counter(turn.mode for turn in turns) == dict.fromkeys(MODES, 90)
+    assert {turn.family for turn in turns[:10]} == {turn.family for turn in turns}
+    assert {turn.mode for turn in turns[:4]} == set(MODES)
+    for part in (20, 100, 360):
+        kept = [turn for turn in turns[:part] if turn.family in KEPT]
+        assert len(kept) == pytest.approx(0.4 * part, abs=1)
+        assert len({turn.mode for turn in kept}) == 4
+
+
 @pytest.mark.parametrize("family", [*OWN, "wave"])
 def test_of_twenty_cases_five_are_empty_and_four_outside(family: str) -> None:
     world = _world(family)
     turns = [t for t in map(turn_of, range(360)) if t.family == family][:20]
-    drawn = [draw(turn, 1, world.KNOWN, tuple(world.LAWS), world.RARELY) for turn in turns]
-    some = [replace(turns[0], number=n) for n in range(40)]
+    first = next((turn for turn in turns if not turn.mode.endswith("again")), turns[0])
+    some = [replace(first, number=n) for n in range(40)]
     drawn = [draw(turn, 1, world.KNOWN, tuple(world.LAWS), world.RARELY) for turn in some]
     assert sum(not one.hidden for one in drawn) == 10
     assert sum(bool(set(one.hidden) & set(world.LAWS)) for one in drawn) == 8
@@ -105,9 +120,12 @@ def test_devices_keep_their_values_in_the_true_table() -> None:
     assert float(means[0].std()) > 0.1
 
 
-@pytest.mark.parametrize("name", _world("hall").RARELY)
-def test_a_rare_cause_touches_few_rows(name: str) -> None:
-    made = _world("hall").tables(Draw((name,), 1.0, 1, concealed="sparse"), 3)
+RARE = [(family, name) for family in ("hall", "quay") for name in _world(family).RARELY]
+
+
+@pytest.mark.parametrize(("family", "name"), RARE)
+def test_a_rare_cause_touches_few_rows(family: str, name: str) -> None:
+    made = _world(family).tables(Draw((name,), 1.0, 1, concealed="sparse"), 3)
     shift = np.abs(made.shifts_m[0])
     assert 0 < np.mean(shift > 0.02) <= 0.15
 
@@ -120,3 +138,62 @@ def test_aggregates_equal_the_simulators_and_decoys_correlate() -> None:
     column = decoyed(made, ("temperature-drift",), hall.CAUSES, 3).recorded
     seen = np.corrcoef(column["sensor_0"], column["temperature_c"])[0, 1]
     assert seen == pytest.approx(0.8, abs=0.06)
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_without_obstacles_no_table_lists_them_and_the_rows_are_the_same(family: str) -> None:
+    listed, not_listed = (
+        _world(family).tables(Draw(("material-delay",), 1.0, 1, listed=one), 5)
+        for one in (True, False)
+    )
+    for table in (not_listed.recorded, not_listed.clean, not_listed.simulated, not_listed.truth):
+        assert "obstacles" not in table
+    assert {*map(len, listed.simulated["obstacles"])} >= {0, 1}
+    assert listed.recorded["range_m"].equals(not_listed.recorded["range_m"])
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_nothing_hidden_tables_are_draws_of_one_process(family: str) -> None:
+    made = _world(family).tables(Draw(ratio=1), 5)
+    pairs = [("error_m", 0.006), ("rx_power_dbm", 0.5), ("first_path_power_dbm", 0.5)]
+    for name, most in pairs:
+        means = [float(table[name].mean()) for table in (made.recorded, made.simulated)]
+        assert abs(means[0] - means[1]) < most, name
+        assert not made.recorded[name].equals(made.simulated[name])
+
+
+def test_the_radial_speed_that_moves_rows_is_that_of_the_positions() -> None:
+    rows = _world("quay").known(Draw(), 5)
+    lag = _world("quay").tables(Draw(("time-lag",), 1.0, 1), 5)
+    assert "pace_m_s" not in lag.recorded and "pace_m_s" not in lag.truth
+    derived = np.concatenate(
+        [np.gradient(one["true_range_m"], one["time_s"]) for _, one in rows.groupby("link")]
+    )
+    order = np.concatenate(list(rows.groupby("link").indices.values()))
+    assert np.corrcoef(derived, lag.shifts_m[0][order])[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("name", ["noise-floor", "narrowband-interference", "quantisation"])
+def test_the_noise_that_the_stage_reports_is_that_of_its_samples(name: str) -> None:
+    made = _world("stage").tables(Draw((name,), 2.0, 1), 5)
+    quiet = [
+        np.stack(list(t["cir"]))[:, :5].std(axis=1).mean() for t in (made.recorded, made.clean)
+    ]
+    reported = [t["noise_std"].mean() for t in (made.recorded, made.clean)]
+    assert reported[0] / reported[1] == pytest.approx(quiet[0] / quiet[1], rel=0.2)
+
+
+def test_fewer_symbols_change_no_level_by_themselves() -> None:
+    made = _world("stage").tables(Draw(("level-control",), 2.0, 1), 5)
+    fell = np.asarray(made.recorded["rx_power_dbm"] - made.clean["rx_power_dbm"])
+    assert made.recorded["preamble_count"].mean() < 0.7 * made.clean["preamble_count"].mean()
+    quiet = (made.clean["rx_power_dbm"] < -78).to_numpy()
+    assert np.abs(fell[quiet]).max() < 0.3
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_the_kept_run_again_in_both_modes(number: int) -> None:
+    case = make_case(number, 2, KEPT)
+    again = case.turn.mode.endswith("again")
+    assert isinstance(case.simulated, Simulator) == again
+    assert case.recorded.frame["link"].nunique() > 90
