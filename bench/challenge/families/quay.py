@@ -5,6 +5,8 @@ numpy and pandas alone; what it can hide is in `quay_effects`.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -56,21 +58,24 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     recorded, shifts = _with(clean, drawn, seed, 42)
     truth = _with(simulated, drawn, seed, 43)[0]
     gone = [PRIVATE] if drawn.listed else [PRIVATE, "obstacles"]
-    four = (one.drop(columns=gone) for one in (recorded, clean, simulated, truth))
-    return Tables(*four, shifts)
+    recorded, clean, simulated, truth = (
+        one.drop(columns=gone) for one in (recorded, clean, simulated, truth)
+    )
+    return Tables(recorded, clean, simulated, truth, shifts)
 
 
 def _driven(rng: np.random.Generator, where: str, rare: str) -> pd.DataFrame:
     """Return what is known of the rows: straight drives along the quay, some carriers parked."""
     weather = _weather(rng, where, rare)
-    parts = [_drive(rng, number).assign(**day) for number, day in enumerate(weather)]
-    frame = pd.concat(parts, ignore_index=True)
+    parts = [_drive(rng, number) | _long(day) for number, day in enumerate(weather)]
+    frame = pd.DataFrame({name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
     near = {"all": REACH_M, "near": 20.0, "far": REACH_M}[where]
     middle = frame.groupby("link")["true_range_m"].transform("mean")
     frame = frame[(middle < near) & (middle > (11.0 if where == "far" else 0.0))]
     frame = frame.reset_index(drop=True)
     return frame.assign(
         reply_time_s=rng.choice([0.002, 0.012, 0.03, 0.06], len(frame)),
+        trolley_m=rng.uniform(0, 30, len(frame)),
         load_hz=np.round(rng.lognormal(np.log(25), 0.8, len(frame)), 1),
         obstacles=_stacks(rng, frame["link"], 0.07 if rare == "material-delay" else 0.3),
     )
@@ -89,13 +94,17 @@ def _weather(rng: np.random.Generator, where: str, rare: str) -> list[dict[str, 
                 "temperature_c": warmth,
                 "tide_m": rng.uniform(0.0, 2.4),
                 "humidity_pct": 100 * rng.beta(4, 2),
-                "trolley_m": rng.uniform(0, 30),
             }
         )
     return out
 
 
-def _drive(rng: np.random.Generator, number: int) -> pd.DataFrame:
+def _long(day: dict[str, float]) -> dict[str, Any]:
+    """Return what holds during a drive for each of its rows."""
+    return {name: np.full(ROWS * len(MASTS_M), value) for name, value in day.items()}
+
+
+def _drive(rng: np.random.Generator, number: int) -> dict[str, Any]:
     """Return one drive past all masts, polled in turn: even acceleration along a straight line."""
     start, turned = rng.uniform([3, 2], [42, 11]), rng.uniform(-180, 180)
     pace, gain, drift = rng.normal(0, 1.5), rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4)
@@ -111,14 +120,15 @@ def _drive(rng: np.random.Generator, number: int) -> pd.DataFrame:
     far = np.linalg.norm(gap, axis=1)
     ends = {f"tx_{a}_m": v for a, v in zip("xyz", here.T, strict=True)}
     ends |= {f"rx_{a}_m": v for a, v in zip("xyz", (here - gap).T, strict=True)}
-    return pd.DataFrame(
-        {
-            "link": [f"q{number}-{one}" for one in mast], "tx": f"lift{carrier}",
-            "rx": [f"mast{one}" for one in mast], "time_s": number * 420.0 + when, **ends,
-            "true_range_m": far, "azimuth_deg": (bearing - heading + 180) % 360 - 180,
-            PRIVATE: (gap[:, :2] * speed).sum(axis=1) / far,
-        }
-    )  # fmt: skip
+    return ends | {
+        "link": np.array([f"q{number}-{one}" for one in mast]),
+        "tx": np.full(len(mast), f"lift{carrier}"),
+        "rx": np.array([f"mast{one}" for one in mast]),
+        "time_s": number * 420.0 + when,
+        "true_range_m": far,
+        "azimuth_deg": (bearing - heading + 180) % 360 - 180,
+        PRIVATE: (gap[:, :2] * speed).sum(axis=1) / far,
+    }
 
 
 def _stacks(rng: np.random.Generator, links: pd.Series, share: float) -> pd.Series:

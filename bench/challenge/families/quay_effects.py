@@ -184,7 +184,7 @@ def _wet(log: Log, strength: float) -> Change:
 
 
 def _hull(log: Log, strength: float) -> Change:
-    return 0.15 * strength * (log["tide_m"] > 1.3), 0.0
+    return np.asarray(0.15 * strength * (log["tide_m"] > 1.3)), 0.0
 
 
 def _busy(log: Log, strength: float) -> Change:

@@ -52,8 +52,11 @@ def tables(drawn: Draw, seed: int) -> Tables:
         for part in (53, 54)
     )
     gone = [] if drawn.listed else ["obstacles"]
-    four = (found, clean, more, conceal(again, drawn, seed + 1, seed))
-    return Tables(*(recorded(one).drop(columns=gone, errors="ignore") for one in four))
+    truth = conceal(again, drawn, seed + 1, seed)
+    found, clean, more, truth = (
+        recorded(one).drop(columns=gone, errors="ignore") for one in (found, clean, more, truth)
+    )
+    return Tables(found, clean, more, truth)
 
 
 def known(_: Draw, seed: int) -> pd.DataFrame:
@@ -120,7 +123,7 @@ def _placed(rng: np.random.Generator, share: float) -> pd.DataFrame:
         for end, at in ends.items()
         for place, axis in enumerate("xyz")
     }
-    kinds = rng.choice(["", *SCENERY, "metal"], LINKS, p=[0.6, 0.14, 0.12, 0.14])
+    kinds = rng.choice(["", *SCENERY, "metal"], LINKS, p=[0.48, 0.18, 0.18, 0.16])
     frame = pd.DataFrame({"link": [f"s{row}" for row in rows], **places})
     return frame.assign(
         tx=[f"mime{row % 3}" for row in rows],

@@ -65,11 +65,8 @@ class Take:
         cir = (real + 1j * imaginary).astype(np.complex128)
         floor = np.full(len(table), np.mean(np.abs(cir[:, :QUIET]) ** 2))
         hiss, symbols = (table[n].to_numpy(np.float64) for n in ("noise_std", "preamble_count"))
-        late, louder, miscounted = np.zeros((3, len(table)))
-        before = per_symbol(cir, floor, symbols)
-        return cls(
-            table, cir, floor, hiss, symbols, late, louder, miscounted, before, own, rng
-        )  # fmt: skip
+        (a, b, c), before = np.zeros((3, len(table))), per_symbol(cir, floor, symbols)
+        return cls(table, cir, floor, hiss, symbols, a, b, c, before, own, rng)
 
     def __getitem__(self, name: str) -> Floats:
         return self.frame[name].to_numpy(np.float64)
@@ -239,7 +236,7 @@ def _held_level(take: Take, strength: float) -> None:
 
 def _mid_riser(take: Take, strength: float) -> None:
     """Let no sample be zero: both parts lie half a step beside the grid of zero."""
-    step = 1.2 * strength * np.sqrt(take.floor)[:, None]
+    step = 0.85 * strength * np.sqrt(take.floor)[:, None]
     alone = take.noise(take.floor)
     take.cir, coarse = (_stepped(one, step) for one in (take.cir, alone))
     take.hiss = take.hiss * np.abs(coarse).std(axis=1) / np.abs(alone).std(axis=1)
@@ -309,7 +306,7 @@ def _droop(take: Take, strength: float) -> None:
 
 def _gain_step(take: Take, strength: float) -> None:
     """Report too little above a level where the amplifier switches, and nothing else."""
-    take.louder_db = take.louder_db - 3 * strength * (take.level > -73)
+    take.louder_db = take.louder_db - 5 * strength * (take.level > -75)
 
 
 def _miscounted(take: Take, strength: float) -> None:

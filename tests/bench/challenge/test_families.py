@@ -165,7 +165,7 @@ def test_nothing_hidden_tables_are_draws_of_one_process(family: str) -> None:
 def test_the_radial_speed_that_moves_rows_is_that_of_the_positions() -> None:
     rows = _world("quay").known(Draw(), 5)
     lag = _world("quay").tables(Draw(("time-lag",), 1.0, 1), 5)
-    assert "pace_m_s" not in lag.recorded and "pace_m_s" not in lag.truth
+    assert not {"pace_m_s"} & {*lag.recorded, *lag.truth}
     derived = np.concatenate(
         [np.gradient(one["true_range_m"], one["time_s"]) for _, one in rows.groupby("link")]
     )
@@ -176,11 +176,10 @@ def test_the_radial_speed_that_moves_rows_is_that_of_the_positions() -> None:
 @pytest.mark.parametrize("name", ["noise-floor", "narrowband-interference", "quantisation"])
 def test_the_noise_that_the_stage_reports_is_that_of_its_samples(name: str) -> None:
     made = _world("stage").tables(Draw((name,), 2.0, 1), 5)
-    quiet = [
-        np.stack(list(t["cir"]))[:, :5].std(axis=1).mean() for t in (made.recorded, made.clean)
-    ]
-    reported = [t["noise_std"].mean() for t in (made.recorded, made.clean)]
-    assert reported[0] / reported[1] == pytest.approx(quiet[0] / quiet[1], rel=0.2)
+    both = (made.recorded, made.clean)
+    quiet = [np.stack(list(t["cir"]))[:, :5].var(axis=1, ddof=1).mean() for t in both]
+    reported = [(t["noise_std"] ** 2).mean() for t in both]
+    assert reported[0] / reported[1] == pytest.approx(quiet[0] / quiet[1], rel=0.35)
 
 
 def test_fewer_symbols_change_no_level_by_themselves() -> None:
@@ -196,4 +195,4 @@ def test_the_kept_run_again_in_both_modes(number: int) -> None:
     case = make_case(number, 2, KEPT)
     again = case.turn.mode.endswith("again")
     assert isinstance(case.simulated, Simulator) == again
-    assert case.recorded.frame["link"].nunique() > 90
+    assert case.recorded.frame["link"].nunique() > 60
