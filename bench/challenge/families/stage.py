@@ -184,7 +184,7 @@ def _sum(start: Floats, longer: Floats, gain: Complexes) -> Complexes:
     for late, size in zip(longer.T, gain.T, strict=True):
         since = (np.arange(WIDE_SAMPLES) - (start + late)[:, None]) / RISE + 0.5
         since = np.maximum(since, 0)
-        total += size[:, None] * since**4 * np.exp(4 * (1 - since))
+        total += size[:, None] * np.square(np.square(since * np.exp(1 - since)))
     return total
 
 
