@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from backends.c.operators import Array, Convolution
 from backends.c.text import block, floats, indented, integers, table
 
 LANES = (16, 8, 4, 1)
-LONG, BLOCK = 256, 64  # products: sums from LONG on are made of exactly added sums of BLOCK
+LONG = 256  # products: from here on sums keep what their additions round off
 
 
 @dataclass(frozen=True)
@@ -194,39 +195,12 @@ def _dot(kernel: Kernel) -> list[str]:
     body = ["float total = b[0];", f"const float *p = x + t * {kernel.hop};"]
     weights = "uint16_t" if kernel.half else "float"
     body += [f"const {weights} *q = w;"]
-    long = kernel.taps == 1 and kernel.span >= LONG
-    inner = _long(kernel) if long else _products(kernel.span, kernel.half)
+    inner = _products(kernel.span, kernel.half)
     if kernel.taps > 1:
         inner += [f"p += {kernel.reach};", f"q += {kernel.span};"]
         inner = block(f"for (int k = 0; k < {kernel.taps}; k++)", inner)
     body += [*inner, f"y[t] = {_relu('total', 1) if kernel.relu else 'total'};"]
     return block("for (int t = 0; t < steps; t++)", body)
-
-
-def _long(kernel: Kernel) -> list[str]:
-    """Return a long sum as sums of blocks, and what each of their additions rounds off beside it.
-
-    Opposing weights, such as a support vector machine's, let a sum run up before it cancels. The
-    rounded-off part of before + sum is exact (Knuth's two-sum) as long as contraction is off.
-    """
-    body = [
-        "const float before = total;",
-        "total = 0.0f;",
-        *_products(BLOCK, kernel.half),
-        "const float sum = total;",
-        "total = before + sum;",
-        "const float part = total - before;",
-        "lost += (before - (total - part)) + (sum - part);",
-        f"p += {BLOCK};",
-        f"q += {BLOCK};",
-    ]
-    blocks = kernel.span // BLOCK * BLOCK
-    return [
-        "float lost = 0.0f;",
-        *block(f"for (int n = 0; n < {blocks}; n += {BLOCK})", body),
-        *_products(kernel.span - blocks, kernel.half),
-        "total += lost;",
-    ]
 
 
 def _products(span: int, half: bool) -> list[str]:
@@ -244,15 +218,48 @@ def _dot_sums(whole: int, half: bool) -> list[str]:
     """Return sums over the first `whole` products: vectors, or eight floats by name."""
     if not whole:
         return []
-    add = "total += ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));"
-    eight = [f"float s{n} = 0.0f;" for n in range(8)]
-    inner = [f"s{n} += p[i + {n}] * {_weight(f'i + {n}', half)};" for n in range(8)]
-    plain = [*eight, *block(f"for (int i = 0; i < {whole}; i += 8)", inner), add]
+    products = [f"p[i + {n}] * {_weight(f'i + {n}', half)}" for n in range(8)]
+    keep = whole >= LONG
+    added = [_kept(f"{n}", one) if keep else [f"s{n} += {one};"] for n, one in enumerate(products)]
+    names = [f"{letter}{n}" for letter in ("se" if keep else "s") for n in range(8)]
+    plain = [f"float {name} = 0.0f;" for name in names]
+    plain += block(f"for (int i = 0; i < {whole}; i += 8)", list(chain.from_iterable(added)))
+    plain += _ends("s{}", "e{}" if keep else "")
     if half:
         return block("", plain)
-    vector = ["uwb_f8 s = UWB_LOAD8(p) * UWB_LOAD8(q);"]
-    vector += block(
-        f"for (int i = 8; i < {whole}; i += 8)", ["s += UWB_LOAD8(p + i) * UWB_LOAD8(q + i);"]
-    )
-    vector.append("total += ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));")
+    vector = _vector_sums(whole, keep)
     return ["#if UWB_LANES >= 8", *block("", vector), "#else", *block("", plain), "#endif"]
+
+
+def _kept(n: str, product: str, kind: str = "float") -> list[str]:
+    """Return an addition to s that keeps in e what it rounds off (Kahan).
+
+    Opposing weights, such as a support vector machine's, let a long sum run up before it cancels.
+    """
+    return [
+        f"const {kind} d{n} = {product} - e{n};",
+        f"const {kind} r{n} = s{n} + d{n};",
+        f"e{n} = (r{n} - s{n}) - d{n};",
+        f"s{n} = r{n};",
+    ]
+
+
+def _vector_sums(whole: int, keep: bool) -> list[str]:
+    product = "UWB_LOAD8(p + i) * UWB_LOAD8(q + i)"
+    if keep:
+        lines = ["uwb_f8 s = {0.0f}, e = {0.0f};"]
+        lines += block(f"for (int i = 0; i < {whole}; i += 8)", _kept("", product, "uwb_f8"))
+        return [*lines, *_ends("s[{}]", "e[{}]")]
+    lines = ["uwb_f8 s = UWB_LOAD8(p) * UWB_LOAD8(q);"]
+    lines += block(f"for (int i = 8; i < {whole}; i += 8)", [f"s += {product};"])
+    return [*lines, *_ends("s[{}]", "")]
+
+
+def _ends(sums: str, kept: str) -> list[str]:
+    """Return eight sums added to `total`, and what they rounded off taken from it."""
+    order = "(({0} + {4}) + ({2} + {6})) + (({1} + {5}) + ({3} + {7}))"
+    lines = []
+    for name, sign in ((sums, "+"), (kept, "-")):
+        if name:
+            lines.append(f"total {sign}= {order.format(*(name.format(n) for n in range(8)))};")
+    return lines
