@@ -52,7 +52,7 @@ def from_run(run: str, results: Path, data: str | None = None) -> Chosen:
     key = record.key
     opener = find("backends", key.backend).load().opener
     artifact = Artifact(path, record.precision, opener)  # type: ignore[arg-type]
-    material = load_material(data or key.data, key.split)
+    material = load_material(data or key.data, key.split, key.data_fingerprint)
     return _chosen(artifact, key.model, key.backend, material)
 
 

@@ -36,10 +36,13 @@ class Material:
     dropped: dict[str, int]
 
 
-def load_material(data: Table, split: str | Callable[[Recordings], Split] | None) -> Material:
+def load_material(
+    data: Table, split: str | Callable[[Recordings], Split] | None, fingerprint: str | None = None
+) -> Material:
     """Open a data set, cut its windows and split it by link. Raises BenchError on bad input.
 
     `split` is a split's name, None for what suits the data, or what splits the rows left.
+    `fingerprint` is taken as it is from whoever has no use for the rows' own, half a second's work.
     """
     if isinstance(data, Recordings | pd.DataFrame):
         whole, source = read(data), None
@@ -55,7 +58,7 @@ def load_material(data: Table, split: str | Callable[[Recordings], Split] | None
     return Material(
         name,
         recordings,
-        whole.fingerprint,
+        whole.fingerprint if fingerprint is None else fingerprint,
         window.cirs,
         recordings.errors_m().astype(np.float32),
         recordings.frame["link"].astype(str).to_numpy(np.str_),
