@@ -103,8 +103,8 @@ def _verdicts(base: Side, lines: Sequence[Line]) -> list[str]:
     name = base.entry.model
     return [
         f"At least as good as {name} on every kind of row (the figures as they stand): "
-        f"{', '.join(level) or 'none'}.",
-        f"Worse than {name} beyond noise on some kind of row: {', '.join(beyond) or 'none'}.",
+        f"{', '.join(level) or 'no model'}.",
+        f"Worse than {name} beyond noise on some kind of row: {', '.join(beyond) or 'no model'}.",
     ]
 
 
