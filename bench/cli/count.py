@@ -18,6 +18,7 @@ EPILOG = """\b
 Examples:
   bench count --model remnet --backend c-int8 --device nrf52832
   bench count --model all --backend c-fp32,c-int8 --device all --markdown counted.md
+  bench count --model all --backend c-fp32 --device nrf52832 --results results
   bench count --model remnet --backend c-int8 --device nrf52832 --measured board.txt
 """
 
@@ -37,6 +38,12 @@ Examples:
     show_default=True,
     metavar="NAME|PATH",
     help="Recordings to fit on and to take the rows from (SIMULATED by default).",
+)
+@click.option(
+    "--results",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path),
+    help="Count the files of finished runs in this folder; nothing is fitted.",
 )
 @click.option("--split", metavar="SPLIT", help="As `bench run`; the first fold is used.")
 @click.option("--rows", default=32, show_default=True, metavar="N", help="Recorded rows to run.")
@@ -71,6 +78,7 @@ def command(
     backend: str,
     device: str,
     data: str,
+    results: Path | None,
     split: str | None,
     rows: int,
     compiler: Literal["auto", "gcc", "zig"],
@@ -87,7 +95,7 @@ def command(
     from bench.cli.count_view import markdown_table, print_rows, rows_as_json
     from bench.cli.run_view import RunView
     from bench.files import write_atomically
-    from bench.runner.count_models import count_models, make_count_plan
+    from bench.runner.count_models import count_finished, count_models, make_count_plan
 
     board = _board(measured, profile_out)
     with RunView(quiet=as_json) as view:
@@ -95,7 +103,12 @@ def command(
         sizes = {len(plan.models), len(plan.backends), len(plan.profiles)}
         if board is not None and sizes != {1}:
             raise BenchError("--measured is of one model, one backend and one part: name one each")
-        found = list(count_models(plan, data, split, view))
+        made = (
+            count_models(plan, data, split, view)
+            if results is None
+            else count_finished(plan, results, data, split, view)
+        )
+        found = list(made)
     if board is not None and profile_out is not None:
         _write_profile(found[0], plan.profiles[0], board, profile_out)
     if markdown is not None:

@@ -15,8 +15,8 @@ from backends.inputs import graph_inputs
 from bench.errors import BenchError
 from bench.files import read_json
 from bench.plugins import find
-from bench.provenance import file_sha256
 from bench.results import RunRecord, from_json
+from bench.runner.finished import artifact_of
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
 from bench.runner.inputs import rows_for
@@ -46,12 +46,7 @@ def from_run(run: str, results: Path, data: str | None = None) -> Chosen:
     record says.
     """
     record = _record(run, results)
-    path = results / "artifacts" / f"{record.digest()}-0.onnx"
-    if not path.is_file() or file_sha256(path) != record.artifact_sha256:
-        raise BenchError(f"{path}: missing or damaged; run the benchmark again")
-    key = record.key
-    opener = find("backends", key.backend).load().opener
-    artifact = Artifact(path, record.precision, opener)  # type: ignore[arg-type]
+    artifact, key = artifact_of(record, results), record.key
     material = load_material(data or key.data, key.split, key.data_fingerprint)
     return _chosen(artifact, key.model, key.backend, material)
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.measure.counting import find_compiler, load_core
@@ -20,6 +21,7 @@ from bench.measure.profile import Profile, load_profile
 from bench.plugins import Plugin, find, plugins
 from bench.results import Cost
 from bench.runner.counting import ROWS, Counted, Floats, count_artifact, recorded_rows
+from bench.runner.finished import artifact_of, finished_runs, newest
 from bench.runner.fits import fit_fold
 from bench.runner.inputs import missing, rows_for
 from bench.runner.material import Material, load_material
@@ -103,6 +105,45 @@ def count_models(
         for backend in plan.backends:
             watch.stage(f"counting {model.name} on {backend.name}")
             yield from _rows(plan, material, fitted, model.name, backend)
+
+
+def count_finished(
+    plan: CountPlan,
+    results: Path,
+    data: str = "rooms",
+    split: str | None = None,
+    watch: Observer | None = None,
+) -> Iterator[CountRow]:
+    """Count the files of finished runs under `results` on every part; nothing is fitted.
+
+    The newest run of each model and backend on these recordings and split is taken. Yields a row
+    per model, backend and part. Raises BenchError on bad input.
+    """
+    watch = watch or Observer()
+    watch.stage("reading the recordings")
+    runs, material = finished_runs(results), load_material(data, split)
+    for model in plan.models:
+        for backend in plan.backends:
+            watch.stage(f"counting {model.name} on {backend.name}")
+            try:
+                found = newest(runs, model.name, backend.name, material)
+                artifact = artifact_of(found, results)
+            except BenchError as problem:
+                yield from _all(replace(plan, backends=(backend,)), model.name, str(problem))
+                continue
+            rows = recorded_rows(*_test_rows(material, artifact), plan.rows)
+            for row in _counted(plan, artifact, rows):
+                yield replace(row, model=model.name, backend=backend.name)
+
+
+def _test_rows(material: Material, artifact: Artifact) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the inputs [n, width] that a file reads, and the positions of its test rows."""
+    from backends.graph_file import load_graph
+    from backends.inputs import graph_inputs
+
+    fold = material.split.folds[0]
+    names = [one.name for one in graph_inputs(load_graph(artifact.path))]
+    return rows_for(material, names), np.concatenate([fold.test_nlos, fold.test_los])
 
 
 def _all(plan: CountPlan, model: str, reason: str) -> Iterator[CountRow]:

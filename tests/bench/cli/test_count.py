@@ -95,6 +95,22 @@ def test_several_networks_cannot_share_a_boards_cycles(tools, table, tmp_path, m
     assert "name one each" in _one_line(monkeypatch, capsys, *ask)
 
 
+def test_the_files_of_finished_runs_are_counted_without_a_fit(tools, table, tmp_path, monkeypatch):
+    results = str(tmp_path / "results")
+    run = ["run", "--model", "none", "--backend", "fp32", "--data", table, "--no-timing"]
+    assert CliRunner().invoke(group, [*run, "--out", results]).exit_code == 0
+    monkeypatch.setattr("bench.runner.count_models.fit_fold", None)
+    ask = ["--model", "none,mlp", "--backend", "fp32", "--device", "nrf52832", "--data", table]
+    done = _count(*ask, "--results", results, "--rows", "2", "--json")
+    assert done.exit_code == 0, done.output
+    counted, absent = json.loads(done.stdout)
+    assert counted["agreement"]["rows"] == counted["agreement"]["equal"] == 2
+    assert absent["reason"].startswith("no finished run of mlp on fp32")
+    nowhere = _count(*ask, "--results", str(tmp_path))
+    assert isinstance(nowhere.exception, BenchError)
+    assert "no finished runs here" in str(nowhere.exception)
+
+
 ASK = ("--model", "mlp", "--backend", "c-fp32", "--device", "nrf52832")
 
 

@@ -1,0 +1,53 @@
+"""Artifacts of finished runs, taken as they are: nothing is fitted or built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bench.errors import BenchError
+from bench.files import read_json
+from bench.plugins import find
+from bench.provenance import file_sha256
+from bench.results import RunRecord, from_json
+from bench.runner.material import Material
+
+if TYPE_CHECKING:
+    from backends.base import Artifact
+
+
+def finished_runs(results: Path) -> list[RunRecord]:
+    """Return the runs of a result folder that have figures, the newest first.
+
+    Raises BenchError where there is none, or a record cannot be read.
+    """
+    paths = sorted((results / "runs").glob("*.json"))
+    found = [from_json(RunRecord, read_json(path)) for path in paths]
+    found = [record for record in found if record.status == "ok"]
+    if not found:
+        raise BenchError(f"{results}: no finished runs here")
+    return sorted(found, key=lambda record: record.created_utc, reverse=True)
+
+
+def artifact_of(record: RunRecord, results: Path) -> Artifact:
+    """Return a run's first fold's file. Raises BenchError where it is not what the record says."""
+    from backends.base import Artifact
+
+    path = results / "artifacts" / f"{record.digest()}-0.onnx"
+    if not path.is_file() or file_sha256(path) != record.artifact_sha256:
+        raise BenchError(f"{path}: missing or damaged; run the benchmark again")
+    opener = find("backends", record.key.backend).load().opener
+    return Artifact(path, record.precision, opener)  # type: ignore[arg-type]
+
+
+def newest(runs: list[RunRecord], model: str, backend: str, material: Material) -> RunRecord:
+    """Return the newest run of a model on a backend, on these recordings and this split.
+
+    Raises BenchError where there is none.
+    """
+    wanted = (model, backend, material.fingerprint, material.split.name)
+    for record in runs:
+        key = record.key
+        if (key.model, key.backend, key.data_fingerprint, key.split) == wanted:
+            return record
+    raise BenchError(f"no finished run of {model} on {backend} with these recordings and split")
