@@ -12,7 +12,7 @@ from backends.c.operators import Array, Convolution
 from backends.c.text import block, floats, indented, integers, table
 
 LANES = (16, 8, 4, 1)
-LONG = 256  # products: from here on sums keep what their additions round off
+LONG = 512  # products: from here on sums keep what their additions round off
 
 
 @dataclass(frozen=True)
