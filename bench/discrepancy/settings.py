@@ -358,6 +358,8 @@ LAW_RATIOS: Final = {
     0.5: "half the way taken for the whole", 2.0: "the way there and back taken for one way",
     0.1: "a decimal place lost", 10.0: "a decimal place too many",
 }  # fmt: skip  # measured / true where units were confused [derived]
+LAW_RATIO_DOUBT: Final = 0.05  # standard error of a free slope, of the unit's: above it, 10 % of
+# all slopes would pass for one of them by coincidence [derived]
 LAW_LATTICE: Final = (0.002, 1.0)  # m: steps of a rounding that is looked for [convention]
 LAW_ON_LATTICE: Final = (0.02, 0.98)  # of a step, and of the rows, to be on a lattice [convention]
 LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [derived]

@@ -14,7 +14,12 @@ from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed, iterated, linear
 from bench.discrepancy.law.material import Factor, Material
 from bench.discrepancy.law.structures import Fitted
-from bench.discrepancy.settings import LAW_DEVICE_ROWS, LAW_RATIOS, LAW_SAME_PLACE_M
+from bench.discrepancy.settings import (
+    LAW_DEVICE_ROWS,
+    LAW_RATIO_DOUBT,
+    LAW_RATIOS,
+    LAW_SAME_PLACE_M,
+)
 
 Floats = NDArray[np.float64]
 _FAR_END = {"tx": "rx", "rx": "tx"}
@@ -271,9 +276,26 @@ def units(given: Material) -> Iterator[Unit]:
         if _off(given, factor):
             for ratio, meaning in LAW_RATIOS.items():
                 for offset in (False, True):
+                    if not _sharp(given, factor, abs(ratio - 1), offset):
+                        continue
                     names = (factor.text, factor.words)
                     count = 2 * len(LAW_RATIOS) * (len(groups) if by else 1)
                     yield Unit(ratio, meaning, by, offset, names, count)
+
+
+def _sharp(given: Material, factor: Factor, slope: float, offset: bool) -> bool:
+    """Return whether links tell a slope so sharply that it is not a unit's by coincidence."""
+    mine = factor.weights > 0
+    codes = np.unique(given.links[mine], return_inverse=True)[1]
+    counts = np.bincount(codes)
+    far, error = (
+        np.bincount(codes, one[mine]) / counts for one in (given.true_range_m, given.residual_m)
+    )
+    design = np.column_stack([far, np.ones(len(far))] if offset else [far])
+    if len(far) <= design.shape[1]:
+        return False
+    spread = np.linalg.norm(far - far.mean() if offset else far)
+    return linear(design, error).scale_m < LAW_RATIO_DOUBT * slope * spread
 
 
 def _off(given: Material, factor: Factor) -> bool:

@@ -135,7 +135,9 @@ def test_a_law_leads_names_that_leave_it_and_not_those_that_explain_it() -> None
     named = (AntennaDelay(delay_ns=0.1),)
     assert _leads(alone, alone.given, None, named)
     assert not _leads(alone, explained, None, named)
-    assert not _leads(alone, alone.given, alone, named)  # the names leave all of it
+    assert _leads(alone, alone.given, alone, named)  # the names leave all of it: they do nothing
+    better = replace(alone, best=replace(alone.best, nats=alone.best.nats + 10))
+    assert not _leads(alone, alone.given, better, named)  # together they do better
 
 
 def test_words_have_units_and_intervals() -> None:
