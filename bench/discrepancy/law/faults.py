@@ -295,7 +295,7 @@ def _sharp(given: Material, factor: Factor, slope: float, offset: bool) -> bool:
     if len(far) <= design.shape[1]:
         return False
     spread = np.linalg.norm(far - far.mean() if offset else far)
-    return linear(design, error).scale_m < LAW_RATIO_DOUBT * slope * spread
+    return bool(linear(design, error).scale_m < LAW_RATIO_DOUBT * slope * spread)
 
 
 def _off(given: Material, factor: Factor) -> bool:
