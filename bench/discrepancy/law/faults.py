@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed, iterated, linear
 from bench.discrepancy.law.material import Factor, Material
-from bench.discrepancy.law.structures import Fitted
-from bench.discrepancy.settings import (
+from bench.discrepancy.law.settings import (
     LAW_DEVICE_ROWS,
     LAW_RATIO_DOUBT,
     LAW_RATIOS,
     LAW_SAME_PLACE_M,
 )
+from bench.discrepancy.law.structures import Fitted
 
 Floats = NDArray[np.float64]
 _FAR_END = {"tx": "rx", "rx": "tx"}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.law.material import Column, Material, base_values
-from bench.discrepancy.settings import (
+from bench.discrepancy.law.settings import (
     LAW_CYCLE_STEP,
     LAW_CYCLES,
     LAW_HARMONICS,

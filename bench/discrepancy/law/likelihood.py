@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.settings import LAW_CLIP, LAW_PASSES, LAW_TAIL, LEAST_SCATTER_M, MAD_TO_STD
+from bench.discrepancy.law.settings import LAW_CLIP, LAW_PASSES, LAW_TAIL
+from bench.discrepancy.settings import LEAST_SCATTER_M, MAD_TO_STD
 
 Floats = NDArray[np.float64]
 

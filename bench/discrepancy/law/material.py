@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import Covariates, covariates
-from bench.discrepancy.settings import (
+from bench.discrepancy.law.settings import (
     LAW_KNOWN_SHARE,
     LAW_LONGEST_NAME,
     LAW_MOST_COLUMNS,

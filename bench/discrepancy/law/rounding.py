@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed
 from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.settings import LAW_LATTICE, LAW_ON_LATTICE, LAW_ONE_STEP
 from bench.discrepancy.law.structures import Fitted
-from bench.discrepancy.settings import LAW_LATTICE, LAW_ON_LATTICE, LAW_ONE_STEP
 
 Floats = NDArray[np.float64]
 _WAYS = {"round": "to the nearest", "floor": "down to a"}

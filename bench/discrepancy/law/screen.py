@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.forms import CONSTANT, FORMS, Form, over_what
 from bench.discrepancy.law.likelihood import first_scale
 from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.settings import LAW_ALIKE, LAW_CLIP, LAW_REFINED
 from bench.discrepancy.law.structures import GridLaw, cost
-from bench.discrepancy.settings import LAW_ALIKE, LAW_CLIP, LAW_REFINED
 
 Floats = NDArray[np.float64]
 

@@ -14,14 +14,14 @@ from bench.discrepancy.law.likelihood import effective_share, unmoved
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.rounding import roundings
 from bench.discrepancy.law.screen import promising
-from bench.discrepancy.law.structures import Fitted, Structure, cost
-from bench.discrepancy.settings import (
-    INTERVAL_LEVEL,
+from bench.discrepancy.law.settings import (
     LAW_DRAWS,
     LAW_FEWEST_ROWS,
     LAW_NATS,
     LAW_TIED_NATS,
 )
+from bench.discrepancy.law.structures import Fitted, Structure, cost
+from bench.discrepancy.settings import INTERVAL_LEVEL
 
 Floats = NDArray[np.float64]
 

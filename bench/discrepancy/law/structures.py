@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from bench.discrepancy.law.forms import Form, Named, over_what
 from bench.discrepancy.law.likelihood import Fit, linear
 from bench.discrepancy.law.material import Material
-from bench.discrepancy.settings import LAW_DESCENT, LAW_STEPS
+from bench.discrepancy.law.settings import LAW_DESCENT, LAW_STEPS
 from bench.physics.formula.units import over
 
 Floats = NDArray[np.float64]

@@ -14,11 +14,16 @@ from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import Proposal, propose
+from bench.discrepancy.law.settings import (
+    LAW_INSTEAD_NATS,
+    LAW_MEMBERS,
+    LAW_TIED_NATS,
+    LAW_VALUE_NATS,
+)
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import LeftOut, Unknown
-from bench.discrepancy.settings import LAW_INSTEAD_NATS, LAW_MEMBERS, LAW_TIED_NATS, LAW_VALUE_NATS
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law
 

@@ -91,12 +91,12 @@ def judged(
     """
     response, left, before = _cells(whole, rest, weights)
     left = left / crowding
-    own = response.max(axis=(0, 2))  # of each observable
+    own = response.max(axis=0)  # of each observable's mean and spread
     acts = own > ADEQUACY_TOUCHED * own.max(initial=0.0)
     beyond = norm.isf(ADEQUACY_ALPHA / 2 / max(left[:, acts].size, 1))
-    seen = (left > beyond) & (left > ADEQUACY_CUT * before / crowding) & acts[None, :, None]
-    share = np.where(seen, left / np.maximum(own, 1.0)[None, :, None], 0.0)
-    here = response[:, acts].max(axis=(1, 2), initial=0.0)[:, None, None]
+    seen = (left > beyond) & (left > ADEQUACY_CUT * before / crowding) & acts
+    share = np.where(seen, left / np.maximum(own, 1.0), 0.0)
+    here = response[:, acts].max(axis=1, initial=0.0)[:, None, None]
     allowed = np.where(left > here, ADEQUACY_OFF_COVARIATE, np.array(ADEQUACY_LEFT))
     worst = np.unravel_index(int((share / allowed).argmax()), share.shape)
     where = f"{('the mean', 'the spread')[worst[2]]} of {whole.names[worst[1]]} "
