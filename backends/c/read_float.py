@@ -168,10 +168,13 @@ def gemm(reading: Reading, node: Node) -> Value:
 
 
 def matmul(reading: Reading, node: Node) -> Value:
-    """MatMul with constant weights [in, out]."""
+    """MatMul and FusedMatMul with constant weights [in, out]."""
     weight = reading.array(node.inputs[1]).astype(np.float32)
     if weight.ndim != 2:
-        raise UnknownOperatorError("MatMul", f"by constants of shape {weight.shape}")
+        raise UnknownOperatorError(node.operator, f"by constants of shape {weight.shape}")
+    if any(node.get(turned, 0) for turned in ("transA", "transBatchA", "transBatchB")):
+        raise UnknownOperatorError(node.operator, "of a transposed input")
+    weight = (weight.T if node.get("transB", 0) else weight) * np.float32(node.get("alpha", 1.0))
     return dense(reading, node.inputs[0], weight, np.zeros(weight.shape[1], np.float32))
 
 
@@ -293,6 +296,7 @@ FLOAT: Mapping[str, Handler] = {
     "Exp": function("exp", 1),
     "FusedConv": convolution,
     "FusedGemm": gemm,
+    "FusedMatMul": matmul,
     "Gemm": gemm,
     "GlobalAveragePool": global_mean,
     "IsNaN": function("is_nan", 1),
