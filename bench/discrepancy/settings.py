@@ -257,9 +257,7 @@ ADEQUACY_CUT: Final = 0.5  # of what was there, that an effect has done its part
 ADEQUACY_OFF_COVARIATE: Final = 0.4  # the same at a place where more is left than the effect does
 ADEQUACY_TOUCHED: Final = 0.3  # of its largest response: an effect acts on an observable
 NEARLY_SHARE: Final = 0.8  # of the best gain: another form may make up for the rest [waves]
-ESSENTIAL_SHARE: Final = (
-    0.02  # of its bounds: nearer to where it does nothing is there [convention]
-)
+ESSENTIAL_SHARE: Final = 0.02  # of its bounds: so near the null it does nothing [convention]
 ADEQUACY_RIVALS: Final = 3  # contenders that are tried in the place of a refuted one [cost]
 ADEQUACY_INTERVALS: Final = 4  # of a covariate [convention]
 ADEQUACY_LEAST: Final = 0.02  # squared scatter that rows have at least, of the typical [convention]

@@ -13,7 +13,7 @@ from bench.discrepancy.report.folder import INPUTS, REPORT, read_part
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.errors import BenchError
 from bench.physics.effect import Effect
-from bench.physics.effects.ranging.law import Law
+from bench.physics.effects.ranging.law import Law, with_constants
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import from_toml
 from bench.planning.settings import NEAR_SHARE, WALKERS
@@ -103,15 +103,16 @@ def _law(found: Mapping[str, Any] | None) -> tuple[Law, ...]:
     if not found:
         return ()
     rng, constants = np.random.default_rng(0), found["constants"]
-    made = [Law(found["expression"], tuple(f"{c['name']} = {float(c['value'])!r} {c['unit']}"
-                                           for c in constants))]  # fmt: skip
-    for _ in range(WALKERS - 1):
-        texts = []
-        for c in constants:
-            std = (float(c["high"]) - float(c["low"])) / (2 * ONE_SIDED_95)
-            texts.append(f"{c['name']} = {rng.normal(float(c['value']), std)!r} {c['unit']}")
-        made.append(Law(found["expression"], tuple(texts)))
-    return tuple(made)
+    values = [np.array([float(c["value"]) for c in constants])]
+    stds = [(float(c["high"]) - float(c["low"])) / (2 * ONE_SIDED_95) for c in constants]
+    values += [rng.normal(values[0], stds) for _ in range(WALKERS - 1)]
+    return tuple(
+        with_constants(
+            found["expression"],
+            ((c["name"], float(v), c["unit"]) for c, v in zip(constants, one, strict=True)),
+        )
+        for one in values
+    )
 
 
 def _options(verdict: Mapping[str, Any]) -> Added:

@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.matching import link_means
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed, iterated, linear
 from bench.discrepancy.law.material import Factor, Material
@@ -274,28 +275,30 @@ def units(given: Material) -> Iterator[Unit]:
     groups = [(i, f) for i, f in enumerate(given.factors) if i == 0 or f.group]
     for by, factor in groups:
         if _off(given, factor):
+            doubts = {offset: _slope_doubt(given, factor, offset) for offset in (False, True)}
             for ratio, meaning in LAW_RATIOS.items():
-                for offset in (False, True):
-                    if not _sharp(given, factor, abs(ratio - 1), offset):
+                for offset, doubt in doubts.items():
+                    if not doubt < LAW_RATIO_DOUBT * abs(ratio - 1):
                         continue
                     names = (factor.text, factor.words)
                     count = 2 * len(LAW_RATIOS) * (len(groups) if by else 1)
                     yield Unit(ratio, meaning, by, offset, names, count)
 
 
-def _sharp(given: Material, factor: Factor, slope: float, offset: bool) -> bool:
-    """Return whether links tell a slope so sharply that it is not a unit's by coincidence."""
+def _slope_doubt(given: Material, factor: Factor, offset: bool) -> float:
+    """Return the standard error of a free slope over links; infinite where it cannot be told.
+
+    A slope that is known badly is a unit's by coincidence.
+    """
     mine = factor.weights > 0
-    codes = np.unique(given.links[mine], return_inverse=True)[1]
-    counts = np.bincount(codes)
     far, error = (
-        np.bincount(codes, one[mine]) / counts for one in (given.true_range_m, given.residual_m)
+        link_means(one[mine], given.links[mine]) for one in (given.true_range_m, given.residual_m)
     )
     design = np.column_stack([far, np.ones(len(far))] if offset else [far])
-    if len(far) <= design.shape[1]:
-        return False
-    spread = np.linalg.norm(far - far.mean() if offset else far)
-    return bool(linear(design, error).scale_m < LAW_RATIO_DOUBT * slope * spread)
+    spread = float(np.linalg.norm(far - far.mean() if offset else far))
+    if len(far) <= design.shape[1] or not spread:
+        return np.inf
+    return linear(design, error).scale_m / spread
 
 
 def _off(given: Material, factor: Factor) -> bool:

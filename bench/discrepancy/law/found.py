@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.physics.effects.ranging.law import Law
+from bench.physics.effects.ranging.law import Law, with_constants
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,7 @@ class FoundLaw:
     @property
     def effect(self) -> Law:
         """The law as an effect of the simulator."""
-        texts = (f"{c.name} = {c.value!r} {c.unit}" for c in self.constants)
-        return Law(self.expression, tuple(texts))
+        return with_constants(self.expression, ((c.name, c.value, c.unit) for c in self.constants))
 
     def __str__(self) -> str:
         what = "a fault of the set-up" if self.fault else "a law without a name"

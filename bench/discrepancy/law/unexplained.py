@@ -25,7 +25,7 @@ from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import LeftOut, Unknown
 from bench.errors import BenchError
-from bench.physics.effects.ranging.law import Law
+from bench.physics.effects.ranging.law import Law, with_constants
 
 
 @dataclass(frozen=True)
@@ -112,9 +112,7 @@ def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
 
 def _effect(proposal: Proposal) -> Law:
     """Return a proposed law as an effect of the simulator."""
-    best = proposal.best
-    texts = (f"{name} = {value!r} {unit}" for name, value, unit in best.fitted.constants)
-    return Law(best.structure.expression, tuple(texts))
+    return with_constants(proposal.best.structure.expression, proposal.best.fitted.constants)
 
 
 def _leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
+from bench.discrepancy.compare.matching import link_means
 from bench.runner.worth.site import Examples, Site
 from zoo.modules.blocks import LEVEL_FIGURES
 from zoo.modules.features import FEATURES
@@ -62,9 +63,7 @@ def _figures(rows: Examples) -> dict[str, float]:
 
 def _per_link(rows: Examples) -> tuple[Floats, Floats]:
     """Return the mean error [k] and the mean figures [k, c] of every link."""
-    codes = np.unique(rows.links, return_inverse=True)[1]
-    counts = np.bincount(codes)
+    codes = np.unique(rows.links, return_inverse=True)[1].astype(np.intp)
     every = np.column_stack([rows.errors_m, rows.rows]).astype(np.float64)
-    sums = np.stack([np.bincount(codes, column) for column in every.T], axis=1)
-    means = sums / counts[:, None]
+    means = link_means(every, codes)
     return means[:, 0], means[:, 1:]

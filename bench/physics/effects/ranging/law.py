@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -91,3 +92,8 @@ class _Columns:
         if name not in rows.hashes:
             raise unknown_name("column of names", name, [*rows.hashes, "obstacles"])
         return np.asarray(rows.hashes[name] == name_hash((text,))[0], np.float64)
+
+
+def with_constants(expression: str, constants: Iterable[tuple[str, float, str]]) -> Law:
+    """Return a law whose constants are given as name, value and unit."""
+    return Law(expression, tuple(f"{name} = {value!r} {unit}" for name, value, unit in constants))
