@@ -22,8 +22,9 @@ from bench.discrepancy.law.settings import (
 )
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import strike
+from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Search, Selection
-from bench.discrepancy.select.verdict import LeftOut, Unknown
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law, with_constants
 
@@ -84,7 +85,47 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
         return beside
     struck = [effect for effect in named if type(effect).strikes]
     better = _calms(search, kept, alone) if struck else _leads(alone, rest, after, named)
-    return Weighed(found, alone, _without_names(found, kept)) if better else beside
+    if not better:
+        return beside
+    narrower = None if struck else _narrowed(search, found, alone, views)
+    if narrower is not None:
+        return _weighed(search, narrower, unknown)
+    return Weighed(found, alone, _without_names(found, kept))
+
+
+def _narrowed(
+    search: Search, found: Selection, alone: Proposal, views: tuple[View, ...]
+) -> Selection | None:
+    """Return the selection with a class cut down to members that the law does not beat.
+
+    None where the law beats every other member of every class too: a constant law is an antenna
+    delay, though the class was led by an effect that only comes near one.
+    """
+    for verdict in (one for one in found.verdicts if isinstance(one, Ambiguous)):
+        first, *others = verdict.options
+        if first.effect.name not in {effect.name for effect in _shifting(found)}:
+            continue
+        held = [o for o in others if _stands(search, found, alone, views, first, o)]
+        if held:
+            left = held[0] if len(held) == 1 else replace(verdict, options=tuple(held))
+            said = tuple(left if one is verdict else one for one in found.verdicts)
+            added = swapped_for(found.added, first.effect, held[0].effect)
+            return replace(found, verdicts=said, added=added)
+    return None
+
+
+def _stands(
+    search: Search,
+    found: Selection,
+    alone: Proposal,
+    views: tuple[View, ...],
+    first: LeftOut,
+    option: LeftOut,
+) -> bool:
+    """Return whether the law does not beat the names with `option` in the place of `first`."""
+    swapped = replace(found, added=swapped_for(found.added, first.effect, option.effect))
+    rest = gathered(search.comparison, views, swapped.added)
+    return rest is not None and not _leads(alone, rest, None, _shifting(swapped))
 
 
 def _shifting(found: Selection) -> Added:
