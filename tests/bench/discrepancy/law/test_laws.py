@@ -5,20 +5,28 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import lru_cache
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pandas as pd
 import pytest
 from unlisted import CASES, Case, tables
 
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.law import unexplained
 from bench.discrepancy.law.found import FoundLaw, SetupFault, fault_dict, law_dict
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, condition, material
 from bench.discrepancy.law.search import propose
 from bench.discrepancy.law.unexplained import _leads
+from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics import Base, Simulator, from_toml, to_toml
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.law import Law
+from bench.physics.effects.ranging.range_scale import RangeScale
 
 QUICK = (
     "scale -1.2 %", "three lobes", "one tag squared", "rounded down", "anchor off 0.5 m",
@@ -138,6 +146,31 @@ def test_a_law_leads_names_that_leave_it_and_not_those_that_explain_it() -> None
     assert _leads(alone, alone.given, alone, named)  # the names leave all of it: they do nothing
     better = replace(alone, best=replace(alone.best, nats=alone.best.nats + 10))
     assert not _leads(alone, alone.given, better, named)  # together they do better
+
+
+def test_a_law_that_a_class_member_is_narrows_the_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    number, case, _, _ = of_name("anchor off 0.5 m")
+    given = material_of(case, number)
+    alone = propose(part(given, ~given[2]), number)
+    assert alone is not None
+    noise = np.random.default_rng(1).normal(0, alone.scale_m, len(alone.given.links))
+    explained = replace(alone.given, residual_m=noise)
+    clock, scale, delay = ClockOffset(), RangeScale(), AntennaDelay(delay_ns=0.1)
+    doubt = Estimate(1.0, 0.9, 1.1)
+    options = tuple(LeftOut(e, (), doubt, 1.0, Control("", None)) for e in (clock, scale, delay))
+    found = Selection((Ambiguous(options, ""),), (clock,), ())
+
+    def left(_: object, __: object, added: tuple[object, ...]) -> Material:
+        return explained if delay in added else alone.given
+
+    monkeypatch.setattr(unexplained, "gathered", left)
+    search = cast(Search, SimpleNamespace(comparison=None))
+    narrower = unexplained._narrowed(search, found, alone, ())
+    assert narrower is not None
+    assert narrower.names == (("antenna-delay",),)
+    assert narrower.added == (delay,)
+    bare = replace(found, verdicts=(Ambiguous(options[:2], ""),))
+    assert unexplained._narrowed(search, bare, alone, ()) is None
 
 
 def test_words_have_units_and_intervals() -> None:

@@ -1,0 +1,50 @@
+"""A curve that is level where rows are is no second explanation beside its constant."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.select.disguise import without_disguises
+from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.power_curve import PowerCurve
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+
+LEVELS_DBM = tuple(np.arange(-97.0, -50.0, 3.0))
+
+
+def option(effect: Effect) -> LeftOut:
+    return LeftOut(effect, (), Estimate(2.0, 1.9, 2.1), 1.0, Control("", None))
+
+
+def curve(*ends_m: float) -> LeftOut:
+    bias_m = np.full(len(LEVELS_DBM), 0.11)
+    bias_m[-len(ends_m) :] = ends_m
+    return option(PowerCurve(LEVELS_DBM, tuple(bias_m)))
+
+
+def rows(spread_db: float) -> View:
+    levels = np.linspace(-85, -85 + spread_db, 50)
+    recorded = SimpleNamespace(names=("rx_power_dbm",), column=lambda _: levels)
+    return cast(View, SimpleNamespace(recorded=recorded))
+
+
+def test_a_curve_that_bends_only_at_its_ends_is_level() -> None:
+    delay = option(AntennaDelay(delay_ns=0.77))
+    assert without_disguises((delay, curve(0.092)), rows(25)) == (delay,)
+
+
+def test_a_curve_that_bends_stays() -> None:
+    delay, bent = option(AntennaDelay(delay_ns=0.77)), curve(*np.linspace(0.1, 0.0, 8))
+    assert without_disguises((delay, bent), rows(25)) == (delay, bent)
+
+
+def test_a_level_curve_stays_where_rows_have_one_level_or_it_leads() -> None:
+    delay = option(AntennaDelay(delay_ns=0.77))
+    assert len(without_disguises((delay, curve(0.092)), rows(3))) == 2
+    assert len(without_disguises((curve(0.092), delay), rows(25))) == 2
