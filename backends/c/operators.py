@@ -100,9 +100,10 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Convolution:
-    """Float maps x [steps, c] -> y [steps, outs]; `weight` [taps, c, outs], `bias` [outs].
+    """Float maps x [steps, c] -> y [steps, outs]; `weight` [taps, c / groups, outs], `bias` [outs].
 
-    `pads` are rows of zeros before and after x. A dense layer is one step of one tap.
+    `pads` are rows of zeros before and after x. Each of `groups` equal stretches of outputs reads
+    its own stretch of channels. A dense layer is one step of one tap.
     """
 
     x: Ref
@@ -113,6 +114,7 @@ class Convolution:
     dilation: int = 1
     pads: tuple[int, int] = (0, 0)
     relu: bool = False
+    groups: int = 1
     kind: str = "conv"
 
 
@@ -165,10 +167,10 @@ class Dequantise:
 
 @dataclass(frozen=True, eq=False)
 class IntegerConvolution:
-    """8-bit maps x [steps, c] -> y [steps, outs]; `weight` int8 [outs, taps, c], `bias` int32.
+    """8-bit maps x [steps, c] -> y [steps, outs]; `weight` int8 [outs, taps, c / groups].
 
-    The zero of x is in the bias already. y = zero + round(sum x multiplier), or the float
-    sum x multiplier where `zero` is None.
+    `bias` int32 [outs]; groups as in `Convolution`. The zero of x is in the bias already.
+    y = zero + round(sum x multiplier), or the float sum x multiplier where `zero` is None.
     """
 
     x: Ref
@@ -181,6 +183,7 @@ class IntegerConvolution:
     stride: int = 1
     dilation: int = 1
     pads: tuple[int, int] = (0, 0)
+    groups: int = 1
     kind: str = "conv"
 
 

@@ -58,6 +58,7 @@ def convolution(reading: Reading, node: Node) -> Value:
     weight, bias = _weights(reading, node)
     geometry = Geometry.of(node, weight.shape)
     x = conv_input(reading, reading.ref(node.inputs[0]), geometry)
+    geometry.check(weight.shape, x.shape[1])
     y = conv_output(reading, x, geometry, weight.shape[0], "f32")
     reading.operators.append(
         Convolution(
@@ -68,31 +69,40 @@ def convolution(reading: Reading, node: Node) -> Value:
             geometry.stride,
             geometry.dilation,
             geometry.pads,
+            groups=geometry.groups,
         )
     )
     return _activated(reading, node, as_maps(y))
 
 
 class Geometry:
-    """Kernel, stride, dilation and pads of a convolution along time."""
+    """Kernel, stride, dilation, pads and groups of a convolution along time."""
 
-    def __init__(self, kernel: int, stride: int, dilation: int, pads: tuple[int, int]) -> None:
+    def __init__(
+        self, kernel: int, stride: int, dilation: int, pads: tuple[int, int], groups: int = 1
+    ) -> None:
         self.kernel, self.stride, self.dilation, self.pads = kernel, stride, dilation, pads
+        self.groups = groups
 
     @classmethod
     def of(cls, node: Node, weight_shape: tuple[int, ...]) -> Geometry:
-        """Return a node's. Raises ValueError for two dimensions, groups and automatic pads."""
+        """Return a node's. Raises ValueError for two dimensions and automatic pads."""
         if len(weight_shape) != 3:
             raise UnknownOperatorError(node.operator, f"over {len(weight_shape) - 2} dimensions")
-        if node.get("group", 1) != 1:
-            raise UnknownOperatorError(node.operator, f"in {node.get('group', 1)} groups")
         if node.get("auto_pad", "NOTSET") not in ("NOTSET", "VALID"):
             raise UnknownOperatorError(node.operator, "with automatic padding")
         stride, dilation = int(node.get("strides", [1])[0]), int(node.get("dilations", [1])[0])
         before, after = (int(pad) for pad in node.get("pads", [0, 0]))
         if min(stride, dilation) < 1 or min(before, after) < 0:
             raise ValueError(f"{node.operator} with stride {stride}, pads {before}, {after}")
-        return cls(weight_shape[2], stride, dilation, (before, after))
+        return cls(weight_shape[2], stride, dilation, (before, after), int(node.get("group", 1)))
+
+    def check(self, weight_shape: tuple[int, ...], channels: int) -> None:
+        """Raise ValueError where weights [outs, c / groups, taps] do not suit the channels."""
+        outs, read = weight_shape[:2]
+        if self.groups < 1 or outs % self.groups or read * self.groups != channels:
+            what = f"weights {weight_shape} in {self.groups} groups"
+            raise ValueError(f"a convolution of {channels} channels by {what}")
 
     def steps(self, width: int) -> int:
         """Return how many steps come out of `width`. Raises ValueError where there is none."""

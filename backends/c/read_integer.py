@@ -112,6 +112,7 @@ def convolution(reading: Reading, node: Node) -> Value:
     maps = swapped(maps) if last else maps
     x_scale, y_scale = scale(reading, node, 1), scale(reading, node, 6)
     x = conv_input(reading, maps, geometry)
+    geometry.check(weight.shape, x.shape[1])
     y = conv_output(reading, x, geometry, weight.shape[0], "u8")
     bias = reading.array(node.inputs[8]) if node.given(8) else np.zeros(len(weight), np.int32)
     reading.operators.append(
@@ -126,6 +127,7 @@ def convolution(reading: Reading, node: Node) -> Value:
             geometry.stride,
             geometry.dilation,
             geometry.pads,
+            groups=geometry.groups,
         )
     )
     return swapped(as_maps(y)) if last else as_maps(y)

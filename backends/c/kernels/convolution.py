@@ -7,7 +7,7 @@ from itertools import chain
 
 import numpy as np
 
-from backends.c.kernels.layer import OPAQUE_Y, Context, Layer
+from backends.c.kernels.layer import OPAQUE_Y, Context, Layer, for_groups, shifted
 from backends.c.operators import Array, Convolution
 from backends.c.text import block, floats, indented, integers, table
 
@@ -20,7 +20,7 @@ class Kernel:
     """The sizes that are constants of one kernel.
 
     Weights are [taps x span, outs]; each step reads `taps` stretches of `span` values, `reach`
-    apart; the next step's begin `hop` values later.
+    apart; the next step's begin `hop` values later, and its results `pitch`.
     """
 
     taps: int
@@ -28,6 +28,7 @@ class Kernel:
     reach: int
     outs: int
     hop: int
+    pitch: int
     relu: bool
     most_steps: int
     half: bool = False
@@ -37,8 +38,9 @@ class Kernel:
         """Return the C name."""
         shape = f"{self.taps}x{self.span}_{self.outs}_hop{self.hop}_by{self.most_steps}"
         reach = f"_reach{self.reach}" if self.taps > 1 else ""
+        pitch = f"_pitch{self.pitch}" if self.pitch != self.outs else ""
         ends = f"{'_relu' if self.relu else ''}{'_half' if self.half else ''}"
-        return f"uwb_conv_{shape}{reach}{ends}"
+        return f"uwb_conv_{shape}{reach}{pitch}{ends}"
 
     @property
     def lanes(self) -> tuple[int, ...]:
@@ -51,19 +53,28 @@ def write(layer: Convolution, context: Context) -> Layer:
     kernel = _kernel(layer, context.halves and are_halves(layer.weight))
     made = Layer(layer.kind)
     weight, bias = context.name("weight"), context.name("bias")
+    weights = by_group(layer)
     made.tables = [
-        halves(weight, layer.weight)
-        if kernel.half
-        else table(weight, "float", floats(layer.weight)),
+        halves(weight, weights) if kernel.half else table(weight, "float", floats(weights)),
         table(bias, "float", floats(layer.bias)),
     ]
     made.helpers |= {"half"} if kernel.half else set()
-    first = -layer.pads[0] * layer.x.shape[1]
+    first = layer.pads[0] * layer.x.shape[1]
     x, y = context.pointer(layer.x, made), context.pointer(layer.y, made)
-    steps = layer.y.shape[0]
-    made.body = [f"{kernel.name}({x} - {-first}, {weight}, {bias}, {y}, {steps});"]
+    size = kernel.taps * kernel.span * kernel.outs
+    sides = ((f"{x} - {first}", layer.weight.shape[1]), (weight, size))
+    places = [*sides, (bias, kernel.outs), (y, kernel.outs)]
+    called = ", ".join(shifted(place, layer.groups, step) for place, step in places)
+    made.body = for_groups(layer.groups, f"{kernel.name}({called}, {layer.y.shape[0]});")
     made.kernels[kernel.name] = "\n".join(_function(kernel))
     return made
+
+
+def by_group(layer: Convolution) -> Array:
+    """Return the weights [groups, taps, c / groups, outs / groups]."""
+    taps, channels, outs = layer.weight.shape
+    apart = layer.weight.reshape(taps, channels, layer.groups, outs // layer.groups)
+    return np.ascontiguousarray(apart.transpose(2, 0, 1, 3))
 
 
 def are_halves(values: Array) -> bool:
@@ -80,13 +91,15 @@ def halves(name: str, values: Array) -> str:
 
 def _kernel(layer: Convolution, half: bool) -> Kernel:
     taps, channels, outs = layer.weight.shape
-    joined = layer.dilation == 1
+    every = layer.x.shape[1]
+    joined = layer.dilation == 1 and layer.groups == 1
     return Kernel(
         taps=1 if joined else taps,
         span=taps * channels if joined else channels,
-        reach=0 if joined else layer.dilation * channels,
-        outs=outs,
-        hop=layer.stride * channels,
+        reach=0 if joined else layer.dilation * every,
+        outs=outs // layer.groups,
+        hop=layer.stride * every,
+        pitch=outs,
         relu=layer.relu,
         most_steps=max(n for n in (1, 2, 4, 8) if n <= layer.y.shape[0]),
         half=half,
@@ -157,7 +170,7 @@ def _tile_body(kernel: Kernel, lanes: int, vectors: int, steps: int) -> list[str
     for s in range(steps):
         for v in range(vectors):
             value = f"a{s}{v}" if not kernel.relu else _relu(f"a{s}{v}", lanes)
-            lines.append(_store(f"y + (t + {s}) * {kernel.outs} + o + {v * lanes}", value, lanes))
+            lines.append(_store(f"y + (t + {s}) * {kernel.pitch} + o + {v * lanes}", value, lanes))
     return lines
 
 
@@ -199,7 +212,8 @@ def _dot(kernel: Kernel) -> list[str]:
     if kernel.taps > 1:
         inner += [f"p += {kernel.reach};", f"q += {kernel.span};"]
         inner = block(f"for (int k = 0; k < {kernel.taps}; k++)", inner)
-    body += [*inner, f"y[t] = {_relu('total', 1) if kernel.relu else 'total'};"]
+    place = "t" if kernel.pitch == 1 else f"t * {kernel.pitch}"
+    body += [*inner, f"y[{place}] = {_relu('total', 1) if kernel.relu else 'total'};"]
     return block("for (int t = 0; t < steps; t++)", body)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backends.c.kernels.fixed import fixed, is_quick
-from backends.c.kernels.layer import OPAQUE_Y, Context, Layer
+from backends.c.kernels.layer import OPAQUE_Y, Context, Layer, for_groups, shifted
 from backends.c.operators import Array, IntegerConvolution
 from backends.c.text import block, floats, integers, table
 
@@ -34,6 +34,7 @@ class Kernel:
     reach: int
     outs: int
     hop: int
+    pitch: int
     ending: str
     steps: int
 
@@ -42,7 +43,8 @@ class Kernel:
         """Return the C name."""
         shape = f"{self.taps}x{self.span}_{self.outs}_hop{self.hop}_by{self.steps}"
         reach = f"_reach{self.reach}" if self.taps > 1 else ""
-        return f"uwb_conv8_{shape}{reach}_{self.ending}"
+        pitch = f"_pitch{self.pitch}" if self.pitch != self.outs else ""
+        return f"uwb_conv8_{shape}{reach}{pitch}_{self.ending}"
 
     @property
     def row(self) -> int:
@@ -63,8 +65,11 @@ def write(layer: IntegerConvolution, context: Context) -> Layer:
     ending = _scales(layer, kernel, names[2], made)
     first = layer.pads[0] * layer.x.shape[1]
     x, y = context.pointer(layer.x, made), context.pointer(layer.y, made)
-    arguments = [f"{x} - {first}", *names, y, str(layer.y.shape[0]), ending]
-    made.body = [f"{kernel.name}({', '.join(arguments)});"]
+    outs = kernel.outs
+    steps = (layer.weight.shape[2], outs * kernel.row, outs, outs, outs)
+    places = zip((f"{x} - {first}", *names, y), steps, strict=True)
+    called = ", ".join(shifted(place, layer.groups, step) for place, step in places)
+    made.body = for_groups(layer.groups, f"{kernel.name}({called}, {layer.y.shape[0]}, {ending});")
     made.kernels[kernel.name] = "\n".join(_function(kernel))
     made.helpers |= _HELPERS[kernel.ending]
     return made
@@ -94,7 +99,8 @@ def _scales(layer: IntegerConvolution, kernel: Kernel, name: str, made: Layer) -
 
 def _kernel(layer: IntegerConvolution, context: Context) -> Kernel:
     outs, taps, channels = layer.weight.shape
-    joined = layer.dilation == 1
+    every = layer.x.shape[1]
+    joined = layer.dilation == 1 and layer.groups == 1
     ending = "result" if layer.zero is None else context.requantise
     if ending == "fixed":
         ending = _fixed_ending(layer)
@@ -103,9 +109,10 @@ def _kernel(layer: IntegerConvolution, context: Context) -> Kernel:
     return Kernel(
         taps=1 if joined else taps,
         span=taps * channels if joined else channels,
-        reach=0 if joined else layer.dilation * channels,
-        outs=outs,
-        hop=layer.stride * channels,
+        reach=0 if joined else layer.dilation * every,
+        outs=outs // layer.groups,
+        hop=layer.stride * every,
+        pitch=outs,
         ending=ending,
         steps=min(layer.y.shape[0], 2),
     )
@@ -147,7 +154,7 @@ def _outputs(kernel: Kernel) -> list[str]:
     body += _sums(kernel, outs)
     for s in range(kernel.steps):
         for v in range(outs):
-            target = f"y[(t + {s}) * {kernel.outs} + o + {v}]"
+            target = f"y[(t + {s}) * {kernel.pitch} + o + {v}]"
             body.append(f"{target} = {_ending(kernel, f'a{s}{v}', f'm[o + {v}]')};")
     return block(f"for (int o = 0; o < {kernel.outs}; o += {outs})", body)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from backends.c.operators import Program, Ref, Shape
 from backends.c.plan import Plan
+from backends.c.text import block
 
 OPAQUE_Y = "UWB_OPAQUE(y);"
 
@@ -59,6 +60,16 @@ class Context:
 def target(kind: str, place: str) -> list[str]:
     """Return C for `y`, where a layer writes; see `prelude.opaque`."""
     return [f"{kind} *y = {place};", OPAQUE_Y]
+
+
+def shifted(place: str, groups: int, step: int) -> str:
+    """Return C for what group g starts at, `step` behind the group before it."""
+    return place if groups == 1 else f"{place} + g * {step}"
+
+
+def for_groups(groups: int, call: str) -> list[str]:
+    """Return a call for each group g; one for all where there are none."""
+    return [call] if groups == 1 else block(f"for (int g = 0; g < {groups}; g++)", [call])
 
 
 def merged(shape: Shape, strides: list[Shape]) -> tuple[Shape, list[Shape]]:

@@ -94,3 +94,17 @@ def test_a_name_that_is_code_stays_a_name(tmp_path: Path) -> None:
     nodes = [helper.make_node("Relu", [evil], ["y"])]
     source = generate(saved(model_of(nodes, [(evil, 1)]), tmp_path), "fp32")
     assert "system(" not in "".join(source.files.values())
+
+
+@pytest.mark.parametrize("groups", [0, 2, 3])
+def test_groups_that_do_not_suit_the_channels(groups: int, tmp_path: Path) -> None:
+    weight = np.ones((4, 1, 3), np.float32)
+    nodes = [
+        helper.make_node("Unsqueeze", ["x", "one"], ["a"]),
+        helper.make_node("Conv", ["a", "w"], ["c"], group=groups),
+        helper.make_node("ReduceSum", ["c"], ["y"], keepdims=0),
+    ]
+    tensors = [("w", weight), ("one", np.array([1], np.int64))]
+    path = saved(model_of(nodes, [("x", 9)], tensors), tmp_path)
+    with pytest.raises(ValueError, match="groups"):
+        generate(path, "fp32")
