@@ -13,7 +13,12 @@ from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
 from bench.discrepancy.select.verdict import Unknown, Verdict
-from bench.discrepancy.settings import CONFIRM_FIRST, CONFIRM_MEMBERS, HIGH_QUANTILE
+from bench.discrepancy.settings import (
+    CONFIRM_FIRST,
+    CONFIRM_MEMBERS,
+    FARTHER_SHARE,
+    HIGH_QUANTILE,
+)
 
 
 @dataclass(frozen=True)
@@ -47,10 +52,15 @@ class Confirmed:
     nearer_m: Estimate
 
     @property
+    def farther(self) -> bool:
+        """Whether ranges are worse after, beyond chance or by so much that chance is no comfort."""
+        much = self.mae_after_m.value > (1 + FARTHER_SHARE) * self.mae_before_m.value
+        return self.nearer_m.high < 0 or much
+
+    @property
     def serves(self) -> bool:
         """Whether score and typical range error are no worse after than before."""
-        worse = self.nearer_m.high < 0 or self.mae_after_m.value > self.mae_before_m.value
-        return self.gain.value > 0 and not worse
+        return self.gain.value > 0 and not self.farther
 
 
 def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Confirmed:
@@ -119,10 +129,16 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: 
     said += more
     if not added:
         return f"{said}. Nothing was added to the simulator."
+    change = _change(seen)
+    if not seen.serves:
+        why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
+        return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
+    sure = "" if seen.gain.above_zero else ", though not beyond doubt"
+    alike = "" if seen.nearer_m.low > 0 else ", ranges alike within chance"
+    return f"{said}. The new simulator fits better{sure}{alike}: {change}."
+
+
+def _change(seen: Confirmed) -> str:
+    """Return in words how far ranges were off before and after."""
     before, after = seen.mae_before_m.value, seen.mae_after_m.value
-    change = f"mean |recorded - simulated| {before:.3g} -> {after:.3g} m on sealed links"
-    if seen.serves:
-        sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-        return f"{said}. The new simulator fits better{sure}: {change}."
-    why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
-    return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
+    return f"mean |recorded - simulated| {before:.3g} -> {after:.3g} m on sealed links"

@@ -75,6 +75,8 @@ AUC_FOLDS: Final = 4
 FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test [derived]
 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
+FARTHER_SHARE: Final = 0.25  # more range error after than before is worse, by chance or not: few
+# sealed links prove nothing [convention]
 HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
 
 # --- Another simulator's table (compare/table, compare/matching) ---------------------------------
@@ -251,10 +253,14 @@ CONTROL_QUIET: Final = 0.25  # of what is left elsewhere may be left where the e
 ADEQUACY_FIRST: Final = 9000  # replicates that nothing else looks at [derived]
 ADEQUACY_MEMBERS: Final = 10  # [cost]
 ADEQUACY_ALPHA: Final = 0.05  # over all places and observables of one name [convention]
-ADEQUACY_LEFT: Final = (0.7, 1.0)  # of the largest response in an observable, that may be left in
-# its mean, in its spread: other forms of the right effect leave up to 0.6, wrong ones more [waves]
+ADEQUACY_LEFT: Final = (0.7, 1.0)  # of the response in an observable, over all places, that may
+# be left in its mean, in its spread: other forms leave up to 0.6, wrong ones more [waves]
+ADEQUACY_MOST: Final = 0.5  # of the response, in which too much is left, refuses [convention]
 ADEQUACY_CUT: Final = 0.5  # of what was there, that an effect has done its part by [convention]
+ADEQUACY_BROUGHT: Final = 0.6  # of what was there, that may be left of the cell it reduces most,
+# among those it was brought in for [convention]
 ADEQUACY_OFF_COVARIATE: Final = 0.4  # the same at a place where more is left than the effect does
+FORM_SHARE: Final = 0.3  # of an effect's response, that another form of it may differ by [waves]
 ADEQUACY_TOUCHED: Final = 0.3  # of its largest response: an effect acts on an observable
 NEARLY_SHARE: Final = 0.8  # of the best gain: another form may make up for the rest [waves]
 ESSENTIAL_SHARE: Final = 0.02  # of its bounds: so near the null it does nothing [convention]

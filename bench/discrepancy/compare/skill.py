@@ -99,6 +99,17 @@ def gain(reference: Tally, candidate: Tally) -> float:
     return float(sum(gains(reference, candidate).values()))
 
 
+def fall(reference: Tally, candidate: Tally) -> float:
+    """Return by which share of the reference the scores fall: weighted, summed over observables.
+
+    Unlike a gain it cannot grow without bound where an observable hardly scatters, so it says how
+    much of a mismatch is gone.
+    """
+    names = tuple(n for n in reference.names if n in candidate.names)
+    one = np.ones((1, len(reference.sums)), np.int64)
+    return float(_weighted_differences(reference.keep(names), candidate.keep(names), one)[0])
+
+
 def gain_interval(
     reference: Tally, candidate: Tally, seed: int, names: tuple[str, ...] | None = None
 ) -> Estimate:

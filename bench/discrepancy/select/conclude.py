@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
-from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.skill import fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import parameter_intervals
@@ -120,15 +120,22 @@ def _doubted(rounds: tuple[Round, ...], doubts: tuple[Doubt, ...]) -> Unknown:
 
 
 def _share(search: Search, first: Explanation, added: Added) -> float:
-    """Return the gain of all added effects as a fraction of the flexible regression's."""
+    """Return the gain of all added effects as a fraction of the flexible regression's.
+
+    With waveforms, of the fall of the scores: there a count that hardly scatters lets a regression
+    gain nats for the last thousandth of a mismatch.
+    """
     if not added:
         return 0.0
     before, after = (
         tally(search.comparison.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
         for effects in ((), added)
     )
-    reached = gain_interval(before, after, search.seed).value
-    return float(reached / max(first.removable.value, reached, 1e-9))
+    if search.fit.waveform:
+        reached, most = fall(before, after), fall(first.base, first.nuisance)
+    else:
+        reached, most = gain_interval(before, after, search.seed).value, first.removable.value
+    return float(reached / max(most, reached, 1e-9))
 
 
 def _named(
@@ -155,7 +162,7 @@ def _named(
             _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
             for i, c in enumerate(same)
         )
-        objections = [objection(search, added, effect, option) for option in options]
+        objections = [objection(search, turn, added, effect, option) for option in options]
         passed = tuple(o for o, why in zip(options, objections, strict=True) if not why)
         passed = without_disguises(passed, search.searched)
         if not passed:  # a name whose own negative control fails is none
@@ -165,7 +172,7 @@ def _named(
     return tuple(out)
 
 
-def objection(search: Search, added: Added, effect: Effect, option: LeftOut) -> str:
+def objection(search: Search, turn: Round, added: Added, effect: Effect, option: LeftOut) -> str:
     """Return why an option for `effect` is no name, "" where it may be.
 
     `effect` itself is known to reproduce what it acts on.
@@ -175,7 +182,7 @@ def objection(search: Search, added: Added, effect: Effect, option: LeftOut) -> 
         return f"{name} gains most, but it is there too in {option.control.words}"
     if option.effect is effect:
         return ""
-    found = fits(search, swapped_for(added, effect, option.effect), option.effect)
+    found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
     return "" if found.adequate else f"looks most like {name}, but {found}"
 
 

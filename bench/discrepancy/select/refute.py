@@ -10,11 +10,17 @@ from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
+from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
-from bench.discrepancy.settings import ADEQUACY_RIVALS, ESSENTIAL_SHARE, MARGIN_NATS
+from bench.discrepancy.settings import (
+    ADEQUACY_RIVALS,
+    EQUIVALENT_SHARE,
+    ESSENTIAL_SHARE,
+    MARGIN_NATS,
+)
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
 
@@ -50,11 +56,14 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
     What is refuted gives way to a rival of its round that is not, where there is one.
     """
     doubts: tuple[Doubt, ...] = ()
+    refuted: set[str] = set()
+    added = _without_forms(search, added)
     for _ in range(2 * len(added)):
-        worst = _worst(search, added)
+        worst = _worst(search, rounds, added)
         if worst is None:
             break
-        rival = _adequate_rival(search, rounds, added, worst.effect)
+        refuted.add(worst.effect.physics)
+        rival = _adequate_rival(search, rounds, added, worst.effect, refuted)
         if rival is None:
             doubts = (*doubts, worst)
             rest = without(added, worst.effect)
@@ -66,18 +75,32 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
     return Checked(added, rounds, doubts if needed else ())
 
 
+def _without_forms(search: Search, added: Added) -> Added:
+    """Return the effects without those that another form of a larger one would be.
+
+    With waveforms, where one effect moves twenty observables.
+    """
+    while search.fit.waveform and (small := needless(search.comparison, working(search), added)):
+        added = polished(search.comparison, search.fit, without(added, small), 1, False)
+    return added
+
+
 def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
     """Return whether the effects that hold leave anything: else what was refuted was not needed."""
     return not added or locate_left(search, added, len(rounds)).significant
 
 
-def fits(search: Search, added: Added, effect: Effect) -> Adequacy:
-    """Return the adequacy of an effect on all working rows; one that cannot be judged passes."""
+def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None) -> Adequacy:
+    """Return the adequacy of an effect on all working rows; one that cannot be judged passes.
+
+    `turn` is the round that brought it in.
+    """
+    wanted = tuple(finding.cell for finding in turn.located.findings) if turn else ()
     try:
         wrong = _idle(search, added, effect)
         if wrong:
             return Adequacy(False, 1.0, note=wrong)
-        found = adequacy(search.comparison, working(search), added, effect)
+        found = adequacy(search.comparison, working(search), added, effect, wanted)
         if not found.adequate or search.work is None:
             return found
         found = follows(search.comparison, search.work, added, effect)
@@ -113,26 +136,38 @@ def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:
     return tuple(come if effect.name == gone.name else effect for effect in added)
 
 
-def _worst(search: Search, added: Added) -> Doubt | None:
+def _brought_by(rounds: tuple[Round, ...], effect: Effect) -> Round | None:
+    """Return the round that added an effect, None where none did."""
+    return next((turn for turn in rounds if turn.added and turn.added.name == effect.name), None)
+
+
+def _worst(search: Search, rounds: tuple[Round, ...], added: Added) -> Doubt | None:
     """Return the effect of which most is left beyond what is allowed, None where none is."""
-    doubts = [Doubt(effect, fits(search, added, effect)) for effect in added]
+    doubts = [Doubt(e, fits(search, added, e, _brought_by(rounds, e))) for e in added]
     doubts = [doubt for doubt in doubts if not doubt.why.adequate]
     return max(doubts, key=lambda doubt: doubt.why.left, default=None)
 
 
 def _adequate_rival(
-    search: Search, rounds: tuple[Round, ...], added: Added, effect: Effect
+    search: Search, rounds: tuple[Round, ...], added: Added, effect: Effect, refuted: set[str]
 ) -> Contender | None:
-    """Return the best contender of the effect's round that fits in its place, None without one."""
-    turn = next((t for t in rounds if t.added and t.added.name == effect.name), None)
+    """Return the best contender of the effect's round that fits in its place, None without one.
+
+    It must have gained nearly as much there: the next best of a mismatch it hardly touches is no
+    answer. None of the `refuted` comes back.
+    """
+    turn = _brought_by(rounds, effect)
     if turn is None or turn.explanation is None:
         return None
     rest, have = without(added, effect), {known.physics for known in added}
-    able = [c for c in turn.explanation.contenders if c.name not in have]
-    able = [c for c in able if c.gain.likely_above_zero and c.gain.value > MARGIN_NATS]
+    every = turn.explanation.contenders
+    gone = next((c.gain.value for c in every if c.name == effect.physics), 0.0)
+    least = max(MARGIN_NATS, EQUIVALENT_SHARE * gone)
+    able = [c for c in every if c.name not in have | refuted]
+    able = [c for c in able if c.gain.likely_above_zero and c.gain.value > least]
     for one in able[:ADEQUACY_RIVALS]:
         found = beside_others(search.comparison, search.fit, rest, one, search.kinds)
-        if found and fits(search, (*rest, found.effect), found.effect).adequate:
+        if found and fits(search, (*rest, found.effect), found.effect, turn).adequate:
             return replace(one, effect=found.effect)
     return None
 

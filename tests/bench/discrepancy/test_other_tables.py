@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy import NoMismatch, Options, Unknown, diagnose
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.columns import known_columns
 from bench.discrepancy.method import base_of
 from bench.discrepancy.select.candidates import library, offered
@@ -159,10 +160,13 @@ def test_what_makes_ranges_worse_is_not_recommended():
     found = diagnose(recorded, simulated, kinds=SOME)
     worse = replace(found.confirmed, mae_after_m=found.confirmed.mae_before_m,
                     mae_before_m=found.confirmed.mae_after_m)  # fmt: skip
+    same = replace(found.confirmed, mae_after_m=found.confirmed.mae_before_m,
+                   nearer_m=Estimate(-0.001, -0.01, 0.008, "m"))  # fmt: skip
     told = replace(found, confirmed=worse)
     assert found.recommended
     assert not told.recommended
     assert told.headline.startswith("NOT RECOMMENDED")
+    assert "ranges alike within chance" in replace(found, confirmed=same).headline
 
 
 def test_the_radio_settings_of_the_table_are_the_bases():

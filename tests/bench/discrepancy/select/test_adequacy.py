@@ -7,18 +7,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.locate.hypotheses import Place
+from bench.discrepancy.fit.search import Fitted
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import refute
-from bench.discrepancy.select.adequacy import Adequacy, judged
+from bench.discrepancy.select.adequacy import Adequacy, brought, judged
+from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.deformation import within
+from bench.discrepancy.select.state import Round
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 LINKS, ROWS, MEMBERS = 30, 2, 10
 NAMES = ("profile_db[a]", "profile_db[b]", "profile_db[c]", "rx_power_dbm")
-PLACES = (Place(), Place("temperature_c", trend=True))
 
 
 def _ensemble(recorded: np.ndarray, simulated: np.ndarray, seed: int) -> Ensemble:
@@ -32,11 +38,15 @@ def _ensemble(recorded: np.ndarray, simulated: np.ndarray, seed: int) -> Ensembl
 
 
 def _judged(
-    recorded: list[float], fitted: list[float], warming: float = 0.0, seed: int = 5
+    recorded: list[float],
+    fitted: list[float],
+    warming: float = 0.0,
+    seed: int = 5,
+    over: str = "temperature_c",
 ) -> Adequacy:
     """Return the adequacy of an effect that shifts means by `fitted`; the truth by `recorded`.
 
-    `warming` is a trend of the last observable over a temperature, per standard deviation.
+    `warming` is a trend of the last observable over a covariate, per standard deviation.
     """
     rows = LINKS * ROWS
     trend = np.linspace(-1.7, 1.7, rows)
@@ -45,7 +55,7 @@ def _judged(
     whole = _ensemble(truth, np.tile(fitted, (rows, 1)), seed)
     rest = _ensemble(truth, np.zeros((rows, len(NAMES))), seed)
     weights = np.stack([np.ones(rows), trend], axis=1)
-    return judged(whole, rest, PLACES, weights, 1.0)
+    return judged(whole, rest, (Place(), Place(over, trend=True)), weights, 1.0)
 
 
 def test_the_right_effect_in_another_form_is_adequate() -> None:
@@ -72,6 +82,62 @@ def test_what_the_effect_does_not_act_on_is_no_matter_of_its_own() -> None:
     assert _judged([6, 5, 4, -5], [6, 5, 4, 0]).adequate
 
 
+def test_a_trend_over_the_distance_may_be_another_form_of_the_effect() -> None:
+    assert _judged([0, 0, 0, -3], [0, 0, 0, -3], warming=-2.0, over="true_range_m").adequate
+    assert not _judged([0, 0, 0, -3], [0, 0, 0, -3], warming=-6.0, over="true_range_m").adequate
+
+
+def test_what_moves_things_that_did_not_differ_is_refused() -> None:
+    nothing = np.zeros((LINKS * ROWS, len(NAMES)))
+    rest = _ensemble(nothing, nothing, 5)
+    wider = rest.versions * np.array([1, 1, 1, 1.5])
+    wider[0] = rest.versions[0]
+    found = judged(replace(rest, versions=wider), rest, (Place(),), np.ones((len(nothing), 1)), 1.0)
+    assert not found.adequate
+    assert "the spread of rx_power_dbm" in str(found)
+
+
+def test_an_effect_cuts_down_something_that_it_was_brought_in_for() -> None:
+    rows = LINKS * ROWS
+    truth = np.tile(np.array([6.0, 0, 0, -5]), (rows, 1))
+    whole, rest = _ensemble(truth, truth * [1, 0, 0, 0], 5), _ensemble(truth, truth * 0, 5)
+    wanted = [(Cell(name, "mean", Place()), np.ones(rows)) for name in NAMES]
+    assert brought(whole, rest, wanted).adequate
+    refused = brought(whole, rest, wanted[3:])
+    assert not refused.adequate
+    assert "of rx_power_dbm in all rows it leaves" in str(refused)
+
+
+def test_a_small_response_is_within_the_form_of_a_large_one() -> None:
+    large, apart = np.array([[9.0, 0], [8, 0], [0, 0]]), np.array([[0.0, 0], [0, 0], [4, 0]])
+    assert within(0.2 * large, large[None])
+    assert not within(0.5 * large, large[None])
+    assert not within(apart, large[None])
+
+
+def test_the_rival_of_a_refuted_name_gained_nearly_as_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    tally = Tally(("rx_power_dbm",), np.ones((4, 1)), np.ones((4, 1)))
+    tail, noise, loss = DiffuseTail(), NoiseFloor(), PathLoss()
+    gains = {tail: 2.0, noise: 1.4, loss: 0.1}
+    each = tuple(Contender(e, tally, Estimate(g, g / 2, 2 * g)) for e, g in gains.items())
+    turn = Round(
+        Located((), 1.0, 1.0, 9.0, 1, {}),
+        Explanation(each, tally, each[0].gain, tally, {}, {}),
+        tail,
+    )
+    monkeypatch.setattr(refute, "beside_others", lambda *a: Fitted(a[3].effect, 1.0, 0))
+    monkeypatch.setattr(refute, "fits", lambda *_: Adequacy(True))
+    search = _Search()
+
+    def rival(refuted: set[str]) -> Contender | None:
+        return refute._adequate_rival(search, (turn,), (tail,), tail, refuted)  # type: ignore[arg-type]
+
+    found = rival({tail.name})
+    assert found is not None
+    assert found.name == noise.name
+    assert rival({tail.name, noise.name}) is None
+
+
 def test_chance_is_not_held_against_a_weak_effect() -> None:
     weak = [0.3, 0.2, 0.3, 0.0]
     refused = sum(not _judged(weak, weak, seed=seed).adequate for seed in range(60))
@@ -83,7 +149,7 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
 ) -> None:
     tail, noise = DiffuseTail(), NoiseFloor()
 
-    def fits(_: object, added: tuple[object, ...], effect: object) -> Adequacy:
+    def fits(_: object, added: tuple[object, ...], effect: object, __: object) -> Adequacy:
         alone = len(added) == 1
         left = {tail.name: 2.0, noise.name: 0.9}[effect.name]  # type: ignore[attr-defined]
         return Adequacy(alone, left, 9.0, "the mean of profile_db in all rows")
@@ -91,6 +157,8 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
     monkeypatch.setattr(refute, "fits", fits)
     monkeypatch.setattr(refute, "polished", lambda _comparison, _rows, added, *_: added)
     monkeypatch.setattr(refute, "_left", lambda *_: True)
+    monkeypatch.setattr(refute, "needless", lambda *_: None)
+    monkeypatch.setattr(refute, "working", lambda _: ())
     search = _Search()
     found = refute.checked(search, (), (tail, noise))  # type: ignore[arg-type]
     assert found.added == (noise,)
@@ -99,9 +167,15 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
 
 
 @dataclass(frozen=True)
+class _Fit:
+    waveform: bool = True
+
+
+@dataclass(frozen=True)
 class _Search:
     comparison: None = None
-    fit: None = None
+    fit: _Fit = _Fit()
+    kinds: None = None
 
 
 def test_an_effect_takes_the_place_of_another() -> None:
