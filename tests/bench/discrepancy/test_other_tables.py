@@ -159,7 +159,8 @@ def test_what_makes_ranges_worse_is_not_recommended():
     recorded, simulated = made.tables(2, made.warmth, replicas=3, links=40)
     found = diagnose(recorded, simulated, kinds=SOME)
     worse = replace(found.confirmed, mae_after_m=found.confirmed.mae_before_m,
-                    mae_before_m=found.confirmed.mae_after_m)  # fmt: skip
+                    mae_before_m=found.confirmed.mae_after_m,
+                    nearer_m=Estimate(-0.01, -0.02, -0.001, "m"))  # fmt: skip
     same = replace(found.confirmed, mae_after_m=found.confirmed.mae_before_m,
                    nearer_m=Estimate(-0.001, -0.01, 0.008, "m"))  # fmt: skip
     told = replace(found, confirmed=worse)
