@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from backends.c.kernels import integer_convolution
-from backends.c.kernels.fixed import fixed, is_quick
-from backends.c.kernels.layer import Context, Layer, index, merged, target
+from backends.c.kernels import integer_convolution, integer_mean, pairs
+from backends.c.kernels.layer import Context, Layer, index, merged, source, wrote
 from backends.c.kernels.loops import nested
 from backends.c.kernels.prelude import SINGLE_UNIT
 from backends.c.operators import (
@@ -19,7 +16,6 @@ from backends.c.operators import (
     Lookup,
     Operator,
     Quantise,
-    Ref,
 )
 from backends.c.text import block, integers, number, table
 
@@ -32,9 +28,9 @@ def write(operator: Operator, context: Context) -> Layer:
         return integer_convolution.write(operator, context)
     made = Layer(operator.kind)
     if isinstance(operator, IntegerMean):
-        made.body = _mean(operator, context, made)
+        made.body = integer_mean.write(operator, context, made)
     elif isinstance(operator, IntegerAdd | IntegerMultiply):
-        made.body = _pair(operator, context, made)
+        made.body = pairs.write(operator, context, made)
     else:
         assert isinstance(operator, Quantise | Dequantise | Lookup | Copy)
         made.body = _each(operator, context, made)
@@ -57,119 +53,9 @@ def _each(
         value = f"{name}[{value}]"
     shape, (from_x, to_y) = merged(x.shape, [x.strides, y.strides])
     return [
-        _source("x", x, context, made),
-        *_target(y, context, made),
+        source("x", x, context, made),
+        *wrote(y, context, made),
         *nested(shape, [f"y[{index(to_y)}] = {value.format(index(from_x))};"]),
-    ]
-
-
-def _source(name: str, ref: Ref, context: Context, made: Layer) -> str:
-    return f"const {_kind(ref, context)} *const {name} = {context.pointer(ref, made)};"
-
-
-def _target(ref: Ref, context: Context, made: Layer) -> list[str]:
-    return target(_kind(ref, context), context.pointer(ref, made))
-
-
-def _kind(ref: Ref, context: Context) -> str:
-    return "float" if context.program.buffers[ref.buffer].dtype == "f32" else "uint8_t"
-
-
-def _pair(operator: IntegerAdd | IntegerMultiply, context: Context, made: Layer) -> list[str]:
-    refs = (operator.a, operator.b, operator.y)
-    shape, (from_a, from_b, to_y) = merged(operator.y.shape, [ref.strides for ref in refs])
-    a, b = f"a[{index(from_a)}]", f"b[{index(from_b)}]"
-    writer = _sum if isinstance(operator, IntegerAdd) else _product
-    value = writer(operator, a, b, context, made)  # type: ignore[arg-type]
-    made.helpers.add("narrow")
-    return [
-        _source("a", operator.a, context, made),
-        _source("b", operator.b, context, made),
-        *_target(operator.y, context, made),
-        *nested(shape, [f"y[{index(to_y)}] = uwb_narrow({value});"]),
-    ]
-
-
-def _sum(op: IntegerAdd, a: str, b: str, context: Context, made: Layer) -> str:
-    """Return a sum, of fused products in the runtime's order on x86, or in 64-bit integers."""
-    y_scale = np.float32(op.y_scale.scale)
-    ratio_a, ratio_b = (
-        np.float32(op.a_scale.scale) / y_scale,
-        np.float32(op.b_scale.scale) / y_scale,
-    )
-    if context.requantise == "fixed":
-        return _fixed_sum(op, float(ratio_a), float(ratio_b), a, b)
-    made.helpers |= {"fused", "nearest"}
-    start = _start(op, ratio_a, ratio_b)
-    inner = f"uwb_fused((float){b}, {number(float(ratio_b))}, {number(start)})"
-    return f"uwb_nearest(uwb_fused((float){a}, {number(float(ratio_a))}, {inner}))"
-
-
-def _start(op: IntegerAdd, ratio_a: np.float32, ratio_b: np.float32) -> float:
-    """Return what the zero points add, rounded in the runtime's order (a fused product last)."""
-    of_b = np.float64(np.float32(ratio_b * np.float32(op.b_scale.zero)))
-    zeros = np.float32(np.float64(ratio_a) * op.a_scale.zero + of_b)
-    return float(np.float32(op.y_scale.zero) - zeros)
-
-
-def _fixed_sum(op: IntegerAdd, ratio_a: float, ratio_b: float, a: str, b: str) -> str:
-    (whole_a, whole_b), shift = fixed([ratio_a, ratio_b])
-    start = (op.y_scale.zero << shift) + (1 << (shift - 1))
-    start -= whole_a * op.a_scale.zero + whole_b * op.b_scale.zero
-    if not 18 <= shift <= 36:
-        terms = f"(int64_t){a} * {whole_a} + (int64_t){b} * {whole_b} + INT64_C({start})"
-        return f"(int32_t)(({terms}) >> {shift})"
-    return _in_halves(a, b, (whole_a, whole_b), start, shift)
-
-
-def _in_halves(a: str, b: str, wholes: tuple[int, int], start: int, shift: int) -> str:
-    """Return the same sum, exact, from products that fit 32 bits: of upper and lower 16 bits."""
-    (upper_a, lower_a), (upper_b, lower_b) = (divmod(whole, 1 << 16) for whole in wholes)
-    upper, lower = divmod(start, 1 << 16)
-    low = f"(int32_t)(({a} * {lower_a}u + {b} * {lower_b}u + {lower}u) >> 16)"
-    return f"({a} * {upper_a} + {b} * {upper_b} + {upper} + {low}) >> {shift - 16}"
-
-
-def _product(op: IntegerMultiply, a: str, b: str, context: Context, made: Layer) -> str:
-    ratio = np.float32(op.a_scale.scale) * np.float32(op.b_scale.scale)
-    ratio = ratio / np.float32(op.y_scale.scale)
-    product = f"({_less(a, op.a_scale.zero)}) * ({_less(b, op.b_scale.zero)})"
-    if context.requantise == "fixed":
-        return scaled(product, 255 * 255, float(ratio), op.y_scale.zero, context, made)
-    made.helpers.add("nearest")
-    plus = f" + {number(op.y_scale.zero)}" if op.y_scale.zero else ""  # before it is rounded
-    return f"uwb_nearest((float)({product}) * {number(float(ratio))}{plus})"
-
-
-def _less(value: str, zero: int) -> str:
-    return f"{value} - {zero}" if zero else value
-
-
-def scaled(value: str, most: int, ratio: float, zero: int, context: Context, made: Layer) -> str:
-    """Return C for zero + round(integer x ratio), the integer at most `most`."""
-    plus = f"{zero} + " if zero else ""
-    if context.requantise == "fixed":
-        [whole], shift = fixed([ratio])
-        quick = is_quick(np.array(most), np.array(ratio), shift)
-        helper = "scaled_quick" if quick else "scaled"
-        made.helpers.add(helper)
-        return f"{plus}uwb_{helper}({value}, {whole}, {shift})"
-    made.helpers.add("nearest")
-    return f"{plus}uwb_nearest((float)({value}) * {number(ratio)})"
-
-
-def _mean(op: IntegerMean, context: Context, made: Layer) -> list[str]:
-    steps, channels = op.x.shape
-    count = np.float32(steps)
-    ratio = np.float32(op.x_scale.scale) / (np.float32(op.y_scale.scale) * count)
-    made.helpers.add("narrow")
-    value = scaled("sum", 255 * steps, float(ratio), op.y_scale.zero, context, made)
-    add = block(f"for (int t = 0; t < {steps}; t++)", [f"sum += x[t * {channels} + c];"])
-    body = [f"int32_t sum = {-steps * op.x_scale.zero};", *add, f"y[c] = uwb_narrow({value});"]
-    return [
-        _source("x", op.x, context, made),
-        *_target(op.y, context, made),
-        *block(f"for (int c = 0; c < {channels}; c++)", body),
     ]
 
 

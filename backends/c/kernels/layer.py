@@ -62,6 +62,21 @@ def target(kind: str, place: str) -> list[str]:
     return [f"{kind} *y = {place};", OPAQUE_Y]
 
 
+def source(name: str, ref: Ref, context: Context, made: Layer) -> str:
+    """Return C for `name`, from where a layer reads."""
+    return f"const {kind_of(ref, context)} *const {name} = {context.pointer(ref, made)};"
+
+
+def wrote(ref: Ref, context: Context, made: Layer) -> list[str]:
+    """Return C for `y`, where a layer writes a ref."""
+    return target(kind_of(ref, context), context.pointer(ref, made))
+
+
+def kind_of(ref: Ref, context: Context) -> str:
+    """Return the C type of what a ref sees."""
+    return "float" if context.program.buffers[ref.buffer].dtype == "f32" else "uint8_t"
+
+
 def shifted(place: str, groups: int, step: int) -> str:
     """Return C for what group g starts at, `step` behind the group before it."""
     return place if groups == 1 else f"{place} + g * {step}"
