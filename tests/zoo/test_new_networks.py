@@ -19,7 +19,9 @@ from zoo.modules.bagged import BaggedNetwork, Members
 from zoo.modules.blocks import Columns, Table
 from zoo.modules.folding import fold
 from zoo.npn import natural_relu, normal_loss
+from zoo.training.averaging import RunningMean
 from zoo.training.bagged import Bagging, link_bags
+from zoo.training.further import FEWEST_LINKS, train_further
 
 X, Y, LINKS = made_up_blocks(400, seed=1)
 CIR_ONLY = slice(0, CIR)
@@ -193,3 +195,34 @@ def test_pairs_of_members_see_every_link_once() -> None:
     assert (bags[0::2] ^ bags[1::2]).all()
     assert set(bags.sum(1)) == {4, 5}
     assert link_bags(1, 2, seed=0).all()
+
+
+def further(links: int, gain: float) -> tuple[nn.Module, torch.Tensor]:
+    """Train a line further on `links` links whose errors are `gain` times the column and noise."""
+    rng = np.random.default_rng(3)
+    inputs = rng.normal(size=(1600, 1)).astype(np.float32)
+    errors = (gain * inputs[:, 0] + rng.normal(0, 0.5, 1600)).astype(np.float32)
+    network = nn.Sequential(nn.Linear(1, 1), nn.Flatten(0))
+    start = network.state_dict()["0.weight"].zero_().clone()
+    recipe = BaggedMLP().training_recipe()
+    train_further(
+        network, *map(torch.from_numpy, (inputs, errors)), recipe, np.arange(1600) % links
+    )
+    return network, network.state_dict()["0.weight"] - start
+
+
+def test_an_average_is_trained_further_only_where_many_links_gain() -> None:
+    assert further(FEWEST_LINKS - 1, gain=1.0)[1] == 0
+    assert further(FEWEST_LINKS, gain=0.0)[1] == 0
+    assert abs(further(FEWEST_LINKS, gain=1.0)[1]) > 0.3
+
+
+def test_the_mean_of_weights_is_worn_for_a_while() -> None:
+    layer = nn.Linear(1, 1)
+    mean = RunningMean(layer)
+    for value in range(1, 4):
+        layer.weight.data.fill_(value)
+        mean.take()
+    with mean.worn():
+        assert 2.0 < float(layer.weight) < 3.0
+    assert float(layer.weight) == 3.0

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from zoo.modules.bagged import BaggedNetwork, Members
 from zoo.training.eager import FloatArray, Progress, as_tensors, one_thread, report
+from zoo.training.further import train_further
 from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe, falling
 from zoo.training.stopping import link_numbers
 
@@ -59,7 +60,8 @@ def train_bagged(
 
     The rate falls to 0 along a half cosine. A noise's share in the answer is the mean of an equal
     one and of the one that suits links best which the members have not seen, each link counting
-    alike. Without `groups` every row is a link. Raises ValueError as `zoo.training.eager.train`.
+    alike. Then `train_further`. Without `groups` every row is a link. Raises ValueError as
+    `zoo.training.eager.train`.
     """
     inputs, targets = as_tensors(X, y)
     check_recipe(recipe, len(inputs))
@@ -71,9 +73,16 @@ def train_bagged(
         shares = _shares(members, inputs, targets, bags, links)
     network.take(members, shares)
     network.eval()
-    seconds, seen = time.perf_counter() - started, bagging.steps * recipe.batch_size
+    seen = bagging.steps * recipe.batch_size * network.members
+    further = train_further(network, inputs, targets, recipe, links)
     return TrainingLog(
-        (float(losses),), len(inputs), seconds, "stacked", bagging.steps, (), seen * network.members
+        (float(losses), *further.epoch_losses),
+        len(inputs),
+        time.perf_counter() - started,
+        "stacked",
+        bagging.steps + further.steps,
+        further.held_out_losses,
+        seen + (further.rows_seen or 0),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Literal
 
@@ -93,8 +93,15 @@ class Loop:
             return self._recipe.learning_rate
         return falling(self._recipe.learning_rate, self.steps / self._most)
 
-    def run(self, batches: Iterator[tuple[Tensor, Tensor]]) -> float:
-        """Take a step per batch of inputs and targets; return the loss summed over the rows."""
+    def run(
+        self,
+        batches: Iterable[tuple[Tensor, Tensor]],
+        after: Callable[[], object] = lambda: None,
+    ) -> float:
+        """Take a step per batch of inputs and targets; return the loss summed over the rows.
+
+        `after` is called after every step.
+        """
         total = torch.zeros((), dtype=torch.float64)
         for inputs, targets in batches:
             self._optimiser.zero_grad()
@@ -104,6 +111,7 @@ class Loop:
             self._optimiser.step()
             total += error.detach() * len(inputs)  # no .item(): it would cost a call per step
             self.steps += 1
+            after()
         return float(total)
 
 

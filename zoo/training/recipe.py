@@ -19,9 +19,9 @@ Engine = Literal["eager", "fused", "stacked"]
 class Stopping:
     """Training by steps, ended when the loss on held-out links has stopped falling.
 
-    `share` of the links are held out; every `every` steps the mean loss over their rows is taken,
-    each link counting alike; training ends after `patience` such looks without a better one, or
-    after `most_steps` steps, and the best weights are kept.
+    `share` of the links are held out; every `every` steps the weights' running mean is judged by
+    the mean loss over their rows, each link counting alike; training ends after `patience` such
+    looks without a better one, or after `most_steps` steps, and the best mean is kept.
     """
 
     most_steps: int = 6000

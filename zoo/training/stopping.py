@@ -12,6 +12,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
+from zoo.training.averaging import RunningMean
 from zoo.training.eager import (
     FloatArray,
     Loop,
@@ -37,6 +38,7 @@ def train_until(
 ) -> TrainingLog:
     """Train `module` in place until held-out links say stop, and keep the best weights.
 
+    Judged and kept is the running mean of the weights.
     Without `groups` rows are held out singly. Where nothing can be held out (fewer than two
     groups), `most_steps` are taken. Raises ValueError as `zoo.training.eager.train`.
     """
@@ -100,13 +102,14 @@ def _run(
     batch_size: int,
     progress: Progress | None,
 ) -> list[float]:
-    losses = []
+    losses, mean = [], RunningMean(module)
     while loop.steps < stopping.most_steps and judge.waited < stopping.patience:
         module.train()
         steps = min(stopping.every, stopping.most_steps - loop.steps)
-        losses.append(loop.run(islice(batches, steps)) / (steps * batch_size))
+        losses.append(loop.run(islice(batches, steps), mean.take) / (steps * batch_size))
         module.eval()
-        judge.look()
+        with mean.worn():
+            judge.look()
         report(progress, loop.steps / stopping.most_steps)
     report(progress, 1.0)
     return losses
@@ -131,8 +134,9 @@ class _Judge:
         self._best: dict[str, Tensor] | None = None
 
     def look(self) -> None:
-        """Take the loss, each link counting alike; nothing where nothing is held out."""
+        """Take the loss, each link counting alike; where nothing is held out the last is best."""
         if not len(self._inputs):
+            self._best = deepcopy(self._module.state_dict())
             return
         with torch.no_grad():
             blocks = [self._module(block) for block in torch.split(self._inputs, _BLOCK_ROWS)]
