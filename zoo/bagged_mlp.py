@@ -30,7 +30,8 @@ class BaggedMLP(NeuralBlockModel):
     Why: from 20 links a network learns the links. What a figure says must hold when it is blurred,
     and what one half of the links says must suit the other half. Mean |residual|, AdamW at a
     falling rate. From 150 links on the average is trained further as one network where held-out
-    links say so (`zoo.training.further`): there the blur costs more than it saves. Does without what a table lacks, as long as it has one of them.
+    links say so (`zoo.training.further`): there the blur costs more than it saves. Does without
+    what a table lacks, as long as it has one of them.
     """
 
     reads: ClassVar[tuple[str, ...]] = ("cir", "levels", "features", "range")
