@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 EPOCHS = 4
 BATCH_ROWS = 256
+MOST_STEPS = 300  # a falling rate has settled by then: on many rows fewer passes are as good
 
 KEPT = 32
 _LEARNT: dict[str, Learnt] = {}
@@ -39,8 +40,9 @@ class QatBackend(Backend):
     from `int8` in weights and ranges alone.
 
     The model's own recipe is followed but for three things: `EPOCHS` passes are enough from a
-    fitted start, batches are at least `BATCH_ROWS` to keep it short, and the learning rate falls
-    from the recipe's to 0, so that weights settle. Dropout is off.
+    fitted start, or as many as `MOST_STEPS` make (one at least); batches are at least `BATCH_ROWS`
+    to keep it short; and the learning rate falls from the recipe's to 0, so that weights settle.
+    Dropout is off.
     """
 
     name: ClassVar[str] = "qat"
@@ -75,8 +77,16 @@ class QatBackend(Backend):
             raise ValueError(str(self.supports(model)))
         form = exported(model.to_module(), data.cirs.shape[1], to_integer_form)
         learnt = _learnt_once(form, recipe, data, progress)
-        how = f"trained {EPOCHS} epochs further with rounded weights and activations"
+        count = passes(len(data.cirs), recipe.batch_size)
+        epochs = f"{count} epoch{'s' * (count > 1)}"
+        how = f"trained {epochs} further with rounded weights and activations"
         return write_artifact(learnt.graph, sample_rows(data), path, how, learnt.ranges)
+
+
+def passes(rows: int, batch_rows: int) -> int:
+    """Return how many passes over so many rows are made, in batches of at least `BATCH_ROWS`."""
+    steps = -(-rows // max(batch_rows, BATCH_ROWS))
+    return max(1, min(EPOCHS, MOST_STEPS // max(steps, 1)))
 
 
 @dataclass(frozen=True)
@@ -128,7 +138,7 @@ def train_quantised(
     further = replace(
         recipe,
         batch_size=max(recipe.batch_size, BATCH_ROWS),
-        epochs=EPOCHS,
+        epochs=passes(len(data.cirs), recipe.batch_size),
         seed=data.seed,
         stopping=None,
         decay=True,

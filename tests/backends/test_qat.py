@@ -14,7 +14,7 @@ from backends.export import exported
 from backends.fake_quant import FakeActivation, FakeWeight, fake_quantised
 from backends.int8 import write_artifact
 from backends.integer_form import to_integer_form
-from backends.qat import EPOCHS, QatBackend, train_quantised
+from backends.qat import EPOCHS, QatBackend, passes, train_quantised
 from backends.quantise import Range, quantise
 from zoo.base import TrainingRecipe
 
@@ -155,3 +155,8 @@ def test_two_backends_with_the_same_weights_train_them_once(
     ]
     assert seeds == [11, 12]
     assert made[0] == made[1] != made[2]
+
+
+def test_many_rows_get_fewer_passes() -> None:
+    assert [passes(rows, 64) for rows in (1, 256 * 75, 256 * 76, 36_000, 10**6)] == [4, 4, 3, 2, 1]
+    assert passes(10_000, 10_000) == 4
