@@ -27,7 +27,8 @@ SCHEDULE = (
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
 COARSE = (
-    "blocked-path", "timestamp-jitter", "range-rounding", "path-loss", "level-control", "noise-floor",
+    "blocked-path", "timestamp-jitter", "range-rounding", "path-loss", "level-control",
+    "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
 KEPT = ("abbey", "clinic")

@@ -119,7 +119,7 @@ def _enough(scan: Scan, strength: float) -> None:
 
 
 def _two_gears(scan: Scan, strength: float) -> None:
-    """Round to steps that are twice as coarse where the peak is high: the converter's other gear."""
+    """Round to steps that are twice as coarse where the peak is high: another gear."""
     top = np.abs(scan.cir).max(axis=1)
     step = ((1 + (top > np.median(top))) * 0.8 * strength * np.sqrt(scan.floor))[:, None]
     alone = scan.hissing(scan.floor)
