@@ -40,8 +40,8 @@ TIMESTAMP_COLUMNS = ("T1", "T2", "T3", "T4", "T5", "T6")
 Mask = NDArray[np.bool_]
 Finding = tuple[str, Mask]
 
-_TRUTHS = dict.fromkeys(("true", "1", "1.0", "yes", "los", "ja"), True)
-_TRUTHS |= dict.fromkeys(("false", "0", "0.0", "no", "nlos", "nein"), False)
+TRUTHS = dict.fromkeys(("true", "1", "1.0", "yes", "los", "ja"), True)
+TRUTHS |= dict.fromkeys(("false", "0", "0.0", "no", "nlos", "nein"), False)
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _as_bool(column: pd.Series, name: str) -> pd.Series:
     """Return `los` as bool, or as nullable boolean where some values are not known."""
     if not pd.api.types.is_bool_dtype(column):
         words = column.astype("str").str.strip().str.lower()
-        known = words.map(_TRUTHS)
+        known = words.map(TRUTHS)
         strange = known.isna() & column.notna() & ~words.isin(["", "nan", "none", "<na>"])
         if strange.any():
             raise BenchError(

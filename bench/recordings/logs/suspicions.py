@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.recordings.clean import cir_lengths
+from bench.recordings.clean import TRUTHS, cir_lengths
 from bench.recordings.logs.registers import ACCUMULATOR_SAMPLES
 from bench.recordings.table import FLOAT_COLUMNS
 
@@ -17,13 +18,16 @@ FARTHEST_M = 300.0  # beyond what UWB radios reach
 LIKELY_DBM = (-130.0, -20.0)
 TOLERANCE = 0.2  # how near a ratio must be to a unit's
 ABSURD_M = (1e-3, 1e6)  # medians outside are no range in any unit taken for metres
+SHORT_M = 0.1  # shorter than in sight by more: no physics of a wall
+MANY = 16  # numbers in a cell, which no other column of a log has
+NUMBER, LETTER = re.compile(r"-?[0-9]+(?:[.][0-9]+)?"), re.compile(r"[A-Za-z]{2}")
 RATIOS = {1000.0: "millimetres", 100.0: "centimetres", 3.2808: "feet"}
 
 
 def suspicions(frame: pd.DataFrame) -> list[str]:
     """Return one line per thing that looks wrong in a table of the exchange format's columns."""
-    found = [*_lengths(frame), *_sign(frame), *_first_path(frame)]
-    return [*found, *_levels(frame), *_infinite(frame)]
+    found = [*_lengths(frame), *_sign(frame), *_exchanged(frame), *_first_path(frame)]
+    return [*found, *_unread_cir(frame), *_levels(frame), *_infinite(frame)]
 
 
 def _numbers(frame: pd.DataFrame, column: str) -> Floats:
@@ -97,18 +101,62 @@ def _sign(frame: pd.DataFrame) -> Iterator[str]:
         yield "error_m is true - measured range; expected measured - true: leave it out"
 
 
-def _first_path(frame: pd.DataFrame) -> Iterator[str]:
-    """Yield a first path in the register's fixed-point form."""
-    index = _numbers(frame, "first_path_index")
-    width = ACCUMULATOR_SAMPLES
-    if "cir" in frame and (lengths := cir_lengths(frame["cir"])).any():
-        width = int(lengths.max())
-    if len(index) and np.median(index) >= max(width, ACCUMULATOR_SAMPLES):
+def _exchanged(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield ranges that read short where nothing is in sight, as exchanged columns do."""
+    if not {"los", "range_m", "true_range_m"} <= set(frame.columns):
+        return
+    measured, true = (pd.to_numeric(frame[c], errors="coerce") for c in ("range_m", "true_range_m"))
+    seen = frame["los"].map(lambda one: TRUTHS.get(str(one).lower()))
+    middle = (measured - true).groupby(seen).median()
+    if middle.get(False, 0.0) < middle.get(True, 0.0) - SHORT_M:
         yield (
-            f"first_path_index: median {np.median(index):.0f}, beyond the accumulator's "
-            f"{ACCUMULATOR_SAMPLES} samples; probably the raw register FP_INDEX in 10.6 fixed "
-            "point: --map first_path_index=COLUMN:10.6"
+            f"without line of sight ranges read {middle.get(False, 0.0):.2f} m, with it "
+            f"{middle.get(True, 0.0):.2f} m (median errors), but obstacles make ranges long: are "
+            "range and true_range exchanged, or is the label the other way round "
+            "(--map los=COLUMN:not)?"
         )
+
+
+def _first_path(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield a first path in the register's form, or counted from another sample than the CIR's.
+
+    The register holds whole numbers; what has a fraction was read in samples.
+    """
+    index, width = _numbers(frame, "first_path_index"), _width(frame)
+    middle = float(np.median(index)) if len(index) else 0.0
+    if middle < width:
+        return
+    if middle >= ACCUMULATOR_SAMPLES or (index == np.floor(index)).all():
+        yield (
+            f"first_path_index: median {middle:.0f}, beyond the {width} samples there are; "
+            "probably the raw register FP_INDEX in 10.6 fixed point: "
+            "--map first_path_index=COLUMN:10.6"
+        )
+    else:
+        yield (
+            f"first_path_index: median {middle:.1f}, but the CIR has {width} samples: probably "
+            "counted from the accumulator's first sample, and the CIR is a window of it; expected "
+            "a column that is counted from the window's first sample"
+        )
+
+
+def _width(frame: pd.DataFrame) -> int:
+    """Return the number of samples of a CIR, those of the accumulator without one."""
+    lengths = cir_lengths(frame["cir"]) if "cir" in frame else np.zeros(1, np.int64)
+    return int(lengths.max()) if lengths.any() else ACCUMULATOR_SAMPLES
+
+
+def _unread_cir(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield text columns that hold many numbers in a cell, where no CIR is known."""
+    for column in [] if "cir" in frame else frame.columns:
+        cells = frame[column].dropna().head(3)
+        if len(cells) and all(isinstance(one, str) for one in cells):
+            count = min(len(NUMBER.findall(one)) for one in cells)
+            if count >= MANY and not any(LETTER.search(one) for one in cells):
+                yield (
+                    f"column {column!r} holds {count} numbers in a cell, and there is no CIR: "
+                    f"--map cir={column} if it is one"
+                )
 
 
 def _levels(frame: pd.DataFrame) -> Iterator[str]:

@@ -243,6 +243,13 @@ def test_a_missing_link_is_said_at_import(tmp_path: Path) -> None:
         ({"first_path_index": [47800.0]}, "first_path_index=COLUMN:10.6"),
         ({"rx_power_dbm": [81.0]}, "a sign lost"),
         ({"rssi": [-np.inf, -80.0]}, "column 'rssi' holds 1 infinite value(s); probably a level"),
+        ({"first_path_index": [371.0], "cir": [np.ones(157)]}, "10.6 fixed point"),
+        ({"first_path_index": [746.4], "cir": [np.ones(157)]}, "the CIR is a window of it"),
+        ({"Impuls": [" ".join(["12"] * 40)]}, "--map cir=Impuls"),
+        (
+            {"range_m": [5.0, 4.3], "true_range_m": [5.0, 5.0], "los": [True, False]},
+            "without line of sight ranges read -0.70 m, with it 0.00 m (median errors)",
+        ),
         ({"error_m": [-0.1, 0.3], "range_m": [5.1, 4.7], "true_range_m": [5.0, 5.0]}, "leave it"),
     ],
 )
@@ -252,7 +259,8 @@ def test_likely_causes_are_named(columns: dict, expected: str) -> None:
 
 def test_nothing_is_suspected_of_a_good_table() -> None:
     good = {"range_m": [5.1, 3.0], "true_range_m": [5.0, 2.9], "first_path_index": [746.0, 5.2],
-            "rx_power_dbm": [-80.0, -95.0], "rssi": [-80.0, np.nan]}  # fmt: skip
+            "rx_power_dbm": [-80.0, -95.0], "rssi": [-80.0, np.nan], "los": [True, False],
+            "note": ["run 1 of 2, 3 m", "no 4"]}  # fmt: skip
     assert suspicions(pd.DataFrame(good)) == []
 
 
