@@ -25,6 +25,12 @@ Source = Literal["fp32", "fp16", "int8"]
 Requantise = Literal["float", "fixed"]
 _KINDS = {"floats": "float", "bytes": "uint8_t"}
 CIR = "cir"  # the input that is never unknown
+_CPLUSPLUS = ("#ifdef __cplusplus", 'extern "C" {', "#endif")
+_NO_FAST_MATH = (
+    "#if defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__",
+    '#error "compile without -ffast-math: it leaves out the checks for NaN, and sums otherwise"',
+    "#endif",
+)
 LIMIT = 1e9  # counts; DW1000 magnitudes end at 46 341, and no sum overflows below this
 
 
@@ -160,6 +166,7 @@ def _opening(laid: Plan, helpers: set[str]) -> list[str]:
         '#include "uwb_predict.h"',
         "#include <stdint.h>",
         "#include <string.h>",
+        *_NO_FAST_MATH,
         "",
         *prelude.vectors(),
         *prelude.opaque(),
@@ -265,6 +272,8 @@ def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
         "#ifndef UWB_PREDICT_H",
         "#define UWB_PREDICT_H",
         "",
+        *_CPLUSPLUS,
+        "",
         *sizes,
         f"#define UWB_PREDICT_ARENA_BYTES {laid.arena_bytes}",
         f"#define UWB_PREDICT_LIMIT {number(LIMIT)}",
@@ -273,12 +282,16 @@ def _header(program: Program, laid: Plan, names: dict[int, str]) -> str:
         "   The error (measured - true range) comes out, in metres.",
         "   Returns 0; 1 where an input is not finite or beyond +-UWB_PREDICT_LIMIT; 2 where the",
         "   sums overflow; *error_m is 0 then. All zeros are an input like others. Inputs beside",
-        "   `cir`, if there are any, may hold NaN for what is not known. */",
+        "   `cir`, if there are any, may hold NaN for what is not known; REPORT.md has the order",
+        "   and the units of their values. */",
         "/* Not reentrant: all calls share the arena. */",
         f"{_signature(program, names)};",
         "",
         *_row(program, names),
         "",
+        "#ifdef __cplusplus",
+        "}",
+        "#endif",
         "#endif",
     ]
     return "\n".join(indented(lines, 0)) + "\n"

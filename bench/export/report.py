@@ -12,6 +12,19 @@ from bench.runner.counting import Counted
 from zoo.inputs import COLUMNS
 
 CIR = "cir"
+FROM = {
+    "rx_power_dbm": "dBm: 10 log10(CIR_PWR 2^17 / RXPACC^2) - A",
+    "first_path_power_dbm": "dBm: 10 log10((FP_AMPL1^2 + FP_AMPL2^2 + FP_AMPL3^2) / RXPACC^2) - A; "
+    "A = 121.74 at 64 MHz PRF, 113.77 at 16 MHz",
+    "noise_std": "counts: STD_NOISE",
+    "preamble_count": "symbols: RXPACC",
+    "peak_ampl": "counts: LDE_PPAMPL",
+    "fp_ampl1": "counts",
+    "fp_ampl2": "counts",
+    "fp_ampl3": "counts",
+    "range_m": "as measured",
+}
+"""Unit and origin of what is read beside the CIR (DW1000 User Manual 2.18, section 4.7)."""
 NOT_CHECKED = "not checked: no C compiler on this machine"
 
 
@@ -130,7 +143,8 @@ def _values_of(name: str) -> str | None:
     """Return what stands in an input beside the CIR, value by value."""
     if name not in COLUMNS:
         return None
-    return f"`{name}`: {', '.join(COLUMNS[name])}; NaN for what is not known."
+    values = ", ".join(f"{one} ({FROM[one]})" if one in FROM else one for one in COLUMNS[name])
+    return f"`{name}`, in this order: {values}. NaN for what is not known."
 
 
 def _reading_the_cir(samples: int) -> list[str]:

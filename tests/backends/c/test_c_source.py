@@ -67,6 +67,39 @@ def test_it_is_the_same_bytes_each_time_and_names_its_layers(model, backend, bui
     assert "int uwb_predict(const float cir[UWB_PREDICT_SAMPLES], float *error_m);" in header
 
 
+@pytest.fixture
+def small(tmp_path: Path) -> dict[str, str]:
+    """The C of a graph with two inputs."""
+    nodes = [
+        helper.make_node("Concat", ["cir", "range"], ["all"], axis=1),
+        helper.make_node("ReduceSum", ["all", "axes"], ["y"], keepdims=0),
+    ]
+    model = model_of(nodes, [("cir", 8), ("range", 1)], [("axes", np.array([1], np.int64))])
+    return generate(saved(model, tmp_path), "fp32").files
+
+
+@needs_compiler
+@pytest.mark.parametrize("flag", ["-ffast-math", "-ffinite-math-only"])
+def test_arithmetic_without_nan_is_refused_when_compiled(flag, small, tmp_path: Path) -> None:
+    with pytest.raises(CompilerError, match="compile without -ffast-math"):
+        compile_files(small, tmp_path, (flag, "-c", "-o", str(tmp_path / "made.o")))
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler (g++)")
+@needs_compiler
+def test_cpp_links_with_it(small, tmp_path: Path) -> None:
+    made = tmp_path / "made.o"
+    compile_files(small, tmp_path, ("-c", "-o", str(made)))
+    main = tmp_path / "main.cpp"
+    main.write_text(
+        '#include "uwb_predict.h"\n'
+        "int main() { float cir[8] = {1}, range[1] = {2}, e = 0;\n"
+        "return uwb_predict(cir, range, &e) != 0 || e != 3.0f; }\n"
+    )
+    subprocess.run(["g++", main, made, "-o", tmp_path / "main"], check=True)
+    subprocess.run([tmp_path / "main"], check=True)
+
+
 def test_memory_stays_within_a_microcontroller(built) -> None:
     assert generate(built("remnet", "fp32").path, "fp32").arena_bytes <= 17 * 1024
     assert generate(built("remnet", "int8").path, "int8").arena_bytes <= 4608

@@ -175,7 +175,8 @@ def test_a_report_names_every_input_in_the_order_of_the_call(tmp_path) -> None:
     told = report(Chosen(None, "m", "fp32", "d", True, None), figures)
     assert "float cir[A], levels[B], range[C], error_m;" in told
     assert "uwb_predict(cir, levels, range, &error_m)" in told
-    assert "`levels`: rx_power_dbm, first_path_power_dbm" in told
+    assert "`levels`, in this order: rx_power_dbm (dBm: 10 log10(CIR_PWR 2^17 / RXPACC^2)" in told
+    assert "`range`, in this order: range_m (as measured). NaN" in told
 
 
 def test_without_a_compiler_c_is_written_and_says_that_nothing_was_compared(
