@@ -201,8 +201,9 @@ def report(lines: list[dict[str, Any]]) -> str:
     within = sum(0.5 <= one <= 2 for one in ratio)
     return (
         f"{len(lines)} cases, {len(planned)} ambiguous with the truth among the explanations; "
-        f"resolved to the truth {solved} of {len(planned)} ({alone} with no other name); reached / expected nats: median "
-        f"{np.median(ratio):.2f}, {within} of {len(planned)} within a factor of two"
+        f"resolved to the truth {solved} of {len(planned)} ({alone} with no other name); "
+        f"reached / expected nats: median {np.median(ratio):.2f}, {within} of {len(planned)} "
+        "within a factor of two"
     )
 
 
