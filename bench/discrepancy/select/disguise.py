@@ -7,6 +7,7 @@ import numpy as np
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.select.verdict import LeftOut
 from bench.discrepancy.settings import LEVEL_CURVE_SHARE, WIDE_LEVELS_DB
+from bench.physics.units import Floats
 
 LEVELS = "rx_power_dbm"
 
@@ -16,28 +17,27 @@ def without_disguises(options: tuple[LeftOut, ...], rows: View) -> tuple[LeftOut
 
     Only where the rows spread over levels: where they do not, a curve is level for want of data.
     """
-    if len(options) < 2 or not _wide(rows):
+    levels = _most_levels_dbm(rows)
+    if len(options) < 2 or np.ptp(levels) <= WIDE_LEVELS_DB:
         return options
     names = {name for option in options for name in option.names}
     first, *others = options  # the first is in the simulator: it stays
-    return (first, *(option for option in others if not _repeats(option, names)))
+    return (first, *(option for option in others if not _repeats(option, names, levels)))
 
 
-def _wide(rows: View) -> bool:
-    if LEVELS not in rows.recorded.names:
+def _most_levels_dbm(rows: View) -> Floats:
+    """Return the recorded levels between which most rows are [2], equal ones without levels."""
+    known = rows.recorded.column(LEVELS) if LEVELS in rows.recorded.names else np.empty(0)
+    known = known[np.isfinite(known)]
+    return np.quantile(known, (0.1, 0.9)) if len(known) else np.zeros(2)
+
+
+def _repeats(option: LeftOut, names: set[str], levels_dbm: Floats) -> bool:
+    """Return whether an option is a curve, level where rows are, whose constant is among names."""
+    knots = np.array(getattr(option.effect, "levels_dbm", ()))
+    if not len(knots) or not names & set(type(option.effect).contains):
         return False
-    levels = rows.recorded.column(LEVELS)
-    known = levels[np.isfinite(levels)]
-    if not len(known):
-        return False
-    low, high = np.quantile(known, (0.1, 0.9))
-    return bool(high - low > WIDE_LEVELS_DB)
-
-
-def _repeats(option: LeftOut, names: set[str]) -> bool:
-    """Return whether an option is a level curve whose constant is among the names."""
     values = np.array(list(option.effect.values().values()))
-    if not len(values) or not names & set(type(option.effect).contains):
-        return False
-    low, middle, high = np.quantile(values, (0.1, 0.5, 0.9))  # few rows reach the ends
-    return bool(high - low < LEVEL_CURVE_SHARE * abs(middle))
+    between = np.linspace(*levels_dbm, 2 * len(knots))
+    values = np.interp(between, knots, values)
+    return bool(np.ptp(values) < LEVEL_CURVE_SHARE * abs(values.mean()))

@@ -25,6 +25,8 @@ def option(effect: Effect) -> LeftOut:
 def curve(*ends_m: float) -> LeftOut:
     bias_m = np.full(len(LEVELS_DBM), 0.11)
     bias_m[-len(ends_m) :] = ends_m
+    bias_m[:4] = 0.2, 0.18, 0.16, 0.13  # no row is as weak
+    assert LEVELS_DBM[4] == -85
     return option(PowerCurve(LEVELS_DBM, tuple(bias_m)))
 
 
@@ -40,7 +42,7 @@ def test_a_curve_that_bends_only_at_its_ends_is_level() -> None:
 
 
 def test_a_curve_that_bends_stays() -> None:
-    delay, bent = option(AntennaDelay(delay_ns=0.77)), curve(*np.linspace(0.1, 0.0, 8))
+    delay, bent = option(AntennaDelay(delay_ns=0.77)), curve(*np.linspace(0.1, 0.0, 10))
     assert without_disguises((delay, bent), rows(25)) == (delay, bent)
 
 
