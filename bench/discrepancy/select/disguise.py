@@ -38,6 +38,6 @@ def _repeats(option: LeftOut, names: set[str], levels_dbm: Floats) -> bool:
     if not len(knots) or not names & set(type(option.effect).contains):
         return False
     values = np.array(list(option.effect.values().values()))
-    between = np.linspace(*levels_dbm, 2 * len(knots))
+    between = np.linspace(levels_dbm[0], levels_dbm[1], 2 * len(knots))
     values = np.interp(between, knots, values)
     return bool(np.ptp(values) < LEVEL_CURVE_SHARE * abs(values.mean()))
