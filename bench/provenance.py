@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import subprocess
+import sys
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -13,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError, foreign
+from bench.files import cache_dir, read_json, write_atomically
 from bench.plugin_source import places_of
 from bench.plugins import Plugin, source_path
 
@@ -23,6 +27,8 @@ DECISIVE_PACKAGES = (
 UNKNOWN = "unknown (not a git checkout)"
 SEAL = "content_sha256"
 _PATIENCE_S = 10
+_SAYS, _THREADS = "says", "threads"
+_THREAD_PREFIXES = ("OMP_", "MKL_", "KMP_", "GOMP_", "OPENBLAS_", "BENCH_THREADS")
 _SCORING = (
     *("bench/measure/metrics.py", "bench/recordings/window.py", "bench/recordings/splits.py"),
     *("bench/runner/evaluate.py", "bench/runner/material.py", "bench/runner/further.py"),
@@ -79,21 +85,86 @@ def declared(plugin: Plugin) -> Declared:
     It says so with `rests_on`, `cache_key()` and `bits_depend_on_threads`; without the last its
     figures are taken to depend on the number of threads.
     """
+    says = _said_before(plugin) or _asked(plugin)
+    return Declared(says.rests_on, says.cache_key, _threads() if says.depends else None)
+
+
+@dataclass(frozen=True)
+class _Says:
+    """What a plug-in says of itself: as `Declared`, `depends` whether threads change its bits."""
+
+    rests_on: tuple[str, ...]
+    cache_key: str
+    depends: bool
+
+
+def _asked(plugin: Plugin) -> _Says:
+    fresh = "torch" not in sys.modules
     made = plugin.make()
+    if fresh and "torch" in sys.modules:
+        keep(_THREADS, _thread_settings(), _threads())
     with foreign(f"{plugin.name!r} cannot say what it rests on"):
         rests_on = getattr(made, "rests_on", ())
         if isinstance(rests_on, str) or not all(isinstance(name, str) for name in rests_on):
             raise BenchError(f"{plugin.name!r}: rests_on must be distribution names")
         key = made.cache_key() if hasattr(made, "cache_key") else ""
         depends = bool(getattr(made, "bits_depend_on_threads", True))
-        return Declared(tuple(rests_on), str(key), _threads() if depends else None)
+    if plugin.built_in and not key:  # ours read nothing else: what they say changes with the code
+        keep(_SAYS, _source_of(plugin), [list(rests_on), depends])
+    return _Says(tuple(rests_on), str(key), depends)
+
+
+def _said_before(plugin: Plugin) -> _Says | None:
+    """Return what one of ours said when its source was the same: it need not be imported."""
+    if not plugin.built_in or "torch" in sys.modules:
+        return None
+    if (found := kept(_SAYS, _source_of(plugin))) is None:
+        return None
+    return _Says(tuple(found[0]), "", bool(found[1]))
+
+
+def _source_of(plugin: Plugin) -> list[str]:
+    return [plugin.target, model_code_hash(plugin), packages_code_hash("backends")]
 
 
 def _threads() -> int:
     """Return the number of threads that arithmetic is done with in this process."""
+    if "torch" not in sys.modules and (found := kept(_THREADS, _thread_settings())):
+        return int(found)
     import torch
 
     return torch.get_num_threads()
+
+
+def _thread_settings() -> list[Any]:
+    """Return all that torch chooses its number of threads by when it is imported."""
+    said = {name: value for name, value in os.environ.items() if name.startswith(_THREAD_PREFIXES)}
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
+    return [sorted(said.items()), cores, os.cpu_count(), package_version("torch")]
+
+
+def keep(kind: str, question: Any, answer: Any) -> None:
+    """Keep a plain answer to a plain question for later processes, where the cache can be written.
+
+    The question must hold all that decides the answer.
+    """
+    with suppress(BenchError, OSError):
+        content = sealed({"question": question, "answer": answer})
+        write_atomically(_kept_place(kind, question), json.dumps(content))
+
+
+def kept(kind: str, question: Any) -> Any:
+    """Return the answer kept to a question; None where there is none that can be believed."""
+    try:
+        found = read_json(_kept_place(kind, question))
+    except (BenchError, OSError):
+        return None
+    same = is_sealed(found) and found.get("question") == json.loads(json.dumps(question))
+    return found.get("answer") if same else None
+
+
+def _kept_place(kind: str, question: Any) -> Path:
+    return cache_dir() / "answers" / f"{kind}-{json_digest(question)}.json"
 
 
 def model_code_hash(model: Plugin) -> str:

@@ -102,7 +102,6 @@ class NeuralModel(ModuleModel):
     training_log_: TrainingLog
     learning_rate: float
     batch_size: int
-    epochs: int
     random_state: int
 
     @abstractmethod

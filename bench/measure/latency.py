@@ -50,7 +50,7 @@ ROUNDS = 21
 FIRST_ROUNDS = 9  # the interval is then from the second smallest to the second largest: 96 %
 MORE_ROUNDS = 3  # between two looks
 NARROW = 0.03  # of the median
-SAMPLES_PER_ROUND = 5
+SAMPLES_PER_ROUND = 3
 TIMEOUT_S = 120.0
 MOST = 3  # times the rounds asked for, before it is given up
 
@@ -107,7 +107,7 @@ def measure(
 ) -> list[Timing | BenchError]:
     """Time every target; return one `Timing` each, or the BenchError why that one failed.
 
-    `rounds` (at least 6) is the most interleaved rounds of 5 samples per batch, fewer where nine
+    `rounds` (at least 6) is the most interleaved rounds of 3 samples per batch, fewer where nine
     give narrow intervals; `progress`
     is called with the fraction done; `meter` reads the energy counters of this machine where it
     has any; `seed` drives the order within rounds. `patience` waits for a quiet machine before,

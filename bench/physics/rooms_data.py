@@ -15,6 +15,8 @@ from bench.physics.room_plan import LICENCE
 from bench.recordings.sources.base import Source
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from bench.physics.rooms import Rooms
     from bench.recordings.table import Recordings
 
@@ -40,7 +42,7 @@ class RoomsSource(Source):
         from bench.recordings.io import read_recordings, write_recordings
 
         rooms = self._rooms()
-        target = cache_dir() / "simulated" / f"{self.name}-{rooms.key()}.parquet"
+        target = self._target(rooms)
         if target.exists():
             try:
                 return read_recordings(target)
@@ -52,6 +54,13 @@ class RoomsSource(Source):
         except BenchError:
             return made
         return read_recordings(target)
+
+    def kept(self) -> Path:
+        """Return where the rows are kept once made."""
+        return self._target(self._rooms())
+
+    def _target(self, rooms: Rooms) -> Path:
+        return cache_dir() / "simulated" / f"{self.name}-{rooms.key()}.parquet"
 
     def _rooms(self) -> Rooms:
         """Return the simulator with its rows."""

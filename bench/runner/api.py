@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bench.parallel import Spread
 from bench.plugins import Plugin
@@ -19,10 +19,12 @@ from bench.runner.failure import Failure
 from bench.runner.folder import ResultFolder
 from bench.runner.guarding import with_guard
 from bench.runner.inputs import widths
+from bench.runner.keys import head_of
 from bench.runner.material import load_material
 from bench.runner.observer import Observer
-from bench.runner.plan import make_plan
-from bench.runner.timing import time_artifacts
+from bench.runner.plan import Plan, make_plan
+from bench.runner.repeated import finished_runs, question_of, recalled, remember
+from bench.runner.timing import known_timings, time_artifacts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,8 +120,12 @@ def run(
     folder.check_writable()
     watch.stage("reading the recordings")
     across = asked(data, train, test, pretrain, finetune, links, draws)
+    question = question_of(data, split) if across is None else None
+    if (known := _known(question, plan, folder, timed)) and device.strip() == "all":
+        return known
     if across is None:
         materials = [load_material(data, split)]
+        question = question or question_of(data, split)  # what is simulated is there only now
     else:
         plan, materials = ready(across, split, plan, watch)
     done = [execute(plan, material, folder, watch, spread) for material in materials]
@@ -130,6 +136,20 @@ def run(
     timings, late = list[TimingRecord](), list[Failure]()
     if timed:
         timings, late = time_artifacts(runs, folder, widths(plan.models, materials[0]), watch, wait)
+    if question is not None:
+        remember(question, data, split, head_of(materials[0]))
     if device.strip() != "all":
         count_runs(runs, plan.devices, materials[0], folder, watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)
+
+
+def _known(
+    question: list[Any] | None, plan: Plan, folder: ResultFolder, timed: bool
+) -> RunSet | None:
+    """Return what a run would, where all of it is there and the recordings are known unread."""
+    head = recalled(question)
+    runs = None if head is None else finished_runs(plan, head, folder)
+    if runs is None:
+        return None
+    timings = known_timings(runs, folder) if timed else []
+    return None if timings is None else RunSet(runs, timings, [], folder.root, plan.devices)

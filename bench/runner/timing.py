@@ -65,6 +65,14 @@ def time_artifacts(
     return known, failures
 
 
+def known_timings(runs: Sequence[RunRecord], folder: ResultFolder) -> list[TimingRecord] | None:
+    """Return the timing of every model and backend where all are known, else None."""
+    machine = describe_machine()
+    found = [folder.find_timing(_untimed(run, machine)) for run in first_seeds(runs)]
+    known = [one for one in found if one and not one.withheld]
+    return known if len(known) == len(found) else None
+
+
 def wait_s() -> float:
     """Return how long to wait for a quiet machine, in seconds. Raises BenchError on nonsense."""
     said = os.environ.get("BENCH_WAIT_S", "").strip()

@@ -211,12 +211,14 @@ def test_recipes_are_the_published_ones() -> None:
     recipes = {name: make().set_params().training_recipe() for name, make in FAST.items()}
     assert recipes["none"] is None
     assert recipes["svm"] is None
-    remnet, cnn = REMnet().training_recipe(), CNN1D().training_recipe()
+    remnet, cnn = REMnet().training_recipe(), CNN1D(learning_rate=1e-4, epochs=40).training_recipe()
     assert (remnet.loss, remnet.learning_rate, remnet.batch_size, remnet.epochs) == (
         *("mae", 3e-4),
         *(32, 30),
     )
     assert (cnn.loss, cnn.learning_rate, cnn.batch_size) == ("mse", 1e-4, 200)
+    assert (cnn.epochs, cnn.stopping) == (40, None)
+    assert CNN1D().training_recipe().stopping is not None
 
 
 def test_names_come_from_the_package() -> None:

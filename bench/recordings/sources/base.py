@@ -66,6 +66,10 @@ class Source(ABC):
     def load(self) -> Recordings:
         """Read (or make) the recordings. Raises BenchError where they cannot be had."""
 
+    def kept(self) -> Path | None:
+        """Return the one file whose content alone decides `load`, None where there is none."""
+        return None
+
 
 def open_source(name: str) -> Source:
     """Return the data set registered under `name`, in its variant where it is `NAME:VARIANT`.
