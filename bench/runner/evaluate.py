@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 Rows = NDArray[np.intp]
+Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,9 @@ def evaluate(
         positions = np.concatenate([fold.test_nlos, fold.test_los])
         artifacts.append(artifact)
         rows.append(positions)
-        predicted.append(artifact.predict(inputs[positions]))
+        predicted.append(_answers(artifact.predict, inputs[positions]))
         if getattr(model, "gives_std", False):
-            spreads.append(artifact.deviations(inputs[positions]))
+            spreads.append(_answers(artifact.deviations, inputs[positions]))
         los.append(np.arange(len(positions)) >= len(fold.test_nlos))
     std = np.concatenate(spreads) if spreads else None
     whole = [np.concatenate(parts) for parts in (rows, predicted, los)]
@@ -91,6 +92,14 @@ def _build(
             f"opener = {declares!r}; expected the same"
         )
     return made
+
+
+def _answers(run: Callable[[Floats], Floats], inputs: Floats) -> Floats:
+    """Return what an artifact answers. Raises BenchError where it cannot: no failure to write."""
+    try:
+        return run(inputs)
+    except ValueError as problem:
+        raise BenchError(f"its artifact gives no answer: {problem}") from problem
 
 
 def score_rows(done: Evaluation, material: Material, los: bool, seed: int) -> Score | None:

@@ -137,3 +137,13 @@ def test_what_a_backend_cannot_do_is_declined_or_one_line(material: Material, de
         DeclinedError if declines else BenchError, match="no" if declines else "exp"
     ):
         evaluate([NoMitigation()] * 3, Unable(), material, 0, [Path("a")] * 3)
+
+
+def test_an_artifact_without_an_answer_fails_its_run_alone(material: Material, monkeypatch) -> None:
+    def refuse(self, cirs):
+        raise ValueError("a row is not finite")
+
+    monkeypatch.setattr(Made, "predict", refuse)
+    with pytest.raises(BenchError, match=r"gives no answer: a row is not finite") as caught:
+        evaluate([NoMitigation()] * 3, Noting(), material, 0, [Path("a")] * 3)
+    assert type(caught.value) is BenchError  # a WriteError would end all runs
