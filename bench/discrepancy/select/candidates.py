@@ -328,10 +328,11 @@ def equivalents(
 def nearly_as_good(explanation: Explanation, same: tuple[Contender, ...]) -> tuple[Contender, ...]:
     """Return contenders that gain nearly as much as the best on the same links.
 
-    A form that is a little wrong costs that much, also where scores put it behind beyond doubt.
+    A form that is a little wrong costs that much, also where scores put it behind beyond doubt, and
+    makes its gain less sure.
     """
     best, known = explanation.contenders[0], {one.name for one in same}
-    able = [c for c in explanation.contenders if c.name not in known and c.gain.above_zero]
+    able = (c for c in explanation.contenders if c.name not in known)
     near = (c for c in able if c.gain.value >= NEARLY_SHARE * best.gain.value)
     return tuple(c for c in near if _same_links(explanation, best, c))
 
