@@ -260,6 +260,8 @@ ADEQUACY_CUT: Final = 0.5  # of what was there, that an effect has done its part
 ADEQUACY_BROUGHT: Final = 0.6  # of what was there, that may be left of the cell it reduces most,
 # among those it was brought in for [convention]
 ADEQUACY_OFF_COVARIATE: Final = 0.4  # the same at a place where more is left than the effect does
+FORM_REACHED: Final = 0.9  # of the removable fall of the scores; with so much removed, what is left
+# needs no cause of its own: another form of the named ones would [waves]
 FORM_SHARE: Final = 0.3  # of an effect's response, that another form of it may differ by [waves]
 ADEQUACY_TOUCHED: Final = 0.3  # of its largest response: an effect acts on an observable
 NEARLY_SHARE: Final = 0.8  # of the best gain: another form may make up for the rest [waves]

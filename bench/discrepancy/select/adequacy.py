@@ -47,8 +47,12 @@ MOMENTS = ("the mean", "the spread")
 KNOWN_MOMENTS = ("mean", "spread")  # of a located cell, in that order
 CHANNEL = (
     "true_range_m", "tx", "rx", "pair", "room", "environment", "los", "obstacle", "obstructed",
+    "time_s",
 )  # fmt: skip
-"""How the names of the covariates begin that a channel or a receiver may depend on."""
+"""How the names of the covariates begin that a channel or a receiver may depend on.
+
+Time among them: places are recorded one after the other.
+"""
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from bench.discrepancy.select.verdict import (
 from bench.discrepancy.settings import (
     CONTROL_QUIET,
     CONTROL_ROWS,
+    FORM_REACHED,
     MARGIN_NATS,
     OFFSET_NATS,
     REMOVED_SHARE,
@@ -54,7 +55,10 @@ def verdicts(
     struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
     if doubts:
         held = verdicts(search, rounds, added) if added else struck
-        return (*(v for v in held if not isinstance(v, Unknown)), _doubted(rounds, doubts))
+        known = tuple(v for v in held if not isinstance(v, Unknown))
+        if known and _within_forms(search, _share(search, _since_struck(rounds), added)):
+            return known
+        return (*known, _doubted(rounds, doubts))
     if not added and not _real(search, last):
         return struck or (NoMismatch(last.located.detectable, last.located.p),)
     share = _share(search, _since_struck(rounds), added)
@@ -67,7 +71,16 @@ def verdicts(
     if worth and share < REMOVED_SHARE:
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, share))
+    worth = worth and not (added and _within_forms(search, share))
     return (*named, _unknown(last, "left after the named effects")) if worth else named
+
+
+def _within_forms(search: Search, share: float) -> bool:
+    """Return whether what names leave of a mismatch is what another form of them would leave.
+
+    With waveforms, where hundreds of figures are compared, such a rest is always significant.
+    """
+    return search.fit.waveform and share >= FORM_REACHED
 
 
 def _since_struck(rounds: tuple[Round, ...]) -> Explanation:
