@@ -33,6 +33,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.marks import marked, with_marks
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
@@ -251,7 +252,7 @@ def _search(
 def select_effects(search: Search, journal: Journal | None = None) -> Selection:
     """Go round until nothing significant is left, and say what was found."""
     journal = journal or Journal()
-    state = State(search)
+    state = State(search, Guard().safely("marks", marked, ())(search))
     for turn in journal.rounds(MOST_ROUNDS):
         search.progress(f"searching (round {turn + 1})")
         state = one_round(state, turn, journal)
@@ -323,6 +324,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     search.progress("checking that what was found looks like what was recorded")
     asis = Checked(added, state.rounds)
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)
+    held = state.guard.safely("marks", with_marks, held)(search, held)
     said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts)
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
     named = tuple(e for e in (*struck, *held.added) if any(e.physics in v.names for v in said))

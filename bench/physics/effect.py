@@ -171,6 +171,19 @@ class Effect(ABC):
         return ", or ".join(" and ".join(c for c in way if c not in columns) for way in cls.needs)
 
     @classmethod
+    def unmarked(cls, frame: pd.DataFrame) -> str:  # noqa: ARG003
+        """Return in words the mark it always leaves that recorded rows lack, "" where none does."""
+        return ""
+
+    @classmethod
+    def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:  # noqa: ARG003
+        """Return the forms of the effect that a mark in recorded rows leaves open.
+
+        None where it leaves no mark of its own, or one too faint to matter.
+        """
+        return ()
+
+    @classmethod
     def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:  # noqa: ARG003
         """Return the effect with values per device (or level, or place) that fit recorded rows.
 

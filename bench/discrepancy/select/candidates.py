@@ -110,7 +110,9 @@ def offered(
     columns = known_columns(frame) - (set() if waveform else {"cir"})
     rerun = "a simulator that can be run again"
     lacking = {
-        name: kind.lacking(columns) or ("" if again or kind.on_tables else rerun)
+        name: kind.lacking(columns)
+        or ("" if again or kind.on_tables else rerun)
+        or kind.unmarked(frame)
         for name, kind in kinds.items()
     }
     able = {name: kind for name, kind in kinds.items() if not lacking[name]}

@@ -216,7 +216,8 @@ def _left_out(
     intervals = sizes(search.comparison, search.sharpest, others, effect)
     unknown = Control(type(effect).control, None)
     test = guard.safely("negative control", negative_control, unknown)
-    control = test(search, others, effect, turn.located.findings[0])
+    top = turn.located.findings[:1]  # none where a mark alone speaks for it
+    control = test(search, others, effect, top[0]) if top else unknown
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
 from bench.physics.base import there
 from bench.physics.batch import Batch
@@ -13,6 +16,10 @@ from bench.physics.loops import compiled, parts, quantise_rows
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, Floats
 
+EQUAL_ROWS = 100  # looked at
+EQUAL_MANY = 0.5  # of the samples: the step is a tenth of the noise or more [derived]
+GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
+EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
 _QUANTILES = (np.arange(256) + 0.5) / 256  # of a noise whose rounding is worked out
 
 
@@ -43,6 +50,22 @@ class Quantisation(Effect):
     )
     dropped: float = parameter(0, "1", 0, 1, "0 rounds to the nearest step, 1 towards zero")
     read_out: float = parameter(0, "1", 0, 1, "0 in the accumulator, 1 where it is read out")
+
+    @classmethod
+    def unmarked(cls, frame: pd.DataFrame) -> str:
+        """Return that no two recorded samples are equal: rounded ones are, others never."""
+        if "cir" not in frame or equal_share(frame["cir"]) > EQUAL_LEAST:
+            return ""
+        return "samples of which some are equal, as rounded ones are"
+
+    @classmethod
+    def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:
+        """Return the roundings whose grid recorded samples lie on, where many are equal."""
+        if "cir" not in frame or equal_share(frame["cir"]) < EQUAL_MANY:
+            return ()
+        step = min(grid_step(frame["cir"]), 255.0)
+        ways = [(dropped, read_out) for dropped in (0.0, 1.0) for read_out in (0.0, 1.0)]
+        return tuple(cls(step, 0.0, dropped=d, read_out=r) for d, r in ways) if step > 0 else ()
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Round the noise, and its sum with the signal: both stay whole numbers."""
@@ -79,3 +102,44 @@ class Quantisation(Effect):
         size = np.sqrt(np.maximum(power, 1e-12))[:, None] * np.sqrt(-np.log(1 - _QUANTILES))
         steps = np.floor(size / self.step_counts + 0.5 - 0.5 * self.dropped)
         return np.asarray(steps.std(axis=1) * self.step_counts / size.std(axis=1))
+
+
+def grid_step(cirs: pd.Series) -> float:
+    """Return the step of the grid that samples lie on: the typical smallest distance in a row.
+
+    Of real parts; of magnitudes, whose squares are whole multiples of the squared step.
+    """
+    found = []
+    for row in _some(cirs):
+        whole = np.iscomplexobj(row)
+        parts = np.unique(row.real if whole else row.astype(np.float64) ** 2)
+        apart = np.diff(parts)
+        apart = apart[apart > GRID_APART * np.abs(np.median(parts))]
+        if len(apart):
+            least = float(apart.min())
+            found.append(
+                least if whole else np.sqrt(least / (2 if _beside_zero(parts, least) else 1))
+            )
+    return float(np.median(found)) if found else 0.0
+
+
+def _beside_zero(squares: Floats, apart: float) -> bool:
+    """Return whether both parts lie half a step beside zero: squares are (odd + odd) / 4 steps."""
+    return bool(abs(np.median(squares / apart % 1) - 0.25) < 0.1)
+
+
+def equal_share(cirs: pd.Series) -> float:
+    """Return the share of the samples of a row that equal another of it, over some rows.
+
+    Real parts, or magnitudes; zeros do not count: they are what is missing.
+    """
+    each = [np.real(row) for row in _some(cirs)]
+    kept = [row[np.isfinite(row) & (row != 0)] for row in each]
+    count = sum(map(len, kept))
+    return 1 - sum(len(np.unique(row)) for row in kept) / count if count else 0.0
+
+
+def _some(cirs: pd.Series) -> list[NDArray[Any]]:
+    """Return some rows as arrays."""
+    few = cirs.iloc[np.unique(np.linspace(0, len(cirs) - 1, EQUAL_ROWS).astype(int))]
+    return [np.asarray(row) for row in few]

@@ -1,0 +1,76 @@
+"""Effects that leave a mark of their own in recordings, such as the grid of rounded samples.
+
+What bears its mark is there, whatever a score says of it: it is put in before the search, so that
+nothing else has to stand for it, and it is named.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.refute import Checked
+from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.settings import FIT_MEMBERS, SCORE_FIRST, SCORE_MEMBERS
+from bench.physics.effect import Effect
+
+
+def marked(search: Search, added: Added = ()) -> Added:
+    """Return the effects whose mark recorded rows bear and simulated ones do not.
+
+    Each in the form that scores best beside `added`, or in the one that is among these.
+    """
+    if not search.fit.waveform:
+        return ()
+    have = {effect.name: effect for effect in added}
+    found = []
+    for kind in search.kinds.values():
+        forms = kind.by_mark(search.fit.frame)
+        if forms and not _simulated(search, kind):
+            found.append(have.get(kind.name) or _best(search, added, forms))
+    return tuple(found)
+
+
+def _simulated(search: Search, kind: type[Effect]) -> bool:
+    """Return whether the simulated side bears the mark as well."""
+    table = search.comparison
+    return isinstance(table, TableComparison) and bool(kind.by_mark(table.frame))
+
+
+def _best(search: Search, added: Added, forms: tuple[Effect, ...]) -> Effect:
+    """Return the form that scores best on the fit rows."""
+
+    def score(form: Effect) -> float:
+        made = search.comparison.ensemble(search.fit, (*added, form), FIT_MEMBERS)
+        return gain_interval(plain, tally(made), search.seed).value
+
+    plain = tally(search.comparison.ensemble(search.fit, added, FIT_MEMBERS))
+    return max(forms, key=score)
+
+
+def with_marks(search: Search, held: Checked) -> Checked:
+    """Return what was checked with every effect that bears its mark in it, and a round for each."""
+    for effect in marked(search, held.added):
+        known = any(turn.added and turn.added.name == effect.name for turn in held.rounds)
+        inside = any(one.name == effect.name for one in held.added)
+        added = held.added if inside else (*held.added, effect)
+        rounds = held.rounds if known else _announced(search, held, added, effect)
+        doubts = tuple(doubt for doubt in held.doubts if doubt.effect.name != effect.name)
+        held = replace(held, added=added, rounds=rounds, doubts=doubts)
+    return held
+
+
+def _announced(search: Search, held: Checked, added: Added, effect: Effect) -> tuple[Round, ...]:
+    """Return the rounds with one before the last that adds an effect by its mark."""
+    rest = tuple(one for one in added if one.name != effect.name)
+    before, after = (
+        tally(search.comparison.ensemble(search.discover, each, SCORE_MEMBERS, SCORE_FIRST))
+        for each in (rest, (*rest, effect))
+    )
+    gained = gain_interval(before, after, search.seed)
+    alone = Explanation((Contender(effect, after, gained),), before, gained, after, {}, {})
+    *earlier, last = held.rounds
+    return (*earlier, Round(last.located, alone, effect), last)

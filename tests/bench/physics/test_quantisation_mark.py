@@ -1,0 +1,43 @@
+"""Rounded samples repeat each other; others never do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.select.candidates import offered
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.quantisation import Quantisation, equal_share, grid_step
+
+
+def _table(step: float, magnitudes: bool) -> pd.DataFrame:
+    rng = np.random.default_rng(3)
+    cirs = 40 * (rng.normal(size=(30, 150)) + 1j * rng.normal(size=(30, 150)))
+    if step:
+        cirs = step * (np.rint(cirs.real / step) + 1j * np.rint(cirs.imag / step))
+    kept = np.abs(cirs).astype(np.float32) if magnitudes else cirs.astype(np.complex64)
+    return pd.DataFrame({"cir": list(kept)})
+
+
+def test_rounded_samples_repeat_each_other_in_parts_and_in_magnitudes() -> None:
+    for magnitudes in (False, True):
+        assert equal_share(_table(0, magnitudes)["cir"]) < 0.001
+        assert equal_share(_table(20, magnitudes)["cir"]) > 0.3
+
+
+def test_quantisation_is_offered_only_where_some_samples_are_equal() -> None:
+    kinds = {"quantisation": Quantisation, "noise-floor": NoiseFloor}
+    able, lacking = offered(kinds, _table(1, False), True)
+    assert set(able) == set(kinds)
+    able, lacking = offered(kinds, _table(0, False), True)
+    assert set(able) == {"noise-floor"}
+    assert "some are equal" in lacking["quantisation"]
+
+
+def test_the_step_is_the_grids() -> None:
+    for magnitudes in (False, True):
+        assert abs(grid_step(_table(20, magnitudes)["cir"]) - 20) < 0.1
+        forms = Quantisation.by_mark(_table(20, magnitudes))
+        assert [vars(form)["step_counts"] for form in forms] == pytest.approx([20] * 4, abs=0.1)
+        assert Quantisation.by_mark(_table(1, magnitudes)) == ()
