@@ -33,7 +33,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.marks import marked, with_marks
+from bench.discrepancy.select.marks import marked, with_marks, without_idle
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
@@ -327,7 +327,8 @@ def concluded(state: State, journal: Journal) -> Selection:
     held = state.guard.safely("marks", with_marks, held)(search, held)
     said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts)
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
-    named = tuple(e for e in (*struck, *held.added) if any(e.physics in v.names for v in said))
+    kept = without_idle(held)
+    named = tuple(e for e in (*struck, *kept) if any(e.physics in v.names for v in said))
     skipped = {**state.skipped, **state.guard.failed}
     return Selection(said, named, held.rounds, skipped)
 

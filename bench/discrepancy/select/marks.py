@@ -63,6 +63,18 @@ def with_marks(search: Search, held: Checked) -> Checked:
     return held
 
 
+def without_idle(held: Checked) -> Added:
+    """Return what was checked without effects that only their mark speaks for.
+
+    They are named, but not put into the simulator: they help no link they were not fitted on.
+    """
+    alone = [turn for turn in held.rounds if turn.added and turn.explanation and not turn.strike]
+    gains = {t.added.name: t.explanation.contenders for t in alone if t.added and t.explanation}
+    bare = {name for name, every in gains.items() if len(every) == 1}
+    idle = {name for name in bare if not gains[name][0].gain.likely_above_zero}
+    return tuple(effect for effect in held.added if effect.name not in idle)
+
+
 def _announced(search: Search, held: Checked, added: Added, effect: Effect) -> tuple[Round, ...]:
     """Return the rounds with one before the last that adds an effect by its mark."""
     rest = tuple(one for one in added if one.name != effect.name)

@@ -113,6 +113,7 @@ def grid_step(cirs: pd.Series) -> float:
     for row in _some(cirs):
         whole = np.iscomplexobj(row)
         parts = np.unique(row.real if whole else row.astype(np.float64) ** 2)
+        parts = parts[: len(parts) // 2 + 1]  # the rounding of 32 bits is coarse in the others
         apart = np.diff(parts)
         apart = apart[apart > GRID_APART * np.abs(np.median(parts))]
         if len(apart):
