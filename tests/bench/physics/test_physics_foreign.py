@@ -94,6 +94,8 @@ def test_receiver_effects_act_on_the_cir(table: ForeignTable) -> None:
     np.testing.assert_allclose(louder.noise_std / base.noise_std, 10, rtol=1e-6)
     before = louder.cir[:, :2].mean() / base.cir[:, :2].mean()
     assert 7 < before < 13
+    lower = table.observe((NoiseFloor(level_db=-6.0, lag_1=0, lag_2=0, lag_3=0),))
+    np.testing.assert_allclose(lower.noise_std, base.noise_std, rtol=1e-6)  # nor reported so
     held = table.observe((LevelControl(),))
     assert np.median(held.preamble_count) < 400
     assert held.cir.max() < 20_500

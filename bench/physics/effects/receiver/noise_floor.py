@@ -40,6 +40,8 @@ class NoiseFloor(Effect):
             return batch
         spread = self.device_spread_db * draws.group_normal(batch.rows.group("rx"))
         ratio = amplitude(self.level_db + spread)
+        if batch.as_given:  # a table's own noise cannot be taken away: neither from its samples
+            ratio = np.maximum(ratio, 1.0)  # nor from what is reported of them
         made = replace(batch, noise_power=batch.noise_power * ratio**2)
         if batch.noise is None:
             return made
