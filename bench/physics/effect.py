@@ -146,6 +146,7 @@ class Effect(ABC):
     values_unit: ClassVar[str] = ""
     setup_fault: ClassVar[str] = ""
     essential: ClassVar[tuple[str, ...]] = ()
+    essential_with_cir: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

@@ -112,7 +112,9 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
 
 def _idle(search: Search, added: Added, effect: Effect) -> str:
     """Return what is wrong with an essential parameter, in words, "" where nothing is."""
-    wanted = {p.name: p for p in effect.parameters() if p.name in type(effect).essential}
+    kind, cir = type(effect), search.fit.waveform
+    needed = kind.essential + (kind.essential_with_cir if cir else ())
+    wanted = {p.name: p for p in effect.parameters() if p.name in needed}
     if not wanted:
         return ""
     rest = without(added, effect)

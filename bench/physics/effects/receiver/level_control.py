@@ -26,6 +26,7 @@ class LevelControl(Effect):
     stage = "receiver"
     source = "DW1000 User Manual 2.11, figure 22; counts measured on Zenodo 10.5281/zenodo.4742391"
     signature = "reported level flattens near -78 dBm as the distance falls; the count falls too"
+    essential_with_cir = ("accumulation",)  # a level alone is shifted by many things
 
     compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
