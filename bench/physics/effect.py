@@ -121,7 +121,9 @@ class Effect(ABC):
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
     and for how hard, where it does. `setup_fault`: the kind of fault of the set-up that it is, such
-    as a time shift: nothing of the radio, but of how it was measured.
+    as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
+    without which it is another effect; `essential_with_cir`: more of them, where waveforms are
+    compared.
     """
 
     name: ClassVar[str]
