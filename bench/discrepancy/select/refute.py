@@ -112,9 +112,9 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
 
 def _idle(search: Search, added: Added, effect: Effect) -> str:
     """Return what is wrong with an essential parameter, in words, "" where nothing is."""
-    kind, cir = type(effect), search.fit.waveform
-    needed = kind.essential + (kind.essential_with_cir if cir else ())
-    wanted = {p.name: p for p in effect.parameters() if p.name in needed}
+    if search.fit.waveform and (words := unused(effect)):
+        return words
+    wanted = {p.name: p for p in effect.parameters() if p.name in type(effect).essential}
     if not wanted:
         return ""
     rest = without(added, effect)
@@ -123,9 +123,21 @@ def _idle(search: Search, added: Added, effect: Effect) -> str:
     return next((words for words in every if words), "")
 
 
+def unused(effect: Effect) -> str:
+    """Return in words which parameter essential with waveforms does nothing, "" where none."""
+    needed = (p for p in effect.parameters() if p.name in type(effect).essential_with_cir)
+    near = (p for p in needed if abs(getattr(effect, p.name) - (p.null or 0.0)) < _close(p))
+    return next((f"without its {p.name} it would do as well" for p in near), "")
+
+
+def _close(item: Parameter) -> float:
+    """Return how near its null a parameter does nothing."""
+    return ESSENTIAL_SHARE * (item.high - item.low)
+
+
 def idle(item: Parameter, found: ParameterEstimate) -> str:
     """Return in words whether a parameter may do nothing, or would go beyond physics, else ""."""
-    null, close = float(item.null or 0.0), ESSENTIAL_SHARE * (item.high - item.low)
+    null, close = float(item.null or 0.0), _close(item)
     if abs(found.value - null) < close or found.low <= null <= found.high:
         return f"without its {item.name} it would do as well"
     if min(found.value - item.low, item.high - found.value) < close:

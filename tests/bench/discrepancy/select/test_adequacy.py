@@ -21,6 +21,7 @@ from bench.discrepancy.select.deformation import within
 from bench.discrepancy.select.state import Round
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 LINKS, ROWS, MEMBERS = 30, 2, 10
@@ -182,6 +183,12 @@ def test_an_effect_takes_the_place_of_another() -> None:
     tail, noise = DiffuseTail(), NoiseFloor()
     other = replace(noise, level_db=3.0)
     assert refute.swapped_for((tail, noise), noise, other) == (tail, other)
+
+
+def test_a_level_control_that_ends_no_accumulation_is_none() -> None:
+    assert refute.unused(LevelControl(accumulation=0.1)) == ""
+    assert "accumulation" in refute.unused(LevelControl(accumulation=0.001))
+    assert refute.unused(NoiseFloor()) == ""
 
 
 def test_an_essential_parameter_does_something_within_its_bounds() -> None:
