@@ -25,6 +25,7 @@ _HOMES = {
     "Bregar2023": "zoo.bregar2023",
     "ECANet": "zoo.ecanet",
     "SmallCNN": "zoo.small",
+    "SmallLevels": "zoo.small_levels",
     "BaggedMLP": "zoo.bagged_mlp",
     "Guarded": "zoo.guard",
 }

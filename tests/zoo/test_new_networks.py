@@ -12,7 +12,16 @@ from scipy.stats import norm
 from sklearn.base import clone
 from torch import nn
 
-from zoo import NPN, BaggedMLP, Bregar2023, ECANet, GaussianProcess, REMnetLevels, SmallCNN
+from zoo import (
+    NPN,
+    BaggedMLP,
+    Bregar2023,
+    ECANet,
+    GaussianProcess,
+    REMnetLevels,
+    SmallCNN,
+    SmallLevels,
+)
 from zoo.bregar2023 import Bregar2023Network
 from zoo.gp import GaussianProcessNetwork
 from zoo.modules.bagged import BaggedNetwork, Members
@@ -21,6 +30,7 @@ from zoo.modules.folding import fold
 from zoo.npn import natural_relu, normal_loss
 from zoo.training.averaging import RunningMean
 from zoo.training.bagged import Bagging, link_bags
+from zoo.training.blended import best_share
 from zoo.training.further import FEWEST_LINKS, train_further
 
 X, Y, LINKS = made_up_blocks(400, seed=1)
@@ -33,6 +43,7 @@ MODELS = {
     "ecanet": (ECANet(most_steps=60), CIR_ONLY),
     "bagged-mlp": (BaggedMLP(steps=200), slice(None)),
     "small-cnn": (SmallCNN(distilled=False, epochs=12), CIR_ONLY),
+    "small-levels": (SmallLevels(samples=32, distilled=False, epochs=8, steps=100), slice(None)),
 }
 
 
@@ -51,6 +62,7 @@ def fitted(request: pytest.FixtureRequest):
         (NPN(), 166, 3_266),
         (BaggedMLP(), 166, 6_121),
         (SmallCNN(), 157, 1_297),
+        (SmallLevels(), 166, 2_250),
     ],
 )
 def test_trainable_parameters(model, width: int, parameters: int) -> None:
@@ -227,3 +239,28 @@ def test_the_mean_of_weights_is_worn_for_a_while() -> None:
     with mean.worn():
         assert 2.0 < layer.weight.item() < 3.0
     assert layer.weight.item() == 3.0
+
+
+def test_a_blends_share_is_what_suits_links_not_rows() -> None:
+    links = np.array([0, 0, 0, 0, 0, 0, 1, 2])
+    first = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
+    assert best_share(np.stack([first, 1 - first]), links) == 1.0
+    assert best_share(np.stack([1 - first, first]), links) == 0.0
+    assert best_share(np.stack([np.full(8, 0.2), np.full(8, -0.6)]), links) == 0.75
+
+
+def test_a_blend_is_its_parts_by_their_shares() -> None:
+    from zoo.modules.blended import BlendedNetwork
+    from zoo.modules.small import Shape
+
+    network = BlendedNetwork(Shape(16, 4, 3, 2, 1), 5, 4, 3, seed=0).eval()
+    x = torch.randn(20, 21, generator=torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        trunk, few = network.trunk(x[:, :16]), network.perceptrons(x[:, 16:])
+        network.blend(0.3)
+        np.testing.assert_allclose(network(x), 0.3 * trunk + 0.7 * few, atol=1e-6)
+
+
+def test_a_blend_is_trained_on_links_of_one_row_each() -> None:
+    model = SmallLevels(samples=32, distilled=False, epochs=1, steps=50).fit(X, Y)
+    assert np.abs(Y - model.predict(X)).mean() < np.abs(Y).mean()

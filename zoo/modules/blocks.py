@@ -201,15 +201,16 @@ class BlockError(BlockModule):
 class Side(BlockModule):
     """CIR bins scaled by one number, and beside them standardised level figures and range.
 
-    [n, bins + side]. Raises ValueError where the CIR has fewer than `cir_samples` bins.
+    `shape_samples` of the CIR in dB too. [n, bins + side]. Raises ValueError where the CIR has
+    fewer than `cir_samples` bins.
     """
 
-    def __init__(self, inputs: Sequence[Input], cir_samples: int) -> None:
+    def __init__(self, inputs: Sequence[Input], cir_samples: int, shape_samples: int = 0) -> None:
         super().__init__(inputs)
         widths = {one.name: one.width for one in inputs}
         self.crop = Crop(widths.get("cir", 0), 0, cir_samples)
         self.scale = GlobalScale()
-        self.columns = Columns([one for one in inputs if one.name != "cir"], features=False)
+        self.columns = Columns(inputs, features=False, shape_samples=shape_samples)
         self.scaling = StandardiseKnown(self.columns.width)
         self.bins, self.side = cir_samples, self.columns.width
 
@@ -222,5 +223,5 @@ class Side(BlockModule):
         """Fit both scalings on rows [n, width] and return the prepared rows."""
         cir = next(one.width for one in self.inputs if one.name == "cir")
         self.scale.fit(apply_in_blocks(self.crop, rows[:, :cir]))
-        self.scaling.fit(apply_in_blocks(self.columns, rows[:, cir:]))
+        self.scaling.fit(apply_in_blocks(self.columns, rows))
         return apply_in_blocks(self, rows).numpy()
