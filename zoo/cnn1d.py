@@ -102,7 +102,7 @@ class CNN1D(NeuralModel):
     def training_recipe(self) -> TrainingRecipe:
         """Return MSE, Adam, by steps or, where they are said, by epochs."""
         by_steps = self.epochs is None
-        stopping = Stopping(self.most_steps, every=200) if by_steps else None
+        stopping = Stopping(self.most_steps, 200, 3) if by_steps else None
         epochs = 40 if self.epochs is None else self.epochs
         return TrainingRecipe("mse", self.learning_rate, self.batch_size, epochs, stopping=stopping)
 
