@@ -11,6 +11,7 @@ from reports.load import Results
 from reports.numbers import UNKNOWN, count, metres, seed_details
 from reports.ranking.compare import Difference, Side, compared_sides, sides_of
 from reports.seeds import Accuracy
+from reports.together import section
 
 KINDS = ("NLoS", "LoS")
 LEGEND = (
@@ -29,18 +30,19 @@ class Line:
 
 
 def against(results: Results, baseline: str, backend: str, seed: int = 0) -> Document:
-    """Return a table per data set and split: every model of a backend against `baseline`.
+    """Return tables of every model of a backend against `baseline`: per data set, then together.
 
     Raises ReportError where the baseline was run on none of them.
     """
     document: Document = [Heading(f"Every model against {baseline}, {backend}", 1)]
-    for sides in _boards(sides_of(results), backend):
+    boards = _boards(sides_of(results), backend)
+    for sides in boards:
         base = next((side for side in sides if side.entry.model == baseline), None)
         if base is not None:
             document += _section(base, [_line(side, base, seed) for side in sides])
     if len(document) == 1:
         raise ReportError(f"{baseline} was run on no data set with backend {backend}")
-    return [*document, Paragraph(LEGEND)]
+    return [*document, Paragraph(LEGEND), *section(boards, baseline, seed)]
 
 
 def _boards(sides: Sequence[Side], backend: str) -> list[list[Side]]:

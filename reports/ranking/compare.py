@@ -147,7 +147,7 @@ def compared_sides(one: Side, other: Side, rows: str, seed: int) -> Difference |
     if reason := incomparable(one, other):
         return reason
     try:
-        both = _same_rows(one, other, los)
+        both = same_rows(one, other, los)
     except (OSError, ValueError) as problem:
         return f"{rows}: {problem}"
     latency, reason = _latency(one, other)
@@ -165,8 +165,8 @@ def compared_sides(one: Side, other: Side, rows: str, seed: int) -> Difference |
     )
 
 
-def _same_rows(one: Side, other: Side, los: bool) -> Paired:
-    """Return both sides on their rows. Raises ValueError where these are not the same."""
+def same_rows(one: Side, other: Side, los: bool) -> Paired:
+    """Return both sides' sums by link. Raises ValueError where their rows are not the same."""
     tables = {
         name: magnitudes(side.entry, side.folder, los)
         for name, side in (("first", one), ("second", other))
