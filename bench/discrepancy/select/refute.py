@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.sandwich import parameter_intervals
-from bench.discrepancy.select.adequacy import Adequacy, adequacy
+from bench.discrepancy.select.adequacy import Adequacy, adequacy, brought
 from bench.discrepancy.select.backfitting import beside_others, polished
 from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
+from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
@@ -72,7 +73,25 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
             rounds = tuple(_renamed(turn, worst.effect, rival) for turn in rounds)
             added = swapped_for(added, worst.effect, rival.effect)
     needed = doubts and _left(search, rounds, added)
+    loudest = _loudest(search, rounds, added)
+    if not loudest.adequate:
+        doubts = (*doubts, *(Doubt(effect, loudest) for effect in added))
+        return Checked((), rounds, doubts)
     return Checked(added, rounds, doubts if needed else ())
+
+
+def _loudest(search: Search, rounds: tuple[Round, ...], added: Added) -> Adequacy:
+    """Return whether all effects together cut down the loudest thing that was there at first.
+
+    With waveforms: names for the rest alone would pass over what is there.
+    """
+    if not (added and search.fit.waveform):
+        return Adequacy(True)
+    views, top = working(search), rounds[0].located.findings[:1]
+    whole, bare = (fresh_ensemble(search.comparison, views, one) for one in (added, ()))
+    names = tuple(name for name in whole.names if name in bare.names)
+    wanted = [(finding.cell, place_weight(views, finding.cell.place)) for finding in top]
+    return brought(kept(whole, names), kept(bare, names), wanted)
 
 
 def _without_forms(search: Search, added: Added) -> Added:

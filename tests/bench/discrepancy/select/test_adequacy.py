@@ -160,6 +160,7 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
     monkeypatch.setattr(refute, "_left", lambda *_: True)
     monkeypatch.setattr(refute, "needless", lambda *_: None)
     monkeypatch.setattr(refute, "working", lambda _: ())
+    monkeypatch.setattr(refute, "_loudest", lambda *_: Adequacy(True))
     search = _Search()
     found = refute.checked(search, (), (tail, noise))  # type: ignore[arg-type]
     assert found.added == (noise,)
