@@ -11,7 +11,8 @@ from reports.load import Results
 from reports.numbers import UNKNOWN, count, metres, seed_details
 from reports.ranking.compare import Difference, Side, compared_sides, sides_of
 from reports.seeds import Accuracy
-from reports.together import section
+from reports.together import Line as Shares
+from reports.together import lines, section
 
 KINDS = ("NLoS", "LoS")
 LEGEND = (
@@ -42,7 +43,13 @@ def against(results: Results, baseline: str, backend: str, seed: int = 0) -> Doc
             document += _section(base, [_line(side, base, seed) for side in sides])
     if len(document) == 1:
         raise ReportError(f"{baseline} was run on no data set with backend {backend}")
-    return [*document, Paragraph(LEGEND), *section(boards, baseline, seed)]
+    found = lines(boards, baseline, seed)
+    return [*document, Paragraph(LEGEND), *section(found, baseline)]
+
+
+def shares(results: Results, baseline: str, backend: str, seed: int = 0) -> list[Shares]:
+    """Return every model's differences in shares of the baseline's MAE; see `reports.together`."""
+    return lines(_boards(sides_of(results), backend), baseline, seed)
 
 
 def _boards(sides: Sequence[Side], backend: str) -> list[list[Side]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,10 +14,19 @@ from reports.ranking.paired import RESAMPLES, Floats, Interval, Paired
 
 Board = Sequence[Side]
 KINDS = ("NLoS", "LoS")
+TOGETHER = "all together"
 
 
-def section(boards: Sequence[Board], baseline: str, seed: int = 0) -> list[Block]:
-    """Return a table of all models but `baseline`, the best on all data sets first.
+@dataclass(frozen=True)
+class Line:
+    """A model's difference on each data set and kind of row by its label; None where unknown."""
+
+    model: str
+    found: Mapping[str, Interval | None]
+
+
+def lines(boards: Sequence[Board], baseline: str, seed: int = 0) -> list[Line]:
+    """Return every model but `baseline`, the best on all data sets' NLoS rows first.
 
     `boards` are the sides of one backend by data set; those without the baseline are left out.
     Nothing where fewer than two are left.
@@ -25,12 +35,18 @@ def section(boards: Sequence[Board], baseline: str, seed: int = 0) -> list[Block
     if len(kept) < 2:
         return []
     names = dict.fromkeys(side.entry.model for board in kept for side in board)
-    columns = [column for name, _ in _groups(kept) for column in _columns(name)]
-    lines = [_line(name, kept, baseline, seed) for name in names if name != baseline]
-    lines.sort(key=lambda line: line[1])
+    made = [_line(name, kept, baseline, seed) for name in names if name != baseline]
+    return sorted(made, key=_rank)
+
+
+def section(found: Sequence[Line], baseline: str) -> list[Block]:
+    """Return `lines` as a table; nothing of none."""
+    if not found:
+        return []
+    columns = [Column(f"{label} (%)", label) for label in found[0].found]
     return [
         Heading(f"Together, in per cent of {baseline}'s MAE", 2),
-        Table((Column("Model", number=False), *columns), tuple(cells for cells, _ in lines)),
+        Table((Column("Model", number=False), *columns), tuple(map(_cells, found))),
         Paragraph(
             f"MAE of the model minus that of {baseline} on the same rows, in per cent of the "
             "latter's, with its 95 % interval over links. Together: the mean of the data sets', "
@@ -72,29 +88,29 @@ def _groups(boards: Sequence[Board]) -> list[tuple[str, list[Board]]]:
     groups = [(_label(board[0]), [board]) for board in boards]
     if 1 < len(real) < len(boards):
         groups.append(("real together", real))
-    return [*groups, ("all together", list(boards))]
+    return [*groups, (TOGETHER, list(boards))]
 
 
 def _label(side: Side) -> str:
     return f"{side.data} (SIMULATED)" if side.simulated else side.data
 
 
-def _columns(name: str) -> list[Column]:
-    return [Column(f"{name}, {kind} (%)", kind) for kind in KINDS]
+def _line(name: str, boards: Sequence[Board], baseline: str, seed: int) -> Line:
+    found = {
+        f"{label}, {kind}": _found(name, group, baseline, kind, seed)
+        for label, group in _groups(boards)
+        for kind in KINDS
+    }
+    return Line(name, found)
 
 
-def _line(
-    name: str, boards: Sequence[Board], baseline: str, seed: int
-) -> tuple[tuple[Cell, ...], float]:
-    """Return a model's cells, and what it is ordered by: its figure on all NLoS rows."""
-    cells, last = [Cell(name)], float("inf")
-    for _, group in _groups(boards):
-        for kind in KINDS:
-            found = _found(name, group, baseline, kind, seed)
-            cells.append(_cell(found))
-            if kind == KINDS[0]:
-                last = float("inf") if found is None else found.value
-    return tuple(cells), last
+def _rank(line: Line) -> float:
+    known = line.found[f"{TOGETHER}, {KINDS[0]}"]
+    return float("inf") if known is None else known.value
+
+
+def _cells(line: Line) -> tuple[Cell, ...]:
+    return (Cell(line.model), *map(_cell, line.found.values()))
 
 
 def _found(

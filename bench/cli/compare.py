@@ -12,7 +12,7 @@ import click
 
 from bench.cli.console import console, say
 from bench.errors import BenchError
-from bench.files import check_output, write_atomically
+from bench.files import atomic_path, check_output, write_atomically
 from bench.text import named
 
 if TYPE_CHECKING:
@@ -25,13 +25,18 @@ LEVEL = 0.05
 @click.command(
     epilog="Examples:\n\n  bench compare results-before results-after\n\n"
     "  bench compare results/runs/1f0c.json results/runs/9ab3.json\n\n"
-    "  bench compare results --against gbm --out tables.md"
+    "  bench compare results --against gbm --out tables.md --plot together.png"
 )
 @click.argument("first", type=click.Path(path_type=Path))
 @click.argument("second", type=click.Path(path_type=Path), required=False)
 @click.option("--against", metavar="MODEL", help="Compare every model of FIRST with this one.")
 @click.option("--backend", default="fp32", show_default=True, help="With --against: the backend.")
 @click.option("--out", type=click.Path(path_type=Path), help="With --against: Markdown to write.")
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    help="With --against: draw the differences on all data sets (.png, .svg).",
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def command(
@@ -40,12 +45,14 @@ def command(
     against: str | None,
     backend: str,
     out: Path | None,
+    plot: Path | None,
     seed: int,
     as_json: bool,
 ) -> None:
     """Compare two result folders, or two run records, on the same rows.
 
-    With --against MODEL: every model of one folder with that one, a table per data set.
+    With --against MODEL: every model of one folder with that one, a table per data set and one of
+    all of them together.
 
     Differences of MAE in metres (negative: SECOND is better) with 95 % intervals over links, the
     chance of such a difference where there is none (adjusted for all comparisons), and the ratio
@@ -59,10 +66,13 @@ def command(
         if source is not None and not source.exists():
             raise BenchError(f"{source} is not here: expected a result folder or a run record")
     if against is not None and not (as_json or second):
+        _picture(first, against, backend, plot, seed)
         _tables(first, against, backend, out, seed)
         return
-    if second is None or against is not None or out is not None:
-        raise BenchError("expected FIRST and SECOND, or FIRST with --against MODEL [--out FILE]")
+    if second is None or against is not None or out is not None or plot is not None:
+        raise BenchError(
+            "expected FIRST and SECOND, or FIRST with --against MODEL [--out FILE] [--plot FILE]"
+        )
     try:
         found = compare(first, second, seed)
     except ReportError as problem:
@@ -90,6 +100,28 @@ def _tables(folder: Path, model: str, backend: str, out: Path | None, seed: int)
         return
     write_atomically(out, to_markdown(made))
     say(f"wrote {named(out)}")
+
+
+def _picture(folder: Path, model: str, backend: str, plot: Path | None, seed: int) -> None:
+    """Draw every model of a folder against one of them, where asked for."""
+    if plot is None:
+        return
+    from reports import ReportError, read_results
+    from reports.against import shares
+    from reports.figures import save_png, save_svg
+    from reports.together_picture import draw
+
+    savers = {".png": save_png, ".svg": save_svg}
+    if plot.suffix not in savers:
+        raise BenchError(f"--plot {plot}: expected a name that ends with .png or .svg")
+    check_output(plot)
+    try:
+        figure = draw(shares(read_results(folder), model, backend, seed), model)
+    except ReportError as problem:
+        raise BenchError(str(problem)) from problem
+    with atomic_path(plot) as scratch:
+        savers[plot.suffix](figure, scratch)
+    say(f"wrote {named(plot)}")
 
 
 def _print(document: Document) -> None:

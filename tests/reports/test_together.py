@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reports.ranking.paired import Paired
-from reports.together import relative
+from reports.errors import ReportError
+from reports.ranking.paired import Interval, Paired
+from reports.together import Line, relative, section
+from reports.together_picture import draw
 
 
 def _pair(first, second, rows=1.0) -> Paired:
@@ -43,3 +45,25 @@ def test_the_interval_holds_the_truth_nineteen_times_in_twenty() -> None:
         assert found.high is not None
         held += found.low <= 0.05 <= found.high
     assert 0.88 <= held / 150 <= 1.0
+
+
+LINES = [
+    Line("good", {"real, NLoS": Interval(-0.1, -0.15, -0.05), "all together, NLoS": None}),
+    Line("bad", {"real, NLoS": Interval(0.2), "all together, NLoS": Interval(0.1, -0.1, 0.3)}),
+]
+
+
+def test_the_table_and_the_picture_say_the_same() -> None:
+    table = section(LINES, "remnet")[1]
+    assert [cell.text for cell in table.rows[0]][:2] == ["good", "-10.0"]
+    assert table.rows[1][2].details == ("[-10.0, +30.0]",)
+    (axes,) = draw(LINES, "remnet").axes
+    points = [container.lines[0].get_xdata().tolist() for container in axes.containers]
+    assert points == [[pytest.approx(-10)], [pytest.approx(20), pytest.approx(10)]]
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(LINES[0].found)
+
+
+def test_of_one_data_set_there_is_nothing_to_draw() -> None:
+    assert section([], "remnet") == []
+    with pytest.raises(ReportError, match="at least two data sets"):
+        draw([], "remnet")
