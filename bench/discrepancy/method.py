@@ -50,6 +50,7 @@ from bench.discrepancy.select.stepwise import (
     witnessed_by_links,
 )
 from bench.discrepancy.select.verdict import Unknown
+from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.physics.base import Base
 from bench.physics.effect import Effect, describe
@@ -265,21 +266,23 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     """Locate what is left, explain it, and add what explains it best."""
     kept, safely = journal.kept, state.guard.safely
     state, located = _located(state, turn, journal)
-    search, added = state.search, state.added
     if not located.significant:
         return state.after(Round(located, None, None), finished=True)
-    explanation = kept(explain_left)(search, added, located)
-    explanation = safely("order", kept(order), explanation)(search, added, explanation)
-    best = best_contender(explanation)
+    state, news = sets.agreed(state, located, journal)
+    if news:
+        return state
+    search, added, rest = state.search, state.added, sets.unjudged(state.search)
+    explanation = sets.left_to_name(search, kept(explain_left)(rest, added, located))
+    explanation = safely("order", kept(order), explanation)(rest, added, explanation)
     witness = safely("offsets of links", kept(witnessed_by_links), None)
-    best = best or witness(search, added, explanation)
+    best = best_contender(explanation, sets.least_scatter(search))
+    best = best or witness(rest, added, explanation)
     struck = safely("links struck at random", kept(strike_links), None)(search, added, best)
     if struck:
         state = state.after(struck_round(located, explanation, struck))
         search = search.spared(struck)
-        again = safely("fitting again", kept(polished), added)
-        added = again(search.comparison, search.fit, added)  # by what was not struck
-        return replace(state, search=search, added=added)
+        again = safely("fitting again", kept(polished), added)  # by what was not struck
+        return replace(state, search=search, added=again(search.comparison, search.fit, added))
     if best is None:
         return state.after(Round(located, explanation, None), finished=True)
     return _with_best(state, located, explanation, best, journal)
@@ -303,7 +306,7 @@ def _with_best(
     search, before = state.search, state.added
     state = state.after(Round(located, explanation.led_by(best), best.effect))
     added = with_contender(before, best)
-    if len(added) > 1 or search.fit.waveform:
+    if (len(added) > 1 and not search.choice.names) or search.fit.waveform:
         kept, safely, anew = journal.kept, state.guard.safely, len(added) > 1
         again = safely("fitting again", kept(polished), added)
         added = again(search.comparison, search.fit, added, anew=anew)
@@ -330,7 +333,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     kept = without_idle(held)
     named = tuple(e for e in (*struck, *kept) if any(e.physics in v.names for v in said))
     skipped = {**state.skipped, **state.guard.failed}
-    return Selection(said, named, held.rounds, skipped)
+    return Selection(said, named, held.rounds, skipped, search.choice.names)
 
 
 def _unnamed(search: Search, found: Selection) -> Added:

@@ -90,6 +90,7 @@ FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [c
 CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]
 DEVICE_STD: Final = 0.3  # that another device counts as: it varies less than a room [convention]
 OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart, to go on [convention]
+OVERLAP_LINKS: Final = 16  # or as many links: four to confirm on, a dozen to work with [convention]
 LEAST_STD: Final = 1e-9  # keeps a constant covariate finite [derived]
 
 # --- Replicates: ranges of random numbers that no two uses share [derived] -----------------------

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError, unknown_name
 from bench.physics.batch import Batch
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 
 Stage = Literal["propagation", "receiver", "ranging"]
 STAGES: tuple[Stage, ...] = ("propagation", "receiver", "ranging")
@@ -198,6 +199,21 @@ class Effect(ABC):
     def values(self) -> dict[str, float]:
         """Return the fitted values by name, in `values_unit`; none where parameters are all."""
         return {}
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[NDArray[np.float64], ...] | None:  # noqa: ARG003
+        """Return what it can do to the ranges of these rows, to first order: columns [n, k].
+
+        In metres, each as large as physics lets it typically be, so that factors around 1 make
+        every form of the effect; parts [n, k] that may be of quite other sizes stand by themselves.
+        None where that cannot be said.
+        """
+        return None
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: NDArray[np.float64]) -> bool:  # noqa: ARG003
+        """Return whether physics allows what it is said to do to the ranges [n] of these rows."""
+        return True
 
     @property
     def freed(self) -> int:

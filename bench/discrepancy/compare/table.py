@@ -50,6 +50,7 @@ from bench.discrepancy.settings import (
     KEPT_TABLES,
     LEAST_STD,
     MOST_VERSIONS,
+    OVERLAP_LINKS,
     OVERLAP_SHARE,
 )
 from bench.errors import BenchError
@@ -310,7 +311,8 @@ class TableComparison:
         far = (np.stack(gaps) > FAR_STD).any(axis=0)
         unknown = np.bincount(code, categories.unknown) > 0
         inside = ~(far | unknown)[code]
-        if inside.mean() < OVERLAP_SHARE:
+        few = len(np.unique(code[inside])) < OVERLAP_LINKS
+        if few and inside.mean() < OVERLAP_SHARE:
             raise BenchError(
                 "no overlap of covariates: most recorded links have no simulated link within "
                 f"{FAR_STD:g} standard deviations of {', '.join(alike.names)}"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
+
+from bench.physics.effect import Effect
 
 PURE = ("1", "ratio")  # numbers without a unit
 
@@ -28,3 +31,16 @@ class ParameterEstimate:
         edge = " (at its physical bound)" if self.at_bound else ""
         unit = "" if self.unit in PURE else f" {self.unit}"
         return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}{edge}"
+
+
+def widened(
+    items: tuple[ParameterEstimate, ...], effect: Effect, times: float
+) -> tuple[ParameterEstimate, ...]:
+    """Return estimates with intervals so many times wider, within the bounds of parameters."""
+    bounds = {p.name: (p.low, p.high) for p in effect.parameters()}
+    out = []
+    for one in items:
+        low, high = bounds.get(one.name, (-inf, inf))
+        below, above = (times * abs(end - one.value) for end in (one.low, one.high))
+        out.append(replace(one, low=max(one.value - below, low), high=min(one.value + above, high)))
+    return tuple(out)

@@ -131,12 +131,14 @@ def _stands(
 def _shifting(found: Selection) -> Added:
     """Return the named effects that shift ranges: those of the range, and what strikes links.
 
-    What else was named has other evidence. Scatter shifts nothing: a law leaves it to the scale.
+    What else was named has other evidence, and what was named `together` was weighed against laws.
+    Scatter shifts nothing: a law leaves it to the scale.
     """
     return tuple(
         effect
         for effect in found.added
         if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
+        if effect.physics not in found.together
     )
 
 

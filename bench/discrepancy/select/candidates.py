@@ -202,7 +202,7 @@ def _one_way(
     skipped |= failed
     contenders = _best_of_each([*contenders, *made.values()])
     contenders.sort(key=lambda one: -one.gain.value)
-    nuisance = tally(_nuisance(comparison, fit, held, added, before, focus))
+    nuisance = tally(regressed(comparison, fit, held, added, focus))
     removable = gain_interval(reference, nuisance, seed)
     gains = {name: found.gain for name, (_, found) in screened.items()}
     return Explanation(tuple(contenders), reference, removable, nuisance, gains, skipped)
@@ -291,15 +291,11 @@ def contender(
     return Contender(fitted.effect, scored, gain_interval(reference, scored, seed))
 
 
-def _nuisance(
-    comparison: Comparison,
-    fit: View,
-    held: View,
-    added: Added,
-    before: Ensemble,
-    focus: tuple[str, ...],
+def regressed(
+    comparison: Comparison, fit: View, held: View, added: Added, focus: tuple[str, ...]
 ) -> Ensemble:
-    """Return the held-out ensemble after the flexible regression."""
+    """Return the held-out ensemble after the flexible regression of the observables of `focus`."""
+    before = comparison.ensemble(held, added, SCORE_MEMBERS, SCORE_FIRST)
     learnt = comparison.ensemble(fit, added, SCORE_MEMBERS, SCORE_FIRST)
     return corrected(learnt, fit.covariates, before, held.covariates, focus)
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
-from bench.discrepancy.compare.skill import fall, gain_interval, tally
+from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.estimate import widened
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
@@ -27,6 +28,7 @@ from bench.discrepancy.select.verdict import (
     Unknown,
     Verdict,
 )
+from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.settings import (
     CONTROL_QUIET,
     CONTROL_ROWS,
@@ -64,11 +66,10 @@ def verdicts(
     share = _share(search, _since_struck(rounds), added)
     unexplained = last.located.significant and last.added is None
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
-    # Once effects are fitted, their parameters are only known so well: what that leaves is small.
-    least = MARGIN_NATS if added else 0.0
+    least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and _real(search, last))
-    if worth and share < REMOVED_SHARE:
+    if worth and share < REMOVED_SHARE and not search.choice.names:
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, share))
     worth = worth and not (added and _within_forms(search, share))
@@ -140,15 +141,34 @@ def _share(search: Search, first: Explanation, added: Added) -> float:
     """
     if not added:
         return 0.0
-    before, after = (
-        tally(search.comparison.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
-        for effects in ((), added)
-    )
+    before, after = _beside(search, added)
     if search.fit.waveform:
         reached, most = fall(before, after), fall(first.base, first.nuisance)
     else:
         reached, most = gain_interval(before, after, search.seed).value, first.removable.value
     return float(reached / max(most, reached, 1e-9))
+
+
+def _beside(search: Search, added: Added) -> tuple[Tally, Tally]:
+    """Return the tallies without and with the effects."""
+    before, after = (
+        tally(search.comparison.ensemble(search.discover, effects, SCORE_MEMBERS, SCORE_FIRST))
+        for effects in ((), added)
+    )
+    return before, after
+
+
+def _form_leaves(search: Search, added: Added) -> float:
+    """Return the nats that effects fitted may leave: parameters are only known so well.
+
+    Of a set of causes, their forms too.
+    """
+    if not added:
+        return 0.0
+    if not search.choice.names:
+        return MARGIN_NATS
+    reached = gain_interval(*_beside(search, added), search.seed).value
+    return max(MARGIN_NATS, LEFT_SHARE * reached)
 
 
 def _named(
@@ -162,10 +182,13 @@ def _named(
         effect = next((e for e in added if e.name == turn.added.name), None)
         if effect is None or any(effect.physics in v.names for v in out):
             continue
-        same = equivalents(turn.explanation, search.seed)
+        together = effect.physics in search.choice.names
+        same = turn.explanation.contenders
+        if not together:
+            same = equivalents(turn.explanation, search.seed)
         if search.fit.waveform:
             same = (*same, *nearly_as_good(turn.explanation, same))
-        if len(added) > 1:
+        if len(added) > 1 and not together:
             views = (search.fit, search.discover)
             held = rivals(
                 search.comparison, views, added, effect, same[1:], search.kinds, search.seed
@@ -214,6 +237,7 @@ def _left_out(
     guard = Guard()
     sizes = guard.safely("intervals", parameter_intervals, ())
     intervals = sizes(search.comparison, search.sharpest, others, effect)
+    intervals = widened(intervals, effect, search.choice.wider.get(effect.physics, 1.0))
     unknown = Control(type(effect).control, None)
     test = guard.safely("negative control", negative_control, unknown)
     top = turn.located.findings[:1]  # none where a mark alone speaks for it

@@ -176,7 +176,8 @@ def _brought_by(rounds: tuple[Round, ...], effect: Effect) -> Round | None:
 
 def _worst(search: Search, rounds: tuple[Round, ...], added: Added) -> Doubt | None:
     """Return the effect of which most is left beyond what is allowed, None where none is."""
-    doubts = [Doubt(e, fits(search, added, e, _brought_by(rounds, e))) for e in added]
+    left = (effect for effect in added if effect.physics not in search.choice.names)
+    doubts = [Doubt(e, fits(search, added, e, _brought_by(rounds, e))) for e in left]
     doubts = [doubt for doubt in doubts if not doubt.why.adequate]
     return max(doubts, key=lambda doubt: doubt.why.left, default=None)
 

@@ -11,6 +11,7 @@ from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.verdict import Verdict
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
 
 Progress = Callable[[str], None]
@@ -25,7 +26,7 @@ class Search:
     """What every step shares: the comparison, the two working views, the library, the seed.
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
-    where that would cost too much.
+    where that would cost too much. `choice`: the set of causes that ranges speak for.
     """
 
     comparison: Comparison
@@ -35,6 +36,7 @@ class Search:
     seed: int
     progress: Progress = silent
     work: View | None = None
+    choice: Choice = field(default_factory=Choice)
 
     @property
     def sharpest(self) -> View:
@@ -102,12 +104,16 @@ class State:
 
 @dataclass(frozen=True)
 class Selection:
-    """Verdicts with the effects to add (`added`), and how the search went."""
+    """Verdicts with the effects to add (`added`), and how the search went.
+
+    `together`: the names that were weighed as a set (see `bench.discrepancy.sets`).
+    """
 
     verdicts: tuple[Verdict, ...]
     added: Added
     rounds: tuple[Round, ...]
     skipped: Mapping[str, str] = field(default_factory=dict)
+    together: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

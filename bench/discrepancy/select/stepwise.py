@@ -103,14 +103,17 @@ def margin(search: Search, added: Added) -> float:
     return max(WAVE_MARGIN_NATS, WAVE_MARGIN_SHARE * gain(before, after))
 
 
-def best_contender(explanation: Explanation) -> Contender | None:
+def best_contender(
+    explanation: Explanation, scatter_nats: float = SCATTER_MARGIN_NATS
+) -> Contender | None:
     """Return the contender to add: a gain beyond the margin, its one-sided bound above zero.
 
     Independent scatter stands for what cannot be predicted, so it is no answer where a regression
-    removes much more than it. Nor where something else is seen by a mark that scatter cannot leave,
+    removes much more than it, nor where it gains less than `scatter_nats`. Nor where
+    something else is seen by a mark that scatter cannot leave,
     and brings half of its gain.
     """
-    structure = max(REMOVED_SHARE * explanation.removable.value, SCATTER_MARGIN_NATS)
+    structure = max(REMOVED_SHARE * explanation.removable.value, scatter_nats)
     able = (
         c
         for c in explanation.contenders

@@ -14,6 +14,9 @@ from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Floats
 
+TYPICAL_M = 0.1  # of the first harmonic [source: Ledergerber 2018]
+KNOWN_SHARE = 0.9  # of the headings
+
 
 @dataclass(frozen=True)
 class AntennaPattern(Effect):
@@ -36,6 +39,21 @@ class AntennaPattern(Effect):
     gain_db: float = parameter(0, "dB", 0, 15, "first harmonic of the gain", null=0)
     phase_deg: float = parameter(0, "deg", -180, 180, "heading of the longest delay")
     phase_2_deg: float = parameter(0, "deg", -180, 180, "of the second harmonic")
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return the first four harmonics of the heading; None where headings fill no circle."""
+        turn = heading_rad(rows)
+        known = np.isfinite(turn)
+        if known.mean() < KNOWN_SHARE or len(np.unique(np.floor(turn[known] * 6 / np.pi))) < 6:
+            return None
+        turn = np.where(known, turn, 0.0)
+        every = [
+            TYPICAL_M / k**1.5 * np.where(known, wave(k * turn), 0.0)
+            for k in (1, 2, 3, 4)
+            for wave in (np.sin, np.cos)
+        ]
+        return (np.stack(every, axis=1),)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Shift and weaken all paths by heading."""

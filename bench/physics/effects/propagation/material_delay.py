@@ -15,6 +15,8 @@ from bench.physics.scene import Scene
 from bench.physics.slabs import of_kind, slabs
 from bench.physics.units import C_M_PER_NS, Floats
 
+TYPICAL_M = 0.1  # of one wall
+
 
 @dataclass(frozen=True)
 class MaterialDelay(Effect):
@@ -39,6 +41,19 @@ class MaterialDelay(Effect):
     loss_scale: float = parameter(1, "ratio", 0, 4, "of the slab's loss in dB")
     unlisted_walls: float = parameter(1, "walls", 0, 10, "0.14 m of brick each, where unlisted")
     spill: float = parameter(0, "ratio", 0, 1, "of a wall's loss that every other path has too")
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return a step per kind of obstacle, and one for any; None where none is listed."""
+        counts = [(rows.kinds == kind).sum(axis=1) for kind in range(len(rows.kind_names))]
+        parts = [*counts, rows.obstacle_count() > 0, unlisted(rows)]
+        steps = TYPICAL_M * np.stack(parts, axis=1).astype(np.float64)
+        return (steps,) if steps.any() else None
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether walls delay."""
+        return float(np.mean(shift_m[~rows.clear()])) > 0
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Delay and weaken the straight path of every row with an obstacle."""

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import Floats
+from bench.physics.ways import device_columns
+
+COMMON_M, OWN_M = 0.3, 0.2  # typical: of all devices, of each: nanoseconds [source: APS014]
 
 
 @dataclass(frozen=True)
@@ -25,6 +32,12 @@ class AntennaDelay(Effect):
 
     delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)
     device_spread_ns: float = parameter(0, "ns", 0, 5, "std over devices", null=0, fitted=False)
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return a constant, and one per device."""
+        tx, rx = device_columns(rows)
+        return np.full((len(rows), 1), COMMON_M), OWN_M * (tx + rx)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by half the sum of both delays."""

@@ -10,7 +10,11 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Floats
+from bench.physics.ways import device_columns
+
+TYPICAL_PPM = 1.0  # of one crystal beside the others
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,15 @@ class ClockOffset(Effect):
     use_column: int = parameter(
         0, "0 or 1", 0, 1, "add the recorded clock_offset_ppm", fitted=False
     )
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return the reply time x what crystals are typically off, per device; None without any."""
+        reply_s = rows.number("reply_time_s", 0.0)
+        if not reply_s.any():
+            return None
+        tx, rx = device_columns(rows)
+        return ((tx - rx) * (TYPICAL_PPM * C_M_PER_NS * 1e3 * reply_s / 2)[:, None],)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of the exchange."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
 
@@ -32,6 +33,13 @@ class ExchangeMotion(Effect):
     needs = (("radial_speed_m_per_s", "reply_time_s"),)
 
     share: float = parameter(0.5, "1", -2, 2, "of the reply time between truth and range", null=0)
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return the way driven during the exchange."""
+        speed = rows.number("radial_speed_m_per_s", 0.0)
+        moved_m = (speed * rows.number("reply_time_s", 0.0))[:, None]
+        return (moved_m,) if moved_m.any() else None
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by what the antennas moved during the exchange."""

@@ -9,7 +9,15 @@ import numpy as np
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.units import Floats
+from bench.physics.ways import known_mostly, smooth_columns
+
+TYPICAL_M, LENGTH_DB = 0.08, 5.0  # of the published curve
+TENTHS = (0.1, 0.9)  # where weak and strong signals begin
+LARGEST, LEVELS_OFF_DB, SLACK_M = 2.5, 4.0, 0.03  # of the published curve: other pulse rates have
+# 2.5 times its size, and budgets are known to some decibels [source: APS011]
+KNOTS_DBM = np.arange(-100.0, -40.0, 3.0)
 
 
 @dataclass(frozen=True)
@@ -30,9 +38,34 @@ class PowerBias(Effect):
     scale: float = parameter(1, "ratio", 0, 3, "of the published curve", null=0)
     shift_db: float = parameter(0, "dB", -20, 20, "the level at which the published 0 dB lies")
 
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return smooth curves over the logged level, of the size of the published one."""
+        level = known_mostly(rows.number("rx_power_dbm", np.nan))
+        if level is None:
+            return None
+        return (TYPICAL_M * smooth_columns(level, KNOTS_DBM, LENGTH_DB),)
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether weak signals are long and strong ones short, near the published curve."""
+        level = rows.number("rx_power_dbm", np.nan)
+        low, high = np.nanquantile(level, TENTHS)
+        ends = [level <= low, level >= high]
+        weak, strong = (float(np.mean(shift_m[those])) for those in ends)
+        low, high = (float(np.mean(level[those])) for those in ends)
+        longest, above = (max(_largest(end - LEVELS_OFF_DB), 0) + SLACK_M for end in (low, high))
+        shortest = min(_largest(high + LEVELS_OFF_DB), 0) - SLACK_M
+        return bool(weak > strong and weak < longest and shortest < strong < above)
+
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the bias at each row's true receive level."""
         return batch.longer(self.scale * published_bias_m(batch.level() - self.shift_db))
+
+
+def _largest(level_dbm: float) -> float:
+    """Return the largest bias that any pulse rate has at a level."""
+    return LARGEST * float(published_bias_m(np.array([level_dbm]))[0])
 
 
 def published_bias_m(level_dbm: Floats) -> Floats:

@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import Floats
+
+TYPICAL_SCALE = 0.01  # metres per metre
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,11 @@ class RangeScale(Effect):
     signature = "error proportional to the true range, without bound; CIR unchanged"
 
     scale: float = parameter(0, "m/m", -0.05, 0.05, "share of the true range", null=0)
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return a share of the true range."""
+        return (TYPICAL_SCALE * rows.true_range_m[:, None],)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by a share of the true range."""

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.units import Floats
+from bench.physics.ways import known_mostly
+
+TYPICAL_M, REFERENCE_C, SPAN_C = 0.05, 25.0, 20.0  # 2.15 mm per degree, at 20 degrees
+FARTHEST_C = 40.0  # from the temperature of the calibration
+WARM_UP_S = (200.0, 600.0, 1800.0, 5400.0)
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,29 @@ class TemperatureDrift(Effect):
     reference_c: float = parameter(25, "degC", -40, 85, "where the calibration was made")
     warm_up_c: float = parameter(0, "degC", 0, 60, "rise after switching on", null=0)
     warm_up_s: float = parameter(600, "s", 1, 36000, "time constant of the rise")
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return a constant, a slope and a bow over temperature; relaxations over time without."""
+        warm = known_mostly(rows.number("temperature_c", np.nan))
+        time_s = known_mostly(rows.number("time_s", np.nan))
+        if warm is not None:
+            warm = (warm - REFERENCE_C) / SPAN_C
+            parts = [np.ones(len(rows)), warm, warm**2]
+        elif time_s is not None:
+            parts = [np.exp(-np.maximum(time_s, 0) / tau) for tau in (*WARM_UP_S, np.inf)]
+        else:
+            return None
+        return (TYPICAL_M * np.stack(parts, axis=1),)
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether it varies with the temperature, not only by a constant."""
+        warm = known_mostly(rows.number("temperature_c", np.nan))
+        if warm is None:
+            return True
+        per_degree = float(np.std(shift_m) / np.std(warm))
+        return abs(float(np.mean(shift_m))) < FARTHEST_C * per_degree
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by slope x degrees over the reference."""

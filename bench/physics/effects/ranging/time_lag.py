@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
+from bench.physics.units import Floats
+
+TYPICAL_LAG_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,12 @@ class TimeLag(Effect):
     needs = (("radial_speed_m_per_s",),)
 
     lag_s: float = parameter(0, "s", -2, 2, "range measured later than its truth", null=0)
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return the radial speed x a typical lag."""
+        speed = rows.number("radial_speed_m_per_s", 0.0)
+        return (TYPICAL_LAG_S * speed[:, None],) if speed.any() else None
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by lag x radial speed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from bench.discrepancy.select.adequacy import Adequacy, brought, judged
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.deformation import within
 from bench.discrepancy.select.state import Round
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.level_control import LevelControl
@@ -178,6 +179,7 @@ class _Search:
     comparison: None = None
     fit: _Fit = _Fit()
     kinds: None = None
+    choice: Choice = field(default_factory=Choice)
 
 
 def test_an_effect_takes_the_place_of_another() -> None:

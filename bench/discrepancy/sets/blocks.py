@@ -1,0 +1,140 @@
+"""What takes part: effects of the library, laws over covariates, faults of the set-up.
+
+Laws and faults have no name to be given; they are there so that no name is given for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.sets.settings import (
+    DEFORMED,
+    DEVICE_ROWS,
+    LAW_M,
+    LAW_SCALE,
+    LEVELS,
+    STANDS_M,
+)
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.clock_offset import ClockOffset
+from bench.physics.effects.ranging.power_bias import PowerBias
+from bench.physics.ways import known_mostly, spread_over
+
+Floats = NDArray[np.float64]
+Blocks = dict[str, tuple[Floats, ...]]
+OF_RANGE = "a law of true_range_m"
+ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
+Kinds = Mapping[str, type[Effect]]
+
+
+def named_kinds(kinds: Kinds, rows: View) -> dict[str, type[Effect]]:
+    """Return the effects that say what they can do to these rows, by name.
+
+    Those whose values per device or level are fitted by code of ours are always among them.
+    """
+    known = known_columns(rows.frame)
+    own = {kind.name: kind for kind in ALWAYS if not kind.lacking(known)}
+    every = own | {kind.name: kind for kind in kinds.values()}
+    return {name: kind for name, kind in every.items() if kind.ways(rows.scene) is not None}
+
+
+def of_library(kinds: Kinds, rows: View) -> Blocks:
+    """Return the parts [n, k] of what every effect can do, by its name."""
+    found = {n: kind.ways(rows.scene) for n, kind in named_kinds(kinds, rows).items()}
+    return {name: block for name, block in found.items() if block is not None}
+
+
+def of_laws(kinds: Kinds, rows: View) -> Blocks:
+    """Return smooth laws over known numbers, but those that an effect has for its own."""
+    own = _own_columns(list(kinds.values()), known_columns(rows.frame))
+    out: Blocks = {}
+    for name, values in rows.covariates.numbers.items():
+        known = known_mostly(values)
+        if name in own or known is None or len(np.unique(known)) < LEVELS:
+            continue
+        level = np.full((len(known), 1), LAW_M)
+        out[f"a law of {name}"] = level, LAW_M * spread_over(known)
+    return out | _of_devices(rows)
+
+
+def _of_devices(rows: View) -> Blocks:
+    """Return laws of the distance that hold for one device alone."""
+    known = known_mostly(rows.scene.true_range_m)
+    if known is None:
+        return {}
+    law = LAW_M * spread_over(known)
+    groups = rows.covariates.groups.items()
+    return {f"a law of {n}": (law * mask[:, None],) for n, mask in groups if _of_device(n)}
+
+
+def _own_columns(kinds: Collection[type[Effect]], known: Collection[str]) -> set[str]:
+    """Return the columns that effects are about, where these are known."""
+    ways = [way for kind in kinds for way in kind.needs if set(way) <= set(known)]
+    return {column for way in ways for column in way}
+
+
+def of_setup(rows: View) -> Blocks:
+    """Return devices that stand elsewhere, are swapped, or have a unit of their own."""
+    ends = {"tx", "rx"} | {f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz"}
+    if not ends <= set(rows.frame):
+        return {}
+    out: Blocks = {}
+    for end, other in (("tx", "rx"), ("rx", "tx")):
+        out |= _faults(rows.frame, end, other, rows.scene.true_range_m)
+    return out
+
+
+def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks:
+    here, there = (
+        np.stack([np.nan_to_num(numeric(frame, f"{one}_{axis}_m")) for axis in "xyz"], axis=1)
+        for one in (end, other)
+    )
+    names = frame[end].astype(str).to_numpy(dtype=object)
+    line = (here - there) / np.maximum(true_m, 1e-3)[:, None]
+    out: Blocks = {}
+    stands: dict[str, Floats] = {}
+    for name in np.unique(names):
+        mine = names == name
+        if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > STANDS_M:
+            continue
+        stands[str(name)] = here[mine][0]
+        out[f"the position of {name}"] = (LAW_M * line * mine[:, None],)
+        out[f"the unit of {name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
+    for one, two in combinations(stands, 2):
+        shift = np.zeros(len(true_m))
+        for name, really in ((one, stands[two]), (two, stands[one])):
+            mine = names == name
+            shift[mine] = np.linalg.norm(there[mine] - really, axis=1) - true_m[mine]
+        out[f"the places of {one} and {two}"] = (shift[:, None],)
+    return out
+
+
+def deformed(response: Floats, rows: View) -> Floats:
+    """Return smooth deformations [n, k] of a response [n].
+
+    Other sizes over every covariate and device, and another curve.
+    """
+    known = (known_mostly(values) for values in rows.covariates.numbers.values())
+    slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
+    devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
+    own = _standard(response)
+    bends = [response * one for one in (*slopes, *devices, own)]
+    bends.append(float(np.std(response)) * (own**2 - 1))
+    return DEFORMED * np.stack(bends, axis=1)
+
+
+def _of_device(name: str) -> bool:
+    return name.startswith(("tx=", "rx="))
+
+
+def _standard(values: Floats) -> Floats:
+    return np.asarray((values - values.mean()) / max(float(np.std(values)), 1e-12))

@@ -1,0 +1,30 @@
+"""What weighing sets of causes says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Set = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The names of most evidence, `others` (laws, faults of the set-up) beside them.
+
+    `nats` maps names to the evidence that each brings beside the rest; `rivals` to other names
+    that could stand in its place; `wider` to how many times less is known of what it does than if
+    the rest were known; `shifts_m` to what it does to every row [n], names and others alike.
+    `beside`: the effects that were in place, `view` the number of the rows.
+    """
+
+    names: Set = ()
+    others: Set = ()
+    nats: dict[str, float] = field(default_factory=dict)
+    rivals: dict[str, Set] = field(default_factory=dict)
+    wider: dict[str, float] = field(default_factory=dict)
+    shifts_m: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    beside: Set = ()
+    view: int = -1

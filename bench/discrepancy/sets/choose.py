@@ -1,0 +1,257 @@
+"""The set of causes that ranges speak for, and which names could stand in it for others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.sets.blocks import (
+    OF_RANGE,
+    Blocks,
+    deformed,
+    named_kinds,
+    of_laws,
+    of_library,
+    of_setup,
+)
+from bench.discrepancy.sets.choice import Choice, Set
+from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.settings import (
+    BEAM,
+    EXPLAINED_STRAYS,
+    FEWEST_ROWS,
+    LAW_NATS,
+    LAW_SIZE,
+    MOST_CAUSES,
+    MOST_LAWS,
+    NAME_NATS,
+    RANGE_LAW_NATS,
+    RIVAL_NATS,
+)
+from bench.discrepancy.settings import RESIDUAL_MEMBERS
+from bench.physics.effect import Effect
+
+Floats = NDArray[np.float64]
+
+
+def judged_by_sets(search: Search) -> frozenset[str]:
+    """Return the names that sets decide about: none where other things than ranges are compared."""
+    if search.work is None or len(search.work.rows) < FEWEST_ROWS:
+        return frozenset()
+    if RANGE not in search.work.recorded.names:
+        return frozenset()
+    return frozenset(named_kinds(search.kinds, search.work))
+
+
+def chosen(search: Search, beside: Added) -> Choice:
+    """Return the set of causes that the ranges of all working rows speak for.
+
+    `beside` are effects that are in place and no part of it.
+    """
+    rows = search.work
+    if rows is None:
+        return Choice()
+    ensemble = search.comparison.ensemble(rows, beside, RESIDUAL_MEMBERS)
+    if RANGE not in ensemble.names:
+        return Choice()
+    left = ensemble.residual_of(RANGE)
+    known = np.flatnonzero(np.isfinite(left))
+    library = _kept(of_library(search.kinds, rows), known)
+    laws = _kept(of_laws(search.kinds, rows) | of_setup(rows), known)
+    widest = dict.fromkeys(laws, LAW_SIZE)
+    evidence = Evidence(left[known], rows.links[known], library | laws, widest)
+    every = named_kinds(search.kinds, rows)
+    kinds = {name: every[name] for name in library}
+    contest = Contest(evidence, kinds, search.comparison.crowding(rows) ** 2, rows, known)
+    return replace(contest.settled(), beside=_names(beside), view=rows.number)
+
+
+def decided(search: Search, beside: Added) -> bool:
+    """Return whether the choice of a search is of its rows and these effects beside it."""
+    choice, rows = search.choice, search.work
+    return rows is not None and (choice.view, choice.beside) == (rows.number, _names(beside))
+
+
+def _names(beside: Added) -> Set:
+    """Return the effects that shift ranges: scatter changes nothing here."""
+    return tuple(effect.physics for effect in beside if not type(effect).independent)
+
+
+def _kept(blocks: Blocks, rows: NDArray[np.intp]) -> Blocks:
+    """Return the blocks of some rows, those that do anything there."""
+    made = {name: tuple(part[rows] for part in block) for name, block in blocks.items()}
+    return {name: block for name, block in made.items() if any(part.any() for part in block)}
+
+
+class Contest:
+    """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
+
+    `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
+    the evidence, `known` which of them it has.
+    """
+
+    def __init__(
+        self,
+        evidence: Evidence,
+        kinds: Mapping[str, type[Effect]],
+        crowding: float,
+        rows: View,
+        known: NDArray[np.intp],
+    ) -> None:
+        self.evidence, self.kinds, self.crowding = evidence, kinds, crowding
+        self.rows, self.known = rows, known
+        self.library = frozenset(kinds)
+        self._nats: dict[Set, float] = {}
+
+    def settled(self) -> Choice:
+        """Return the set that wins; a name that a deformation of the others can do for goes."""
+        best = self._beyond_deformed(self._calm())
+        names = tuple(one for one in best if one in self.library)
+        return Choice(
+            names,
+            tuple(one for one in best if one not in self.library),
+            {one: self.brings(best, one) for one in names},
+            {one: self.rivals(best, one) for one in names},
+            {one: self._wider(best, one) for one in names},
+            self._shifts(best),
+        )
+
+    def _calm(self) -> Set:
+        """Return the best set with weights of its own.
+
+        Links far off take no part, unless a set explains nearly all of them.
+        """
+        first = self._physical(self._able())
+        left = self._weigh(first)
+        if left > EXPLAINED_STRAYS * self._weigh(()):
+            first = ()
+        for _ in range(2):
+            self._weigh(first)
+            first = self._physical(self._able())
+        return first
+
+    def _weigh(self, causes: Set) -> int:
+        self._nats = {}
+        return self.evidence.reweigh(causes)
+
+    def _able(self) -> Set:
+        """Return every name, and the laws that do most."""
+        laws = [name for name in self.evidence.blocks if name not in self.library]
+        names = self.best(tuple(self.library))
+        alone = sorted(laws, key=lambda law: -self.nats((law,)))[:MOST_LAWS]
+        beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
+        return tuple(dict.fromkeys((*sorted(self.library), *alone, *beside)))
+
+    def _physical(self, able: Set) -> Set:
+        """Return the best set of which every name does only what physics allows."""
+        while True:
+            best = self.best(able)
+            wrong = [one for one in best if one in self.kinds and not self._possible(best, one)]
+            if not wrong:
+                return best
+            able = tuple(one for one in able if one not in wrong)
+
+    def _possible(self, causes: Set, name: str) -> bool:
+        return self.kinds[name].possible(self.rows.scene, self._shifts(causes)[name])
+
+    def _shifts(self, causes: Set) -> dict[str, Floats]:
+        """Return what every cause of a set does to the range of every row [n], in metres."""
+        made = self.evidence.of(causes)
+        return {one: _spread(self.evidence.response(made, one), self) for one in causes}
+
+    def nats(self, causes: Set) -> float:
+        """Return the log evidence of a set."""
+        key = tuple(sorted(causes))
+        if key not in self._nats:
+            self._nats[key] = self.evidence.of(key).nats / self.crowding
+        return self._nats[key]
+
+    def worth(self, causes: Set) -> float:
+        """Return the log evidence of a set less what its names must bring."""
+        return self.nats(causes) - sum(map(self._price, causes))
+
+    def _price(self, one: str) -> float:
+        if one in self.library:
+            return NAME_NATS
+        return RANGE_LAW_NATS if one == OF_RANGE else LAW_NATS
+
+    def brings(self, causes: Set, one: str) -> float:
+        """Return the evidence that one cause brings beside the others of a set."""
+        return self.nats(causes) - self.nats(_but(causes, one))
+
+    def best(self, able: Set) -> Set:
+        """Return the set of most worth: the best few sets of each size are followed."""
+        seen: list[Set] = [()]
+        beam: list[Set] = [()]
+        for _ in range(MOST_CAUSES):
+            grown = {
+                tuple(sorted((*one, more))) for one in beam for more in able if more not in one
+            }
+            if not grown:
+                break
+            beam = sorted(grown, key=lambda one: -self.worth(one))[:BEAM]
+            if self.worth(beam[0]) < max(map(self.worth, seen)) - NAME_NATS:
+                break
+            seen += beam
+        return max(seen, key=self.worth)
+
+    def rivals(self, causes: Set, name: str) -> Set:
+        """Return the names that could stand in the place of one."""
+        rest, least = _but(causes, name), self.worth(causes) - RIVAL_NATS
+        return tuple(
+            other
+            for other in sorted(self.library - set(causes))
+            if self.worth((*rest, other)) > least
+        )
+
+    def _beyond_deformed(self, causes: Set) -> Set:
+        """Return the set without names that a smooth deformation of the others does as well as.
+
+        Causes have other forms than the library's, and what these leave must not be a name.
+        """
+        while len(names := [one for one in causes if one in self.library]) and len(causes) > 1:
+            loudest = max(causes, key=lambda one: self.brings(causes, one))
+            gains = {one: self._beyond(causes, one) for one in names if one != loudest}
+            least = min(gains, key=lambda one: gains[one], default=None)
+            if least is None or gains[least] >= NAME_NATS:
+                break
+            causes = _but(causes, least)
+        return causes
+
+    def _beyond(self, causes: Set, name: str) -> float:
+        """Return the evidence that a name brings where the others may be deformed."""
+        rest = _but(causes, name)
+        bent = {
+            f"{one}, deformed": (deformed(shift, self.rows)[self.known],)
+            for one, shift in self._shifts(rest).items()
+        }
+        other = self.evidence.with_blocks(self.evidence.blocks | bent)
+        with_it, without_it = (other.of((*some, *bent)).nats for some in (causes, rest))
+        return (with_it - without_it) / self.crowding
+
+    def _wider(self, causes: Set, name: str) -> float:
+        """Return how much wider what a name does scatters where the others are not known."""
+        made = self.evidence.of(causes)
+        mine = np.isin(made.places, self.evidence.places[name])
+        columns = self.evidence.columns[:, made.places[mine]]
+        both = made.covariance[np.ix_(mine, mine)]
+        alone = np.linalg.inv(np.linalg.inv(made.covariance)[np.ix_(mine, mine)])
+        spread = [float(np.einsum("ij,jk,ik->", columns, one, columns)) for one in (both, alone)]
+        return float(np.sqrt(max(spread[0], 1e-30) / max(spread[1], 1e-30)))
+
+
+def _spread(values: Floats, contest: Contest) -> Floats:
+    """Return values of the rows that are known as values of all rows, 0 elsewhere."""
+    out = np.zeros(len(contest.rows.rows))
+    out[contest.known] = values
+    return out
+
+
+def _but(causes: Set, gone: str) -> Set:
+    return tuple(one for one in causes if one != gone)

@@ -1,0 +1,166 @@
+"""The evidence of a set of causes: how probable recorded ranges are if only these act.
+
+Every cause is a block of columns with normal factors, those of a part of one size; rows scatter,
+and links keep offsets that no cause explains. Sizes and scatter are those of most evidence (MacKay
+1992), so a cause pays for every freedom that it has. Rows far off weigh less (Student's t), links
+far off nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.sets.settings import (
+    EM_STEPS,
+    LEAST_VARIANCE_M2,
+    LEAST_WEIGHT,
+    NOTHING,
+    OFFSET_RATIOS,
+    REWEIGHINGS,
+    SIZE_BOUNDS,
+    SMALLEST_STEP_NATS,
+    STRAY_LINK_M,
+    STRAY_LINK_STD,
+    TAIL,
+)
+from bench.discrepancy.settings import MAD_TO_STD
+
+Floats = NDArray[np.float64]
+Parts = tuple[Floats, ...]
+Columns = Mapping[str, Parts]
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A set with its log evidence in nats, the factors [k] of its columns and their covariance.
+
+    `places` [k] are its columns; `variance_m2` that of rows, `ratio` that of link offsets to it.
+    """
+
+    causes: tuple[str, ...]
+    nats: float
+    places: NDArray[np.intp]
+    factors: Floats
+    covariance: Floats
+    variance_m2: float
+    ratio: float
+
+
+class Evidence:
+    """Residual ranges `left_m` [n] of rows of `links` [n], and parts [n, k] of causes by name.
+
+    `widest` maps causes to the largest variance of their factors, where it is not the usual.
+    """
+
+    def __init__(
+        self,
+        left_m: Floats,
+        links: NDArray[np.intp],
+        blocks: Columns,
+        widest: Mapping[str, float] | None = None,
+    ) -> None:
+        self.left_m, self.blocks = left_m, dict(blocks)
+        self.links = np.unique(links, return_inverse=True)[1]
+        parts = [part for block in self.blocks.values() for part in block]
+        self.columns = np.hstack([np.empty((len(left_m), 0)), *parts])
+        self.widths = {name: [p.shape[1] for p in block] for name, block in self.blocks.items()}
+        ends = np.cumsum([0, *(sum(width) for width in self.widths.values())])
+        pairs = zip(self.blocks, ends, ends[1:], strict=False)
+        self.places = {name: np.arange(a, b) for name, a, b in pairs}
+        self.widest = dict(widest or {})
+        self.weights = np.ones(len(left_m))
+        self.ratios: tuple[float, ...] = OFFSET_RATIOS
+        self._products: dict[float, tuple[Floats, float]] = {}
+
+    def with_blocks(self, blocks: Columns) -> Evidence:
+        """Return the evidence of other blocks, every row with the weight that it has here."""
+        made = Evidence(self.left_m, self.links, blocks, self.widest)
+        made.weights, made.ratios = self.weights, self.ratios
+        return made
+
+    def reweigh(self, causes: Sequence[str]) -> int:
+        """Give rows and links the weights that they have beside a set of causes.
+
+        Returns how many links take no part. Later only ratios near the best one are tried.
+        """
+        self.ratios, stray = OFFSET_RATIOS, 0
+        for _ in range(REWEIGHINGS):
+            best = self.of(causes)
+            place = OFFSET_RATIOS.index(best.ratio)
+            left = self.left_m - self.columns[:, best.places] @ best.factors
+            far = self._stray(left)
+            near, stray = ~far[self.links], int(far.sum())
+            left = left - self._offsets(left, best.ratio)[self.links]
+            z2 = left**2 / best.variance_m2
+            self.weights = np.where(near, (TAIL + 1) / (TAIL + z2), NOTHING)
+            self._products = {}
+        self.ratios = OFFSET_RATIOS[max(place - 1, 0) : place + 2]
+        return stray
+
+    def _stray(self, left_m: Floats) -> NDArray[np.bool_]:
+        """Return which links [L] are struck by something of their own."""
+        middle = np.array([np.median(left_m[self.links == i]) for i in range(self.links.max() + 1)])
+        middle -= np.median(middle)
+        scale = float(np.median(np.abs(middle))) * MAD_TO_STD
+        return np.asarray(np.abs(middle) > max(STRAY_LINK_M, STRAY_LINK_STD * scale))
+
+    def _offsets(self, left_m: Floats, ratio: float) -> Floats:
+        """Return the likeliest offset of every link [L]."""
+        weight = np.bincount(self.links, self.weights)
+        return np.bincount(self.links, self.weights * left_m) * ratio / (1 + ratio * weight)
+
+    def of(self, causes: Sequence[str]) -> Weighed:
+        """Return a set with its evidence, at the best of some ratios of link offsets."""
+        return max((self._at(tuple(causes), r) for r in self.ratios), key=lambda one: one.nats)
+
+    def response(self, made: Weighed, cause: str) -> Floats:
+        """Return what one cause of a set does to the range of every row [n], in metres."""
+        mine = np.isin(made.places, self.places[cause])
+        return np.asarray(self.columns[:, made.places[mine]] @ made.factors[mine])
+
+    def _product(self, ratio: float) -> tuple[Floats, float]:
+        """Return X' V^-1 X of all columns, the residual last, and log |V|, rows of variance 1."""
+        if ratio not in self._products:
+            every = np.column_stack([self.columns, self.left_m])
+            weighed = every * self.weights[:, None]
+            weight = np.bincount(self.links, self.weights)
+            sums = np.zeros((len(weight), every.shape[1]))
+            np.add.at(sums, self.links, weighed)
+            shrink = ratio / (1 + ratio * weight)
+            product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
+            log = float(np.log1p(ratio * weight).sum() - np.log(self.weights).sum())
+            self._products[ratio] = product, log
+        return self._products[ratio]
+
+    def _at(self, causes: tuple[str, ...], ratio: float) -> Weighed:
+        product, log = self._product(ratio)
+        places = np.concatenate([np.empty(0, np.intp), *(self.places[c] for c in causes)])
+        places = places.astype(np.intp)
+        widths = [(c, width) for c in causes for width in self.widths[c]]
+        owner = np.repeat(np.arange(len(widths)), [width for _, width in widths])
+        inner = product[np.ix_(places, places)]
+        right, square = product[places, -1], float(product[-1, -1])
+        count = max(float(np.count_nonzero(self.weights > LEAST_WEIGHT)), 2.0)
+        most = np.array([self.widest.get(c, SIZE_BOUNDS[1]) for c, _ in widths])
+        sizes, variance = np.ones(len(widths)), max(square / count, LEAST_VARIANCE_M2)
+        for _ in range(EM_STEPS if causes else 0):
+            covariance = np.linalg.inv(inner / variance + np.diag(1 / sizes[owner]))
+            factors = covariance @ right / variance
+            known = 1 - np.diag(covariance) / sizes[owner]
+            told = np.maximum(np.bincount(owner, known, len(widths)), 1e-3)
+            sizes = np.bincount(owner, factors**2, len(widths)) / told
+            sizes = np.clip(sizes, SIZE_BOUNDS[0], most)
+            left = square - 2 * factors @ right + factors @ inner @ factors
+            variance = max(float(left / max(count - told.sum(), 1.0)), LEAST_VARIANCE_M2)
+        precision = inner / variance + np.diag(1 / sizes[owner])
+        covariance = np.linalg.inv(precision)
+        factors = covariance @ right / variance
+        quadratic = (square - factors @ right) / variance
+        volume = float(np.linalg.slogdet(precision)[1] + np.log(sizes[owner]).sum())
+        nats = -0.5 * (count * np.log(2 * np.pi * variance) + log + volume + quadratic)
+        nats -= SMALLEST_STEP_NATS * len(causes)
+        return Weighed(causes, float(nats), places, factors, covariance, variance, ratio)

@@ -1,0 +1,116 @@
+"""The names of a chosen set as effects: each fitted beside the others, with a round of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
+from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
+from bench.discrepancy.fit.search import Objective, refine, screen
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import Contender, Explanation, regressed
+from bench.discrepancy.select.link_mixture import strike
+from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.stepwise import struck_round
+from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.shifted import Shifted
+from bench.discrepancy.settings import (
+    CURVE_FREEDOM_NATS,
+    FIT_MEMBERS,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+)
+from bench.errors import BenchError
+from bench.physics.effect import Effect
+
+
+def together(search: Search, beside: Added, choice: Choice) -> Added:
+    """Return the effects with those of the choice: each fitted to what the others leave.
+
+    What they do is known from the set, where all were fitted at once: one fitted after the other
+    would take of what they have in common.
+    """
+    made = []
+    for name in choice.names:
+        others = [shift for one, shift in choice.shifts_m.items() if one != name]
+        shift = np.sum([np.zeros(len(choice.shifts_m[name])), *others], axis=0)
+        alone = replace(search, comparison=Shifted(search.comparison, shift))
+        made.append(best_form(alone, beside, name))
+    return (*beside, *(effect for effect in made if effect))
+
+
+def best_form(search: Search, added: Added, name: str) -> Effect | None:
+    """Return the form of some physics that fits all working rows best, beside other effects.
+
+    A curve has to gain something for its freedom.
+    """
+    rows, comparison = search.sharpest, search.comparison
+    base = tally(comparison.ensemble(rows, added, FIT_MEMBERS))
+    curves = [e for e in latent_effects(comparison, rows, added) if e.physics == name]
+    forms = [*_of_library(search, added, name, base), *curves]
+    best, most = None, 0.0
+    for form in forms:
+        made = tally(comparison.ensemble(rows, (*added, form), FIT_MEMBERS))
+        worth = gain(base, made) - CURVE_FREEDOM_NATS * (form in curves)
+        if best is None or worth > most:
+            best, most = form, worth
+    return best
+
+
+def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Effect]:
+    kind = search.kinds.get(name)
+    if kind is None:
+        return []
+    try:
+        if fits_itself(kind):
+            found = with_values(search.comparison, search.sharpest, added, kind)
+            return [found] if found else []
+        objective = Objective(kind, search.comparison, search.sharpest, added, base)
+        return [refine(objective, screen(objective)).effect] if kind.fitted else []
+    except BenchError:
+        return []
+
+
+def struck_instead(search: Search, beside: Added, added: Added, turn: Round) -> Round | None:
+    """Return a round in which links were struck at random, where that says more than the names.
+
+    `turn` is the first round of the names.
+    """
+    if search.work is None or turn.explanation is None:
+        return None
+    found = strike(search.comparison, search.work, beside, added, search.kinds)
+    return struck_round(turn.located, turn.explanation, found) if found else None
+
+
+def rounds_of(
+    search: Search, beside: Added, added: Added, located: Located, choice: Choice
+) -> tuple[Round, ...]:
+    """Return one round for every effect of the choice, with those that could stand in its place."""
+    out = []
+    reference = tally(_scores(search, beside))
+    focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
+    nuisance = tally(regressed(search.comparison, search.fit, search.discover, beside, focus))
+    removable = gain_interval(reference, nuisance, search.seed)
+    for effect in added:
+        if effect.physics in choice.names:
+            rest = without(added, effect)
+            base = tally(_scores(search, rest))
+            others = (best_form(search, rest, one) for one in choice.rivals[effect.physics])
+            every = (effect, *(one for one in others if one))
+            made = tuple(_contender(search, rest, one, base) for one in every)
+            found = Explanation(made, reference, removable, nuisance, {}, {})
+            out.append(Round(located, found, effect))
+    return tuple(out)
+
+
+def _contender(search: Search, rest: Added, effect: Effect, base: Tally) -> Contender:
+    scored = tally(_scores(search, (*rest, effect)))
+    return Contender(effect, scored, gain_interval(base, scored, search.seed))
+
+
+def _scores(search: Search, added: Added) -> Ensemble:
+    return search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)

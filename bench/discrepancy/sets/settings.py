@@ -1,0 +1,41 @@
+"""Every number that decides about sets of causes: unit, reason, and in brackets its origin.
+
+Origins as in `bench.discrepancy.settings`; [sets] was set on blind cases of seed 83029.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+NAME_NATS: Final = 6.0  # of evidence, that a name in a set must bring: 400 to 1, as some twenty
+# names compete [sets]
+LAW_NATS: Final = 8.0  # the same for a law over a covariate, of which there are more [sets]
+RANGE_LAW_NATS: Final = 12.0  # of a law over the distance: two names, a constant and a scale, may
+# make one too [derived]
+SMALLEST_STEP_NATS: Final = 1.0  # for the size of a cause, which is fitted [source: Akaike 1974]
+RIVAL_NATS: Final = 2.0  # behind the best set, within which another is not excluded: 7 to 1 [sets]
+MOST_CAUSES: Final = 5  # in a set [cost]
+BEAM: Final = 5  # sets that are followed [cost]
+OFFSET_RATIOS: Final = (0.0, 0.05, 0.3, 1.0, 4.0)  # variance of link offsets over that of rows
+EM_STEPS: Final = 14  # of the sizes of causes [cost]
+SIZE_BOUNDS: Final = (1e-4, 100.0)  # of a cause's variance, of what is typical [convention]
+LAW_SIZE: Final = 1e5  # largest, of a law's variance: faults of the set-up are metres [convention]
+TAIL: Final = 4.0  # degrees of freedom of the Student t that residuals have [convention]
+REWEIGHINGS: Final = 3  # [cost]
+NOTHING: Final = 1e-6  # the weight of a row that takes no part [derived]
+LEAST_WEIGHT: Final = 1e-3  # of a row that takes part [convention]
+STRAY_LINK_M: Final = 0.25  # of offset from all others, from which on a link takes no part
+STRAY_LINK_STD: Final = 5.0  # and as many scales of the others' offsets
+LEAST_VARIANCE_M2: Final = 1e-8  # of rows: a tenth of a millimetre [derived]
+DEFORMED: Final = 0.3  # share of a response that a smooth deformation of it may be [convention]
+LAW_M: Final = 0.1  # typical size of a law, and of how far a device stands elsewhere [convention]
+LAW_SCALE: Final = 0.02  # typical error of one device's unit [convention]
+LEVELS: Final = 5  # different values, fewer of which are categories [convention]
+STANDS_M: Final = 0.05  # within which all positions of a device that stands still are
+FEWEST_ROWS: Final = 30  # below which sets are not told apart [convention]
+DEVICE_ROWS: Final = 7  # of a device, to ask whether it stands elsewhere [convention]
+SCATTER_NATS: Final = 0.02  # of gain, of scatter beside a set: it leaves less than single names
+LEFT_SHARE: Final = 0.15  # of what names gain, that their forms may leave [convention]
+MOST_LAWS: Final = 6  # that take part: that do most alone, and that do most beside names [cost]
+EXPLAINED_STRAYS: Final = 0.34  # of the links that are far off, that may stay so beside a law: else
+# they were struck one by one, and no law is made of them [convention]

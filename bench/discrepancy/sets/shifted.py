@@ -1,0 +1,42 @@
+"""A comparison whose simulator has some shifts of the ranges already, row by row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.observables import RANGE
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """Another comparison, every simulated range of its rows longer by `shift_m` [n].
+
+    Only for the view whose rows these are.
+    """
+
+    comparison: Comparison
+    shift_m: NDArray[np.float64]
+
+    def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
+        """Return recorded rows beside simulated versions, shifted."""
+        made = self.comparison.ensemble(view, added, members, first)
+        versions = made.versions.copy()
+        versions[1:, :, made.place(RANGE)] += self.shift_m
+        return replace(made, versions=versions)
+
+    def distinct(self, view: View) -> int:
+        """Return how many members there are that repeat nothing of each other."""
+        return self.comparison.distinct(view)
+
+    def paired(self, view: View) -> bool:
+        """Return whether every recorded row has simulated rows of its own."""
+        return self.comparison.paired(view)
+
+    def crowding(self, view: View) -> float:
+        """Return how much wider a mean scatters than permutations say."""
+        return self.comparison.crowding(view)

@@ -1,0 +1,107 @@
+"""Sets of causes: the true one has most evidence, and none is made of what another does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.fit.estimate import ParameterEstimate, widened
+from bench.discrepancy.select.candidates import library, offered
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.choose import chosen
+from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.install import together
+from bench.physics.effects.ranging.power_bias import PowerBias
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.scene import scene
+from tests.bench.discrepancy.numpy_tables import Hidden, constant, tables, walls, warmth
+
+
+def search_of(hidden: Hidden | None, seed: int) -> Search:
+    """Return a search over every row of two tables, ranges and levels alone."""
+    recorded, simulated = tables(seed, hidden)
+    frame, codes = recorded.frame, link_codes(recorded.frame)
+    rows = view(frame, codes, np.arange(len(frame)), Window(), None, False)
+    kinds, _ = offered(library()[0], frame, False, False)
+    return Search(TableComparison(simulated.frame, Window()), rows, rows, kinds, 0, work=rows)
+
+
+def both(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
+    """Return 0.12 m everywhere and 8 mm per metre: either passes for a part of the other."""
+    return constant(frame, rng) + 0.008 * frame["true_range_m"].to_numpy()
+
+
+def elsewhere(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
+    """Return a law of the distance that holds for one device alone: no delay of it."""
+    return 0.0012 * (frame["tx"] == "d1") * frame["true_range_m"].to_numpy() ** 2
+
+
+@pytest.mark.parametrize(
+    ("hidden", "names"),
+    [(None, ()), (warmth, ("temperature-drift",)), (both, ("antenna-delay", "range-scale"))],
+)
+def test_the_true_set_has_most_evidence(hidden: Hidden | None, names: tuple[str, ...]) -> None:
+    found = chosen(search_of(hidden, 3), ())
+    assert (found.names, found.others) == (names, ())
+
+
+def test_links_that_are_struck_make_no_law() -> None:
+    assert chosen(search_of(walls, 5), ()).names == ()
+
+
+def test_a_law_takes_the_name_from_what_stands_in_for_it() -> None:
+    found = chosen(search_of(elsewhere, 4), ())
+    assert found.names == ()
+    assert found.others == ("a law of tx=d1",)
+
+
+def test_effects_that_have_much_in_common_are_fitted_at_once() -> None:
+    search = search_of(both, 6)
+    found = chosen(search, ())
+    made = {effect.physics: effect for effect in together(search, (), found)}
+    scale = made["range-scale"]
+    assert isinstance(scale, RangeScale)
+    assert scale.scale == pytest.approx(0.008, abs=0.0012)
+    assert found.wider["range-scale"] > 1.2
+
+
+def test_a_cause_pays_for_freedom_that_it_does_not_use() -> None:
+    rng = np.random.default_rng(0)
+    line = rng.normal(size=(200, 1))
+    many = np.hstack([line, rng.normal(size=(200, 30))])
+    left = 0.2 * line[:, 0] + rng.normal(0, 0.1, 200)
+    evidence = Evidence(left, np.arange(200), {"line": (line,), "many": (many,)})
+    alone, free = evidence.of(("line",)).nats, evidence.of(("many",)).nats
+    assert alone > evidence.of(()).nats + 20
+    assert alone > free + 10
+
+
+def test_offsets_that_links_keep_are_no_cause_of_their_own() -> None:
+    rng = np.random.default_rng(1)
+    links = np.repeat(np.arange(20), 10)
+    of_link = rng.normal(size=20)
+    left = 0.1 * rng.normal(size=20)[links] + rng.normal(0, 0.02, 200)
+    evidence = Evidence(left, links, {"of links": (of_link[links][:, None],)})
+    assert evidence.of(("of links",)).nats < evidence.of(()).nats + 6
+
+
+def test_a_level_bias_is_long_where_signals_are_weak() -> None:
+    frame = pd.DataFrame({"true_range_m": np.ones(60), "rx_power_dbm": np.linspace(-95, -62, 60)})
+    rows, level = scene(frame), frame["rx_power_dbm"].to_numpy()
+    usual = -0.006 * (level + 77)
+    assert PowerBias.possible(rows, usual)
+    assert not PowerBias.possible(rows, -usual)
+    assert not PowerBias.possible(rows, usual + 0.5)
+
+
+def test_widened_intervals_stay_within_the_bounds_of_physics() -> None:
+    one = ParameterEstimate("scale", 0.0, -0.02, 0.03, "m/m")
+    (made,) = widened((one,), RangeScale(), 2.0)
+    assert (made.low, made.high) == (-0.04, 0.05)
+    assert Choice().names == ()
