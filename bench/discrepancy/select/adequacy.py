@@ -38,6 +38,7 @@ from bench.discrepancy.settings import (
     ADEQUACY_MOST,
     ADEQUACY_OFF_COVARIATE,
     ADEQUACY_TOUCHED,
+    LEAST_CRPS,
 )
 from bench.physics.effect import Effect
 
@@ -113,11 +114,11 @@ def brought(whole: Ensemble, rest: Ensemble, wanted: list[tuple[Cell, Floats | N
     if not able:
         return Adequacy(True)
     _, left, before = response_cells(whole, rest, np.stack([weight for _, weight in able], axis=1))
-    share = [
-        float(np.divide(*(each[i, whole.place(c.observable), KNOWN_MOMENTS.index(c.moment)]
-                          for each in (left, before))))
-        for i, (c, _) in enumerate(able)
-    ]  # fmt: skip
+    where = [
+        (i, whole.place(cell.observable), KNOWN_MOMENTS.index(cell.moment))
+        for i, (cell, _) in enumerate(able)
+    ]
+    share = [float(left[at] / max(before[at], LEAST_CRPS)) for at in where]
     if min(share) <= ADEQUACY_BROUGHT:
         return Adequacy(True)
     first = able[0][0]

@@ -141,6 +141,7 @@ def equal_share(cirs: pd.Series) -> float:
 
 
 def _some(cirs: pd.Series) -> list[NDArray[Any]]:
-    """Return some rows as arrays."""
+    """Return some rows as arrays, those that are numbers."""
     few = cirs.iloc[np.unique(np.linspace(0, len(cirs) - 1, EQUAL_ROWS).astype(int))]
-    return [np.asarray(row) for row in few]
+    each = [np.asarray(row) for row in few]
+    return [row for row in each if row.ndim == 1 and row.size and row.dtype.kind in "fciu"]
