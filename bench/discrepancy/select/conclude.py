@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
@@ -246,7 +247,10 @@ def _left_out(
 
 
 def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
-    """Return what is left where the effect must vanish (a wall delay where there is no wall)."""
+    """Return what is left where the effect must vanish (a wall delay where there is no wall).
+
+    Of a set of causes, beyond what is left everywhere: that is another cause.
+    """
     words = type(effect).control
     inert = effect.inert(Base().paths(search.discover.scene))
     if inert.sum() < CONTROL_ROWS or inert.all():
@@ -256,10 +260,22 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     if name not in ensemble.names:
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
+    residual = residual - _everywhere(search, others, effect, name, ~inert)
     quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
     loud = float(np.nanmean(np.abs(residual[~inert])))
     passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud
     return Control(words, bool(passed), int(inert.sum()), quiet)
+
+
+def _everywhere(
+    search: Search, others: Added, effect: Effect, name: str, acts: NDArray[np.bool_]
+) -> float:
+    """Return what an effect of a set leaves where it acts [n]; 0 for other effects."""
+    if effect.physics not in search.choice.names:
+        return 0.0
+    with_it = (*others, effect)
+    made = search.comparison.ensemble(search.discover, with_it, SEARCH_MEMBERS, SEARCH_FIRST)
+    return float(np.nanmedian(made.residual_of(name)[acts]))
 
 
 def separating(options: tuple[LeftOut, ...]) -> str:

@@ -17,10 +17,13 @@ from bench.discrepancy.data.columns import known_columns, numeric
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     DEVICE_ROWS,
+    FEWEST_ROWS,
     LAW_M,
     LAW_SCALE,
+    LEVEL_PASSES,
     LEVELS,
     STANDS_M,
+    USUAL_LEVEL_DB,
 )
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
@@ -116,6 +119,20 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
             shift[mine] = np.linalg.norm(there[mine] - really, axis=1) - true_m[mine]
         out[f"the places of {one} and {two}"] = (shift[:, None],)
     return out
+
+
+def usual_levels(rows: View) -> NDArray[np.bool_]:
+    """Return which rows [n] have a level as is usual at their distance; all without levels."""
+    level = numeric(rows.frame, "rx_power_dbm")
+    usual = np.isfinite(level) & (rows.scene.true_range_m > 0)
+    if usual.sum() < FEWEST_ROWS:
+        return np.ones(len(level), bool)
+    far = np.log10(np.maximum(rows.scene.true_range_m, STANDS_M))
+    for _ in range(LEVEL_PASSES):
+        line = np.polynomial.Polynomial.fit(far[usual], level[usual], 1)
+        near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < USUAL_LEVEL_DB
+        usual = near if near.sum() >= FEWEST_ROWS else usual
+    return np.asarray(usual)
 
 
 def deformed(response: Floats, rows: View) -> Floats:

@@ -19,6 +19,7 @@ from bench.discrepancy.sets.blocks import (
     of_laws,
     of_library,
     of_setup,
+    usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice, Set
 from bench.discrepancy.sets.evidence import Evidence
@@ -111,7 +112,7 @@ class Contest:
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
-        best = self._beyond_deformed(self._calm())
+        best = self._at_usual_levels(self._beyond_deformed(self._calm()))
         names = tuple(one for one in best if one in self.library)
         return Choice(
             names,
@@ -222,6 +223,19 @@ class Contest:
             if least is None or gains[least] >= NAME_NATS:
                 break
             causes = _but(causes, least)
+        return causes
+
+    def _at_usual_levels(self, causes: Set) -> Set:
+        """Return the set without an error of the level that is seen at unusual levels alone.
+
+        Where something stands in the way signals are weaker for their distance, and longer.
+        """
+        usual = usual_levels(self.rows)[self.known]
+        made = self.evidence.among(usual)
+        for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
+            some = (made.of(each).nats for each in (causes, _but(causes, one)))
+            if next(some) - next(some) < NAME_NATS * self.crowding:
+                causes = _but(causes, one)
         return causes
 
     def _beyond(self, causes: Set, name: str) -> float:

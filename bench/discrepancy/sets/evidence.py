@@ -82,6 +82,12 @@ class Evidence:
         made.weights, made.ratios = self.weights, self.ratios
         return made
 
+    def among(self, rows: NDArray[np.bool_]) -> Evidence:
+        """Return the evidence of some rows [n]: the others take no part."""
+        made = self.with_blocks(self.blocks)
+        made.weights = np.where(rows, self.weights, NOTHING)
+        return made
+
     def reweigh(self, causes: Sequence[str]) -> int:
         """Give rows and links the weights that they have beside a set of causes.
 

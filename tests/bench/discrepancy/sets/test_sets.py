@@ -13,6 +13,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate, widened
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.sets.blocks import usual_levels
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import chosen
 from bench.discrepancy.sets.evidence import Evidence
@@ -105,3 +106,24 @@ def test_widened_intervals_stay_within_the_bounds_of_physics() -> None:
     (made,) = widened((one,), RangeScale(), 2.0)
     assert (made.low, made.high) == (-0.04, 0.05)
     assert Choice().names == ()
+
+
+def test_levels_are_usual_beside_those_of_the_same_distance() -> None:
+    recorded, _ = tables(7)
+    frame = recorded.frame.assign(link_number=pd.factorize(recorded.frame["link"])[0])
+    behind = (frame["link_number"] < 6).to_numpy()
+    frame["rx_power_dbm"] -= 9.0 * behind
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    usual = usual_levels(rows)
+    assert not usual[behind].any()
+    assert usual[~behind].mean() > 0.97
+
+
+def test_rows_that_take_no_part_have_no_weight() -> None:
+    rng = np.random.default_rng(2)
+    line = rng.normal(size=(120, 1))
+    left = rng.normal(0, 0.1, 120) + np.where(np.arange(120) < 40, 0.5, 0.0) * line[:, 0]
+    evidence = Evidence(left, np.arange(120), {"line": (line,)})
+    some = evidence.among(np.arange(120) >= 40)
+    assert evidence.of(("line",)).nats > evidence.of(()).nats + 6
+    assert some.of(("line",)).nats < some.of(()).nats + 6
