@@ -15,6 +15,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from bench.errors import BenchError, foreign
 from bench.files import cache_dir, read_json, write_atomically
 from bench.plugin_source import places_of
@@ -139,8 +141,9 @@ def _threads() -> int:
 def _thread_settings() -> list[Any]:
     """Return all that torch chooses its number of threads by when it is imported."""
     said = {name: value for name, value in os.environ.items() if name.startswith(_THREAD_PREFIXES)}
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
-    return [sorted(said.items()), cores, os.cpu_count(), package_version("torch")]
+    me = psutil.Process()
+    ours = list(me.cpu_affinity()) if hasattr(me, "cpu_affinity") else []
+    return [sorted(said.items()), ours, psutil.cpu_count(), package_version("torch")]
 
 
 def keep(kind: str, question: Any, answer: Any) -> None:
