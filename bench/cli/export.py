@@ -101,6 +101,7 @@ def _choose(
 
 def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
     from bench.cli.console import print_json, say
+    from bench.export.agreement import at_most
 
     found = exported.agreement
     if as_json:
@@ -114,8 +115,8 @@ def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
         say(f"RAM for activations: {exported.arena_bytes} bytes")
     if found:
         same = f", {100 * found.equal:.2f} % equal bit by bit" if _integer(chosen) else ""
-        gap = f"at most {found.largest_m * 1e3:.2g} mm from ONNX Runtime"
-        say(f"{found.rows} held-out rows: {gap}{same}")
+        gap = at_most(found.largest_m)
+        say(f"{found.rows} held-out rows: {gap} from ONNX Runtime{same}")
     elif exported.arena_bytes is not None:
         from bench.export.report import NOT_CHECKED
 

@@ -31,6 +31,15 @@ def compare(found: Floats, expected: Floats) -> Agreement:
     return Agreement(len(gaps), float(np.mean(found == expected)), usual_m, float(gaps.max()))
 
 
+def at_most(gap_m: float) -> str:
+    """Return a gap in words, to the thousandth of a millimetre: less means nothing.
+
+    >>> at_most(7.5e-9), at_most(0.0), at_most(6.6e-6)
+    ('at most 0.001 mm', 'at most 0 mm', 'at most 0.0066 mm')
+    """
+    return f"at most {max(gap_m * 1e3, 1e-3 * (gap_m > 0)):.2g} mm"
+
+
 def check(agreement: Agreement, limit_m: float) -> None:
     """Raise BenchError where C is further from the runtime than is promised."""
     if not agreement.usual_m <= limit_m:

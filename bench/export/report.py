@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from bench.export.agreement import Agreement
+from bench.export.agreement import Agreement, at_most
 from bench.export.chosen import Chosen
 from bench.results import Interval
 from bench.runner.counting import Counted
@@ -108,8 +108,8 @@ def _agreement(figures: Figures) -> list[str]:
         return [f"| agreement with ONNX Runtime | {NOT_CHECKED} | – |"]
     how = f"measured on {found.rows} held-out rows, this machine"
     lines = [
-        f"| difference from ONNX Runtime, 99 % of rows | {found.usual_m * 1e3:.2g} mm | {how} |",
-        f"| the largest | {found.largest_m * 1e3:.2g} mm | {how} |",
+        f"| difference from ONNX Runtime, 99 % of rows | {at_most(found.usual_m)} | {how} |",
+        f"| the largest | {at_most(found.largest_m)} | {how} |",
     ]
     if figures.integer:
         lines.append(f"| rows equal to it bit by bit | {100 * found.equal:.2f} % | {how} |")

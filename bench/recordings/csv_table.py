@@ -21,12 +21,17 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
 
+IMPORT = "bench data import finds its delimiter and decimal mark"
 _AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
 
 
 def read_csv(path: Path) -> pd.DataFrame:
     """Return the table of a CSV, as it is. Raises BenchError where it is no CSV table."""
-    return with_lists(read_text_table(path), path)
+    try:
+        frame = read_text_table(path)
+    except BenchError as problem:
+        raise BenchError(f"{problem}; a log of another form: {IMPORT}") from problem
+    return with_lists(frame, path)
 
 
 def read_text_table(
