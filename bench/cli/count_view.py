@@ -57,9 +57,13 @@ def _lines(rows: Sequence[CountRow], board: Measured | None) -> Iterator[tuple[s
 
 
 def _narrow(line: tuple[str, ...]) -> tuple[str, ...]:
-    """Return a line for 80 columns: model and backend in one, ranges under their figures."""
-    device, model, backend, *rest = line
-    return device, f"{model}\n{backend}", *(cell.replace(" [", "\n[") for cell in rest)
+    """Return a line for 80 columns: model and backend in one, ranges under their figures.
+
+    Why something was not counted stands below the table.
+    """
+    device, model, backend, how, *rest = line
+    how = "not\ncounted" if how.startswith("- (") else how
+    return device, f"{model}\n{backend}", how, *(cell.replace(" [", "\n[") for cell in rest)
 
 
 def _cells(one: Counted) -> tuple[str, ...]:
