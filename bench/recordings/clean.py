@@ -120,7 +120,7 @@ def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask
     for column in [c for c in FLOAT_COLUMNS if c in columns]:
         columns[column], text[column] = _as_float(columns[column])
         if column in ("error_m", "range_m", "true_range_m") and columns[column].isna().all():
-            raise BenchError(f"{name}: column {column!r} holds no number; expected metres")
+            raise BenchError(f"{name}: column {column!r} holds no number{_first(frame[column])}")
     for column in [c for c in STRING_COLUMNS if c in columns]:
         columns[column] = _as_text(columns[column])
     if "los" in columns:
@@ -129,6 +129,13 @@ def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask
         columns["obstacles"] = _as_names(columns["obstacles"])
     _add_magnitude(columns)
     return pd.DataFrame(columns, copy=False), text
+
+
+def _first(column: pd.Series) -> str:
+    """Return what is expected of a length, beside the first cell that is not empty."""
+    cells = column.dropna()
+    shown = f" (the first: {str(cells.iloc[0])[:40]!r})" if len(cells) else ""
+    return f"{shown}; expected metres, without units or marks between thousands"
 
 
 def _as_float(column: pd.Series) -> tuple[pd.Series, Mask]:

@@ -16,7 +16,7 @@ from bench.recordings.logs.units import base_names, converter
 from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 from bench.recordings.twr import TIMESTAMPS
 
-NEGATED = "not"
+NEGATED, DATE = "not", "date"
 _OTHERS = (*STRING_COLUMNS, *CIR_COLUMNS, *TIMESTAMPS, "los", "obstacles", "channel")
 _BETWEEN = re.compile(r",(?=\s*\w+\s*=)")
 _TRUE = ("1", "1.0", "true", "yes", "los", "ja")
@@ -69,7 +69,7 @@ def _parse(text: str) -> Mapped:
     if not colon:
         return Mapped(column, rest, None, text)
     mapped = Mapped(column, source.strip(), unit.strip(), text)
-    if mapped.unit != NEGATED or column != "los":
+    if (mapped.unit, column) not in ((NEGATED, "los"), (DATE, "time_s")):
         converter(column, unit.strip(), mapped.where)
     return mapped
 
@@ -130,10 +130,25 @@ def _values(column: pd.Series, one: Mapped, decimal: str) -> pd.Series:
     """Return the values of one mapped column in the exchange format's unit."""
     if one.column in ("los", *_OTHERS):
         return _negated(column, one) if one.unit == NEGATED else column
+    if one.unit == DATE:
+        return _seconds(column, one)
     found = numbers(column, decimal)
     if one.unit is None or not pd.api.types.is_numeric_dtype(found):
         return found if one.unit is None else _keeping_text(found, one)
     return pd.Series(converter(one.column, one.unit, one.where)(_floats(found)), column.index)
+
+
+def _seconds(column: pd.Series, one: Mapped) -> pd.Series:
+    """Return dates as seconds since the first. Raises BenchError where one is in another form."""
+    text = column.astype("str").where(column.notna()).str.strip().str.replace(",", ".")
+    dates = pd.to_datetime(text, format="ISO8601", errors="coerce", utc=True)
+    strange = column[dates.isna() & column.notna()]
+    if len(strange):
+        raise BenchError(
+            f"{one.where}: {one.source!r} holds {strange.iloc[0]!r}; expected dates such as "
+            "2026-03-01 08:00:00.5"
+        )
+    return (dates - dates.min()).dt.total_seconds()
 
 
 def _keeping_text(column: pd.Series, one: Mapped) -> pd.Series:

@@ -20,6 +20,7 @@ TOLERANCE = 0.2  # how near a ratio must be to a unit's
 ABSURD_M = (1e-3, 1e6)  # medians outside are no range in any unit taken for metres
 SHORT_M = 0.1  # shorter than in sight by more: no physics of a wall
 MANY = 16  # numbers in a cell, which no other column of a log has
+ISO = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 NUMBER, LETTER = re.compile(r"-?[0-9]+(?:[.][0-9]+)?"), re.compile(r"[A-Za-z]{2}")
 RATIOS = {1000.0: "millimetres", 100.0: "centimetres", 3.2808: "feet"}
 
@@ -27,7 +28,7 @@ RATIOS = {1000.0: "millimetres", 100.0: "centimetres", 3.2808: "feet"}
 def suspicions(frame: pd.DataFrame) -> list[str]:
     """Return one line per thing that looks wrong in a table of the exchange format's columns."""
     found = [*_lengths(frame), *_sign(frame), *_exchanged(frame), *_first_path(frame)]
-    return [*found, *_unread_cir(frame), *_levels(frame), *_infinite(frame)]
+    return [*found, *_dates(frame), *_unread_cir(frame), *_levels(frame), *_infinite(frame)]
 
 
 def _numbers(frame: pd.DataFrame, column: str) -> Floats:
@@ -144,6 +145,13 @@ def _width(frame: pd.DataFrame) -> int:
     """Return the number of samples of a CIR, those of the accumulator without one."""
     lengths = cir_lengths(frame["cir"]) if "cir" in frame else np.zeros(1, np.int64)
     return int(lengths.max()) if lengths.any() else ACCUMULATOR_SAMPLES
+
+
+def _dates(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield times that are dates."""
+    cells = frame["time_s"].dropna() if "time_s" in frame else pd.Series(dtype=object)
+    if len(cells) and ISO.match(str(cells.iloc[0])):
+        yield f"time_s holds dates such as {cells.iloc[0]!s}: --map time=COLUMN:date"
 
 
 def _unread_cir(frame: pd.DataFrame) -> Iterator[str]:

@@ -264,6 +264,31 @@ def test_nothing_is_suspected_of_a_good_table() -> None:
     assert suspicions(pd.DataFrame(good)) == []
 
 
+DATES = """Zeit;Gemessen;Abstand;link
+2026-03-01 08:00:01,250;5,1;5,0;a
+2026-03-01T08:00:03;5,2;5,0;a
+;5,2;5,0;b
+"""
+
+
+def test_dates_become_seconds_since_the_first(tmp_path: Path) -> None:
+    log, maps = _put(tmp_path / "log.csv", DATES), "range=Gemessen:m,true_range=Abstand:m,time=Zeit"
+    frame = read_logs(log, LogOptions((f"{maps}:date",))).recordings.frame
+    np.testing.assert_allclose(frame["time_s"], [0.0, 1.75, np.nan])
+    with pytest.raises(BenchError, match="dates such as 2026-03-01 08:00:01,250: --map time=C"):
+        read_logs(log, LogOptions((maps,)))
+    log.write_text(DATES.replace("2026-03-01T", "1.3.2026 "))
+    with pytest.raises(BenchError, match=r"'Zeit' holds '1.3.2026 08:00:03'; expected dates such"):
+        read_logs(log, LogOptions((f"{maps}:date",)))
+
+
+def test_a_length_that_is_no_number_is_shown(tmp_path: Path) -> None:
+    text = "Gemessen;Abstand;link\n1.231,5;1.200,0;a\n1.232,5;1.200,0;a\n"
+    maps = ("range=Gemessen:mm,true_range=Abstand:mm",)
+    with pytest.raises(BenchError, match=r"\(the first: '1.231,5'\); expected metres, without"):
+        read_logs(_put(tmp_path / "log.csv", text), LogOptions(maps))
+
+
 def test_what_makes_most_rows_unusable_is_said_with_its_cause(tmp_path: Path) -> None:
     text = "range_m,true_range_m,cir,first_path_index,link\n5.1,5.0,1 2 3,47800,a\n"
     with pytest.raises(BenchError, match=r"first path outside the CIR.*10\.6 fixed point"):
