@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bench.errors import BenchError
@@ -107,6 +107,7 @@ def test_units(column: str, unit: str, given: float, expected: float) -> None:
 
 
 @given(st.floats(-1e6, 1e6))
+@settings(deadline=None)  # the first call reads the registry of units
 def test_millimetres_and_back(length: float) -> None:
     there = converter("range_m", "mm", "x")(np.array([length]))
     assert converter("range_m", "km", "x")(there / 1e3)[0] * 1e3 == pytest.approx(length)
