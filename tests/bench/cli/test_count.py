@@ -8,10 +8,12 @@ import pytest
 from click.testing import CliRunner
 from recordings_factory import make_recordings
 
+from bench.cli.count_view import print_rows
 from bench.cli.main import group, main
 from bench.errors import BenchError
 from bench.measure.counting import compile, emulate, find_compiler, load_core
 from bench.recordings import write_recordings
+from bench.runner.count_models import CountRow
 
 
 @pytest.fixture(scope="module")
@@ -127,3 +129,12 @@ def test_without_a_compiler_one_line_names_extra_and_package(monkeypatch, capsys
     said = _one_line(monkeypatch, capsys, *ASK)
     assert "uwb-bench[native]" in said
     assert "gcc-arm-none-eabi" in said
+
+
+def test_why_something_was_not_counted_stands_below_the_table(capsys):
+    row = CountRow("model", "c-int8", "part", None, "Model has no weights")
+    print_rows([row], None)
+    table, _, below = capsys.readouterr().out.partition("counted: instructions")
+    assert "not" in table
+    assert "no weights" not in table
+    assert "model on c-int8, part: not counted: Model has no weights" in below
