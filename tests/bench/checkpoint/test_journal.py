@@ -19,6 +19,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.method import Options, diagnose
 from bench.discrepancy.report.document import summary
 from bench.discrepancy.select import stepwise
+from bench.discrepancy.sets import turn
 from bench.physics.base import Base
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
@@ -62,8 +63,9 @@ def recorded() -> Recordings:
 @pytest.fixture(scope="module")
 def whole(recorded):
     """Return the diagnosis that was never stopped, as its JSON, and how many rounds it took."""
-    found = diagnose(recorded, BASE, QUICK, kinds=KINDS)
-    return json.dumps(summary(found)), len(found.selection.rounds)
+    said: list[str] = []
+    found = diagnose(recorded, BASE, QUICK, said.append, KINDS)
+    return json.dumps(summary(found)), sum(words.startswith("searching") for words in said)
 
 
 @pytest.fixture
@@ -83,6 +85,7 @@ def calls(monkeypatch) -> Counter[str]:
     for module, name in (
         (stepwise, "locate"),
         (stepwise, "explain"),
+        (turn, "chosen"),
         (method, "polished"),
         (stepwise, "pruned"),
     ):
@@ -113,11 +116,12 @@ def test_a_stopped_diagnosis_ends_in_the_same_bits_and_repeats_no_round(
     assert rounds >= 2
     with pytest.raises(KeyboardInterrupt):
         diagnose(recorded, BASE, QUICK, stopping_at(rounds), KINDS, Kept(tmp_path, "same"))
-    assert calls["locate"] >= calls["explain"] == rounds - 1
+    assert calls["locate"] >= calls["chosen"] == rounds - 1
     assert Kept(tmp_path, "same").finished == rounds - 1
     calls.clear()
     assert resumed(recorded, tmp_path) == text
     assert calls["locate"] == 1
+    assert calls["chosen"] <= 1
     assert calls["explain"] <= 1
     calls.clear()
     assert resumed(recorded, tmp_path) == text
@@ -141,7 +145,7 @@ def test_what_is_kept_of_another_input_or_damaged_is_not_used(recorded, whole, c
     calls.clear()
     assert Kept(tmp_path, "same").finished == 0
     assert resumed(recorded, tmp_path) == whole[0]
-    assert calls["explain"] >= 1
+    assert calls["chosen"] >= 1
     assert calls["locate"] == whole[1]
     Kept(tmp_path, "same").clear()
     assert not (tmp_path / FOLDER).exists()
