@@ -31,7 +31,7 @@ def condensed(one: Ranked, results: Results) -> Ranked:
 
 def _cheapest(entries: Sequence[Entry], ranking: Ranking | None) -> str:
     """Return the name of a model's fastest entry (smallest file) among those tied with its best."""
-    letters = {one.name: set(one.letters) for one in ranking.models} if ranking else {}
+    letters = {one.name: set(one.groups) for one in ranking.models} if ranking else {}
     best = letters.get(entries[0].name)
     tied = [e for e in entries if best is None or best & letters.get(e.name, set())]
     return min(tied or entries[:1], key=_cost).name

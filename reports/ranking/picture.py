@@ -49,23 +49,12 @@ def _panel(axes: Axes, ranking: Ranking) -> None:
     axes.grid(axis="x", alpha=0.3)
     beside = axes.get_yaxis_transform()
     for number, letter in enumerate(_letters(ranking)):
-        members = [row for row, one in enumerate(models) if letter in _split(one.letters)]
+        members = [row for row, one in enumerate(models) if letter in one.groups]
         place = 1.02 + 0.03 * number
         ends = [min(members) - 0.3, max(members) + 0.3]
         axes.plot([place, place], ends, transform=beside, clip_on=False, color="C0", lw=3)
 
 
 def _letters(ranking: Ranking) -> list[str]:
-    found = {letter for one in ranking.models for letter in _split(one.letters)}
+    found = {letter for one in ranking.models for letter in one.groups}
     return sorted(found, key=lambda letter: (letter[1:].zfill(3), letter[0]))
-
-
-def _split(letters: str) -> list[str]:
-    """Return "ab1c" as a, b1, c."""
-    parts: list[str] = []
-    for character in letters:
-        if character.isdigit():
-            parts[-1] += character
-        else:
-            parts.append(character)
-    return parts

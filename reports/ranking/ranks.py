@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,6 +25,11 @@ class Ranked:
     best_rank: int
     worst_rank: int
     letters: str
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """The tie groups one by one: "ab1c" is a, b1 and c."""
+        return tuple(re.findall(r"[a-z]\d*", self.letters))
 
     @property
     def ranks(self) -> str:

@@ -8,6 +8,7 @@ import pytest
 from reports.ranking import Paired, rank, separate
 from reports.ranking.across import across
 from reports.ranking.paired import by_link, difference_m
+from reports.ranking.ranks import Ranked
 
 
 def board(rng, models, links, gaps_m=0.0, spread_m=0.02):
@@ -137,3 +138,9 @@ def test_over_data_sets_that_contradict_each_other_nothing_is_sure() -> None:
     found = across({"a": board(rng, 2, 40, up), "b": board(rng, 2, 40, down)})
     assert all(0.2 < one.best < 0.8 for one in found)
     assert all(one.ranks == (1, 2) for one in found)
+
+
+def test_groups_beyond_the_alphabet_are_told_from_each_other() -> None:
+    assert Ranked("gp", 0.1, 1, 2, "ab1c").groups == ("a", "b1", "c")
+    first, other = Ranked("gp", 0.1, 1, 2, "a1"), Ranked("q", 0.2, 3, 4, "l1")
+    assert not set(first.groups) & set(other.groups)
