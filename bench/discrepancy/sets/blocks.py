@@ -22,6 +22,7 @@ from bench.discrepancy.sets.settings import (
     LAW_SCALE,
     LEVEL_PASSES,
     LEVELS,
+    MOST_DEVICES,
     STANDS_M,
     USUAL_LEVEL_DB,
 )
@@ -75,8 +76,9 @@ def _of_devices(rows: View) -> Blocks:
     if known is None:
         return {}
     law = LAW_M * spread_over(known)
-    groups = rows.covariates.groups.items()
-    return {f"a law of {n}": (law * mask[:, None],) for n, mask in groups if _of_device(n)}
+    devices = {n: mask for n, mask in rows.covariates.groups.items() if _of_device(n)}
+    often = sorted(devices, key=lambda n: -int(devices[n].sum()))[: 2 * MOST_DEVICES]
+    return {f"a law of {n}": (law * devices[n][:, None],) for n in often}
 
 
 def _own_columns(kinds: Collection[type[Effect]], known: Collection[str]) -> set[str]:
@@ -105,7 +107,8 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
     line = (here - there) / np.maximum(true_m, 1e-3)[:, None]
     out: Blocks = {}
     stands: dict[str, Floats] = {}
-    for name in np.unique(names):
+    often, counts = np.unique(names, return_counts=True)
+    for name in often[np.argsort(-counts, kind="stable")][:MOST_DEVICES]:
         mine = names == name
         if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > STANDS_M:
             continue

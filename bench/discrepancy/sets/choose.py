@@ -70,7 +70,7 @@ def chosen(search: Search, beside: Added) -> Choice:
     every = named_kinds(search.kinds, rows)
     kinds = {name: every[name] for name in library}
     contest = Contest(evidence, kinds, search.comparison.crowding(rows) ** 2, rows, known)
-    return replace(contest.settled(), beside=_names(beside), view=rows.number)
+    return replace(contest.settled(), beside=_names(beside))
 
 
 def decided(search: Search, beside: Added) -> bool:

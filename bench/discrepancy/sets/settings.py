@@ -30,6 +30,7 @@ LEAST_VARIANCE_M2: Final = 1e-8  # of rows: a tenth of a millimetre [derived]
 DEFORMED: Final = 0.3  # share of a response that a smooth deformation of it may be [convention]
 LAW_M: Final = 0.1  # typical size of a law, and of how far a device stands elsewhere [convention]
 LAW_SCALE: Final = 0.02  # typical error of one device's unit [convention]
+MOST_DEVICES: Final = 12  # at either end, those of most rows, whose faults take part [cost]
 LEVELS: Final = 5  # different values, fewer of which are categories [convention]
 USUAL_LEVEL_DB: Final = 4.0  # off what is usual at a distance: half of what an obstacle takes
 LEVEL_PASSES: Final = 4  # [cost]

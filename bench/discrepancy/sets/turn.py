@@ -32,7 +32,8 @@ def agreed(state: State, located: Located, journal: Journal) -> tuple[State, boo
     search = state.search
     search.progress("weighing sets of causes")
     found = state.guard.safely("sets of causes", journal.kept(chosen), Choice())(search, beside)
-    state = replace(state, search=replace(search, choice=found))
+    number = search.work.number if search.work else -1  # of this process: not to be kept
+    state = replace(state, search=replace(search, choice=replace(found, view=number)))
     if set(found.names) == {effect.physics for effect in state.added} & names:
         return state, False
     return _installed(state, beside, located, journal)
