@@ -75,8 +75,9 @@ def command(
 
     The simulator is run again at each recorded row's own geometry and settings (or its table is
     compared); differences are located, every known effect is fitted on some links and scored on
-    others, and a new simulator is written. Lengths in metres, delays in ns, levels in dB. With
-    -o, a diagnosis that was stopped goes on where it was when the same command is run again.
+    others, and what is found is written down: as a new simulator, or as effects with their values
+    where a table was compared. Lengths in metres, delays in ns, levels in dB. With -o, a diagnosis
+    that was stopped goes on where it was when the same command is run again.
     """
     from bench.cli.status_view import StatusView
     from bench.discrepancy.report.document import summary

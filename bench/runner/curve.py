@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEVEL = 0.95
+FEWEST_DRAWS = 3  # for an interval
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class CurvePoint:
     """The mean absolute error in metres left after so many links, over `draws` draws.
 
     Intervals are Student's t over the draws' logarithms (draws share links: somewhat short);
-    None with a single draw. `raw_*` is without mitigation on the same rows.
+    None below three draws. `raw_*` is without mitigation on the same rows.
     """
 
     model: str
@@ -85,14 +86,15 @@ def _over_draws(
 
 
 def over_draws(values: NDArray[np.float64]) -> Interval:
-    """Return the mean with Student's 95 % interval of logarithms; without one for one value.
+    """Return the mean with Student's 95 % interval of logarithms; without one below three values.
 
+    Two values' interval is 13 times as wide as they are apart: it says nothing.
     Errors are positive and spread by factors: on their logarithms no interval reaches below zero.
     """
     from scipy.stats import t
 
     mean, count = float(values.mean()), len(values)
-    if count < 2:
+    if count < FEWEST_DRAWS:
         return Interval(mean)
     logs = np.log(np.maximum(values, 1e-9))
     half = float(t.ppf((1 + LEVEL) / 2, count - 1) * logs.std(ddof=1) / count**0.5)

@@ -29,16 +29,17 @@ def is_quick(sums: Array, ratios: Array, shift: int) -> bool:
 def fixed(ratios: Sequence[float]) -> tuple[list[int], int]:
     """Return whole numbers and a shift: ratio = whole / 2^shift, the largest below 2^31.
 
-    Raises ValueError for ratios that are not positive, or that no shift of 2 to 62 suits.
+    Below 2^-32 a shift of 62 stays: of a sum of 32 bits such a ratio leaves nothing anyway. Raises
+    ValueError for ratios that are not positive, or too large for a shift of 2.
     """
     largest = max(ratios)
     if min(ratios) <= 0 or not math.isfinite(largest):
         raise ValueError(f"scales in the ratio {min(ratios):g}: expected positive numbers")
-    shift = BITS - math.frexp(largest)[1]
+    shift = min(BITS - math.frexp(largest)[1], 62)
     whole = [round(ratio * 2.0**shift) for ratio in ratios]
     if max(whole) >= 1 << BITS:
         shift -= 1
         whole = [round(ratio * 2.0**shift) for ratio in ratios]
-    if not 2 <= shift <= 62:
+    if shift < 2:
         raise ValueError(f"scales in the ratio {largest:g} are out of the range of integers")
     return whole, shift

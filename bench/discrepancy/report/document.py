@@ -118,7 +118,7 @@ def _base_line(diagnosis: Diagnosis) -> str:
     return (
         f"Levels are those of channel {base.channel}, {base.prf_mhz} MHz pulse repetition and "
         f"{base.tx_power_dbm:g} dBm radiated (from the recordings where they have the columns "
-        "channel, prf_mhz and tx_power_dbm, else the simulator's)."
+        "channel, prf_mhz and tx_power_dbm, else the simulator's, or the defaults beside a table)."
     )
 
 

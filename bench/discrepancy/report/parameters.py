@@ -20,7 +20,7 @@ def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
         values = list(group)
         long = len(values) > SHOWN_VALUES + 1
         first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
-        out += [f"  - {one} (90 %)" for one in first]
+        out += [f"  - {one}{' (90 %)' if one.determined else ''}" for one in first]
         out += [f"  - {_rest(name, values, first)}"] if long else []
     return out
 

@@ -149,13 +149,13 @@ def test_what_was_trained_on_is_part_of_the_key() -> None:
 
 
 def test_a_learning_curve_has_a_point_per_number_of_links(tmp_path: Path) -> None:
-    done = bench.run(**ASK, data=A, links="1,6", draws=2, out=tmp_path)
+    done = bench.run(**ASK, data=A, links="1,6", draws=3, out=tmp_path)
     few, many = done.curve
-    assert (few.links, many.links, many.draws) == (1, 6, 2)
+    assert (few.links, many.links, many.draws) == (1, 6, 3)
     assert few.raw_nlos_mae_m == many.raw_nlos_mae_m
     assert many.nlos_mae_m is not None
     by_draw = []
-    for fold in Roles("a", links=6, draws=2).split(combine({"a": A}, "a")).folds:
+    for fold in Roles("a", links=6, draws=3).split(combine({"a": A}, "a")).folds:
         errors = A.errors_m().astype(np.float32)
         left = np.abs(errors[fold.test_nlos] - np.median(errors[fold.train]))
         by_draw.append(left.mean())
@@ -170,6 +170,7 @@ def test_intervals_over_draws_hold_the_mean_as_often_as_they_say() -> None:
     held = [one.low <= true <= one.high for one in map(over_draws, means)]
     assert np.mean(held) == pytest.approx(0.95, abs=0.015)
     assert over_draws(np.array([0.2])).low is None
+    assert over_draws(np.array([0.2, 0.3])).low is None
 
 
 def test_fine_tuning_goes_on_from_the_pretrained_weights(tmp_path: Path) -> None:
