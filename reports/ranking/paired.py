@@ -6,6 +6,7 @@ the same links, which makes differences between models far better known than the
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -79,19 +80,21 @@ def difference_m(paired: Paired, first: str, second: str, seed: int = 0) -> Inte
     Bias-corrected and accelerated bootstrap over links (Efron, JASA 82, 1987); no interval with
     fewer than two links or where the two never differ. With ten links or fewer it is too short.
     """
-    from scipy.stats import bootstrap
+    from scipy.stats import DegenerateDataWarning, bootstrap
 
     two = paired.only([first, second])
     gaps, value = two.gaps_m[0], float(two.mae_m[0] - two.mae_m[1])
     if two.links < 2 or not np.any(gaps):
         return Interval(value)
-    found = bootstrap(
-        (gaps, two.rows),
-        lambda gap, rows, axis: gap.sum(axis=axis) / rows.sum(axis=axis),
-        n_resamples=RESAMPLES,
-        paired=True,
-        vectorized=True,
-        rng=np.random.default_rng(seed),
-    )
+    with np.errstate(invalid="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DegenerateDataWarning)  # no interval says so too
+        found = bootstrap(
+            (gaps, two.rows),
+            lambda gap, rows, axis: gap.sum(axis=axis) / rows.sum(axis=axis),
+            n_resamples=RESAMPLES,
+            paired=True,
+            vectorized=True,
+            rng=np.random.default_rng(seed),
+        )
     low, high = map(float, found.confidence_interval)
     return Interval(value, low, high) if np.isfinite([low, high]).all() else Interval(value)
