@@ -64,6 +64,7 @@ class ConstantByLevel(BlockModel):
     floor: ClassVar[bool] = True
     bits_depend_on_threads: ClassVar[bool] = False
     reads: ClassVar[tuple[str, ...]] = ("levels",)
+    needs_columns: ClassVar[tuple[str, ...]] = ("rx_power_dbm",)
     module_: StepModule
 
     def __init__(self, pieces: int = 5) -> None:

@@ -43,10 +43,18 @@ def missing(material: Material, model: type[MitigationModel]) -> str | None:
     """Return why the recordings cannot feed a model, or None."""
     needed = set(_reads(model)) - set(getattr(model, "does_without", ()))
     absent = [name for name in blocks_of(needed) if not _known(material, name)]
-    if not absent:
+    unknown = [_described(name) for name in absent] or _unknown(material, model)
+    if not unknown:
         return None
-    what = " and ".join(_described(name) for name in absent)
+    what = " and ".join(unknown)
     return f"{material.name} has no {what}, which {model.__name__} reads"
+
+
+def _unknown(material: Material, model: type[MitigationModel]) -> list[str]:
+    """Return which columns no row knows of those that a model cannot do without."""
+    columns: tuple[str, ...] = getattr(model, "needs_columns", ())
+    frame = material.recordings.frame
+    return [name for name in columns if not np.isfinite(_column(frame, name)).any()]
 
 
 def _reads(model: type[MitigationModel]) -> tuple[str, ...]:

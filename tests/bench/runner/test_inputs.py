@@ -64,6 +64,15 @@ def test_a_model_that_lacks_what_it_reads_says_what() -> None:
         assert missing(bare, model) is None
 
 
+def test_a_column_that_a_model_cannot_do_without_is_named() -> None:
+    recordings = table(levels=False)
+    recordings.frame["preamble_count"] = 100
+    material = load_material(recordings, "link-kfold:3")
+    assert missing(material, GradientBoosting) is None
+    said = "made up has no rx_power_dbm, which ConstantByLevel reads"
+    assert missing(material, ConstantByLevel) == said
+
+
 @pytest.mark.slow
 def test_a_table_without_a_cir_runs_every_model_that_needs_none(
     quick: None, tmp_path: Path
