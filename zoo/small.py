@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Self
 
-import numpy as np
 from numpy.typing import ArrayLike
 from torch import nn
 
-from zoo.base import Floats, Progress, TrainingRecipe
+from zoo.base import Progress, TrainingRecipe
 from zoo.module_model import NeuralModel
 from zoo.modules.preparation import Crop, Preparation
 from zoo.modules.scaling import GlobalScale
 from zoo.modules.small import Shape, SmallNetwork
 from zoo.remnet import REMnet
+from zoo.training.teacher import taught
 
 
 class SmallCNN(NeuralModel):
@@ -27,6 +27,7 @@ class SmallCNN(NeuralModel):
     rows, says (Hinton, Vinyals and Dean 2015): a teacher's answers are free of the rows' noise.
     Sizes as in `zoo.modules.small.Shape`.
 
+    >>> import numpy as np
     >>> rng = np.random.default_rng(0)
     >>> X, y = rng.rayleigh(100, (40, 16)), rng.normal(0.1, 0.1, 40)
     >>> SmallCNN(samples=16, epochs=1, distilled=False).fit(X, y).predict(X[:3]).shape
@@ -94,12 +95,6 @@ class SmallCNN(NeuralModel):
 
     def _network(self, preparation: Preparation) -> nn.Module:
         return SmallNetwork(self.shape(), dropout=self.dropout, seed=self.random_state)
-
-
-def taught(errors_m: ArrayLike, said_m: ArrayLike) -> Floats:
-    """Return what a taught network learns [n]: halfway between the error and the teacher's word."""
-    halfway: Floats = (0.5 * (np.asarray(errors_m) + np.asarray(said_m))).astype(np.float32)
-    return halfway
 
 
 def _half(progress: Progress | None, start: float) -> Progress | None:

@@ -126,7 +126,7 @@ def _counted(shared: Rows, asked: Counting, model: NeuralModel) -> dict[str, Any
 def trained(shared: Rows, candidate: Candidate | None, epochs: int, seed: int) -> NeuralModel:
     """Return a candidate's network trained for some epochs; 0 leaves it as it starts."""
     from zoo import REMnet, SmallCNN
-    from zoo.small import taught
+    from zoo.training.teacher import taught
 
     if candidate is None:
         model: NeuralModel = REMnet(random_state=seed, **({} if epochs else {"epochs": 1}))

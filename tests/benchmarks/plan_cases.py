@@ -149,7 +149,6 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     second = bench.diagnose(every, simulated(both, case, rng))
     made["second"] = names(second)
     made["resolved"] = shrunk(made["first"], made["second"], case.truth)
-    made["nothing_else"] = made["second"] == [[case.truth]]
     return made | {"planned": len(new["link"].unique()), "plan": described(plan)}
 
 

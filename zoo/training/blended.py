@@ -16,6 +16,7 @@ from zoo.training.bagged import Bagging, link_bags, train_bagged
 from zoo.training.eager import FloatArray, Progress, report, train
 from zoo.training.recipe import TrainingLog, TrainingRecipe
 from zoo.training.stopping import link_numbers
+from zoo.training.teacher import taught
 
 _BLOCK_ROWS = 4096
 _SHARES = np.linspace(0.0, 1.0, 21)
@@ -41,8 +42,8 @@ def train_blended(
     """
     started, links = time.perf_counter(), link_numbers(groups, len(y))
     share = _share(network, X, y, recipe, bagging, links, progress)
-    taught = y if said_m is None else (0.5 * (y + said_m)).astype(np.float32)
-    log = _train_both(network, X, y, taught, recipe, bagging, links, progress)
+    lesson = y if said_m is None else taught(y, said_m)
+    log = _train_both(network, X, y, lesson, recipe, bagging, links, progress)
     network.blend(share)
     network.eval()
     report(progress, 1.0)
@@ -53,7 +54,7 @@ def _train_both(
     network: BlendedNetwork,
     X: FloatArray,
     y: FloatArray,
-    taught: FloatArray,
+    lesson: FloatArray,
     recipe: TrainingRecipe,
     bagging: Bagging,
     links: NDArray[np.int64],
@@ -62,7 +63,7 @@ def _train_both(
     steady = replace(recipe, decay=False)  # how many steps there will be is not known
     train_bagged(network.perceptrons, X[:, network.bins :], y, steady, bagging, groups=links)
     half = None if progress is None else lambda done: progress(0.5 + 0.5 * done)
-    return train(network.trunk, X[:, : network.bins], taught, recipe, progress=half)
+    return train(network.trunk, X[:, : network.bins], lesson, recipe, progress=half)
 
 
 def _share(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     DEVICE_ROWS,
@@ -23,7 +24,6 @@ from bench.discrepancy.sets.settings import (
     LEVEL_PASSES,
     LEVELS,
     MOST_DEVICES,
-    STANDS_M,
     USUAL_LEVEL_DB,
 )
 from bench.physics.effect import Effect
@@ -110,7 +110,7 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
     often, counts = np.unique(names, return_counts=True)
     for name in often[np.argsort(-counts, kind="stable")][:MOST_DEVICES]:
         mine = names == name
-        if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > STANDS_M:
+        if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > LAW_SAME_PLACE_M:
             continue
         stands[str(name)] = here[mine][0]
         out[f"the position of {name}"] = (LAW_M * line * mine[:, None],)
@@ -130,7 +130,7 @@ def usual_levels(rows: View) -> NDArray[np.bool_]:
     usual = np.isfinite(level) & (rows.scene.true_range_m > 0)
     if usual.sum() < FEWEST_ROWS:
         return np.ones(len(level), bool)
-    far = np.log10(np.maximum(rows.scene.true_range_m, STANDS_M))
+    far = np.log10(np.maximum(rows.scene.true_range_m, LAW_SAME_PLACE_M))
     for _ in range(LEVEL_PASSES):
         line = np.polynomial.Polynomial.fit(far[usual], level[usual], 1)
         near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < USUAL_LEVEL_DB

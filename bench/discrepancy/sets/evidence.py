@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.settings import (
     EM_STEPS,
     LEAST_VARIANCE_M2,
@@ -25,7 +26,6 @@ from bench.discrepancy.sets.settings import (
     SMALLEST_STEP_NATS,
     STRAY_LINK_M,
     STRAY_LINK_STD,
-    TAIL,
 )
 from bench.discrepancy.settings import MAD_TO_STD
 
@@ -102,7 +102,7 @@ class Evidence:
             near, stray = ~far[self.links], int(far.sum())
             left = left - self._offsets(left, best.ratio)[self.links]
             z2 = left**2 / best.variance_m2
-            self.weights = np.where(near, (TAIL + 1) / (TAIL + z2), NOTHING)
+            self.weights = np.where(near, (LAW_TAIL + 1) / (LAW_TAIL + z2), NOTHING)
             self._products = {}
         self.ratios = OFFSET_RATIOS[max(place - 1, 0) : place + 2]
         return stray
