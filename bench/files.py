@@ -12,6 +12,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from secrets import token_hex
 from typing import Any
@@ -131,6 +132,28 @@ def _remove_unlocked(path: Path) -> None:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             path.unlink()
         finally:
+            os.close(descriptor)
+
+
+@contextmanager
+def in_turn(target: Path) -> Iterator[None]:
+    """Wait until no other process is in such a block for the same file, then hold it.
+
+    Where the folder cannot be written, or nothing can be locked, nobody waits.
+    """
+    own = sha256(target.name.encode()).hexdigest()[:12]
+    turn = target.with_name(f".{target.name[:40]}.{own}.part")
+    descriptor = None
+    with suppress(OSError):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(turn, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        if fcntl is not None:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+    try:
+        yield
+    finally:
+        if descriptor is not None:
+            turn.unlink(missing_ok=True)
             os.close(descriptor)
 
 

@@ -129,6 +129,12 @@ def find(group: Group, name: str) -> Plugin:
     return known[name]
 
 
+def named(group: Group, kind: type) -> Plugin | None:
+    """Return the plug-in that registers this class, None where none does."""
+    target = f"{kind.__module__}:{kind.__qualname__}"
+    return next((plugin for plugin in plugins(group) if plugin.target == target), None)
+
+
 def load(group: Group, name: str) -> Any:
     """Return the object registered under `name`. Raises BenchError where it cannot be had."""
     return find(group, name).load()

@@ -86,6 +86,14 @@ class MitigationModel(RegressorMixin, BaseEstimator, ABC):
         """Return how the module is trained by gradient descent, or None where it is not."""
         return None
 
+    def teacher(self) -> MitigationModel | None:
+        """Return the unfitted model that teaches this one, None where nothing does.
+
+        Whoever fits it on the same rows, of what it `reads`, or has it fitted, gives what it
+        predicts for them to `fit` as `said_m` [n] in metres; else `fit` fits one of its own.
+        """
+        return None
+
     def cache_key(self) -> str:
         """Return text that changes with whatever else decides a fit or a prediction.
 

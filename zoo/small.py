@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Self
 
 from numpy.typing import ArrayLike
@@ -13,7 +14,9 @@ from zoo.modules.preparation import Crop, Preparation
 from zoo.modules.scaling import GlobalScale
 from zoo.modules.small import Shape, SmallNetwork
 from zoo.remnet import REMnet
-from zoo.training.teacher import taught
+from zoo.training import by_hand
+from zoo.training.recipe import TrainingLog
+from zoo.training.teacher import half, taught, word_of
 
 
 class SmallCNN(NeuralModel):
@@ -70,16 +73,23 @@ class SmallCNN(NeuralModel):
         y: ArrayLike,
         progress: Progress | None = None,
         groups: ArrayLike | None = None,
+        said_m: ArrayLike | None = None,
     ) -> Self:
         """Train on CIRs [n, width] and errors [n] in metres; the teacher first, if there is one.
 
+        `said_m` [n]: what `teacher()`, fitted on these rows, says of them, where that is known.
         Raises ValueError for rows that are too narrow, NaN or infinite, or do not match `y`.
         """
-        if not self.distilled:
+        if (teacher := self.teacher()) is None:
             return super().fit(X, y, progress=progress, groups=groups)
-        teacher = REMnet(cir_samples=self.samples, random_state=self.random_state)
-        said = teacher.fit(X, y, progress=_half(progress, 0.0)).predict(X)
-        return super().fit(X, taught(y, said), progress=_half(progress, 0.5), groups=groups)
+        if said_m is None:
+            said_m = word_of(teacher, *self._training_rows(X, y), half(progress, 0.0))
+            progress = half(progress, 0.5)
+        return super().fit(X, taught(y, said_m), progress=progress, groups=groups)
+
+    def teacher(self) -> REMnet | None:
+        """Return the REMnet that teaches this network, None unless it is `distilled`."""
+        return REMnet(random_state=self.random_state) if self.distilled else None
 
     def training_recipe(self) -> TrainingRecipe:
         """Return MAE, Adam at a falling rate."""
@@ -96,7 +106,5 @@ class SmallCNN(NeuralModel):
     def _network(self, preparation: Preparation) -> nn.Module:
         return SmallNetwork(self.shape(), dropout=self.dropout, seed=self.random_state)
 
-
-def _half(progress: Progress | None, start: float) -> Progress | None:
-    """Return what tells `progress` of one half of the work."""
-    return None if progress is None else lambda done: progress(start + 0.5 * done)
+    def _trainer(self) -> Callable[..., TrainingLog]:
+        return by_hand.train  # which trains plainly whatever is not written out

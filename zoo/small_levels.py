@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 from numpy.typing import ArrayLike
 from torch import nn
 
-from zoo.base import Floats, Progress, TrainingRecipe
+from zoo.base import Progress, TrainingRecipe
 from zoo.block_model import NeuralBlockModel
 from zoo.modules.blended import BlendedNetwork
 from zoo.modules.blocks import Side
@@ -18,6 +18,7 @@ from zoo.remnet import REMnet
 from zoo.training.bagged import Bagging
 from zoo.training.blended import train_blended
 from zoo.training.recipe import TrainingLog
+from zoo.training.teacher import half, word_of
 
 
 class SmallLevels(NeuralBlockModel):
@@ -72,23 +73,28 @@ class SmallLevels(NeuralBlockModel):
         y: ArrayLike,
         progress: Progress | None = None,
         groups: ArrayLike | None = None,
+        said_m: ArrayLike | None = None,
     ) -> Self:
         """Train on rows [n, width] and errors [n] in metres; the teacher first, if there is one.
 
-        Raises ValueError for rows that are too narrow, a CIR with NaN, or that do not match `y`.
+        `said_m` [n]: what `teacher()`, fitted on the CIRs of these rows, says of them, where that
+        is known. Raises ValueError for rows that are too narrow, a CIR with NaN, or that do not
+        match `y`.
         """
-        self._said_m = self._teachers_word(X, y) if self.distilled else None
+        if said_m is None and (teacher := self.teacher()) is not None:
+            rows, errors_m = self._training_rows(X, y)
+            cirs = rows[:, : self._layout(rows.shape[1])[0].width]
+            said_m = word_of(teacher, cirs, errors_m, half(progress, 0.0))
+            progress = half(progress, 0.5)
+        self._said_m = said_m
         try:
             return super().fit(X, y, progress=progress, groups=groups)
         finally:
             del self._said_m
 
-    def _teachers_word(self, X: ArrayLike, y: ArrayLike) -> Floats:
-        rows, errors_m = self._training_rows(X, y)
-        cirs = rows[:, : self._layout(rows.shape[1])[0].width]
-        teacher = REMnet(cir_samples=self.samples, random_state=self.random_state)
-        said: Floats = teacher.fit(cirs, errors_m).predict(cirs)
-        return said
+    def teacher(self) -> REMnet | None:
+        """Return the REMnet that teaches the network on the CIR, None unless it is `distilled`."""
+        return REMnet(random_state=self.random_state) if self.distilled else None
 
     def training_recipe(self) -> TrainingRecipe:
         """Return MAE, Adam at a falling rate."""

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.files import atomic_path, cache_dir, read_bytes
-from bench.plugins import Plugin
+from bench.files import atomic_path, cache_dir, in_turn, read_bytes
+from bench.plugins import Plugin, named
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold, labelled_los
 from bench.results import Training
@@ -44,31 +44,65 @@ def new_model(plugin: Plugin, seed: int) -> MitigationModel:
 
 
 def fit_fold(
-    plugin: Plugin, material: Material, fold: int, seed: int, progress: Progress | None = None
+    plugin: Plugin,
+    material: Material,
+    fold: int,
+    seed: int,
+    progress: Progress | None = None,
+    model: MitigationModel | None = None,
 ) -> MitigationModel:
-    """Return the model fitted on one fold's training rows, from the cache where it is there."""
-    model = new_model(plugin, seed)
-    path, key = place_of(plugin, material, fold, seed)
-    state = _read_state(path, key)
-    if state is not None and _restored(model, state):
+    """Return the model fitted on one fold's training rows, from the cache where it is there.
+
+    `model`: an unfitted one of the plug-in's kind with this seed, to be fitted in place of a new
+    one. Of processes that want the same fit at once, one makes it and the others wait.
+    """
+    model = new_model(plugin, seed) if model is None else model
+    path, key = _place(plugin, model, material, fold, seed)
+    if _taken(model, path, key):
         return model
-    fit_on(model, material, fold, progress)
-    if (state := state_of(model)) is not None:
-        write_state(path, key, state)
+    with in_turn(path):
+        if not _taken(model, path, key):
+            fit_on(model, material, fold, progress)
+            if (state := state_of(model)) is not None:
+                write_state(path, key, state)
     return model
+
+
+def _taken(model: MitigationModel, path: Path, key: Mapping[str, Any]) -> bool:
+    """Make a model what an earlier fit made it; False where there is none, or it cannot."""
+    state = _read_state(path, key)
+    return state is not None and _restored(model, state)
 
 
 def fit_on(
     model: MitigationModel, material: Material, fold: int, progress: Progress | None = None
 ) -> None:
-    """Fit a model on one fold's training rows, or on those before them and further on these."""
+    """Fit a model on one fold's training rows, or on those before them and further on these.
+
+    What teaches it is fitted before, or taken from the cache of fits.
+    """
     rows, errors_m = rows_for(material, model.reads), material.errors_m
     own = material.split.folds[fold]
     first = own.pretrain if len(own.pretrain) else own.train
     told_too = _told_too(model, material, first)
+    if not len(own.pretrain) and (said_m := _said(model, material, fold, progress)) is not None:
+        told_too["said_m"] = said_m
     model.fit(rows[first], errors_m[first], progress=progress, **told_too)
     if len(own.pretrain):
         train_further(model, rows[own.train], errors_m[own.train])
+
+
+def _said(
+    model: MitigationModel, material: Material, fold: int, progress: Progress | None
+) -> NDArray[np.float32] | None:
+    """Return what a model's teacher says of the training rows [n] in metres, None without one."""
+    teacher = model.teacher() if "said_m" in inspect.signature(model.fit).parameters else None
+    plugin = None if teacher is None else named("models", type(teacher))
+    if teacher is None or plugin is None:
+        return None
+    seed = int(teacher.get_params().get("random_state") or 0)
+    rows = rows_for(material, teacher.reads)[material.split.folds[fold].train]
+    return fit_fold(plugin, material, fold, seed, progress, teacher).predict(rows)
 
 
 def _told_too(
@@ -84,7 +118,13 @@ def place_of(
     plugin: Plugin, material: Material, fold: int, seed: int
 ) -> tuple[Path, dict[str, Any]]:
     """Return the file that a fit is kept in, and all that it depends on."""
-    key = _key(plugin, new_model(plugin, seed), material, fold, seed)
+    return _place(plugin, new_model(plugin, seed), material, fold, seed)
+
+
+def _place(
+    plugin: Plugin, model: MitigationModel, material: Material, fold: int, seed: int
+) -> tuple[Path, dict[str, Any]]:
+    key = _key(plugin, model, material, fold, seed)
     return cache_dir() / "fits" / f"{plugin.name}-{json_digest(key, 24)}.npz", key
 
 

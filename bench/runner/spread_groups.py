@@ -10,6 +10,7 @@ from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from bench.errors import BenchError
 from bench.parallel import Spread
@@ -21,6 +22,9 @@ from bench.runner.groups import run_group
 from bench.runner.material import Material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan
+
+if TYPE_CHECKING:
+    from zoo.base import TrainingRecipe
 
 Outcomes = list[RunRecord | Failure]
 
@@ -73,8 +77,8 @@ class GroupsAhead:
 def groups_ahead(
     groups: Sequence[tuple[Plugin, int]], shared: Shared, spread: Spread, watch: Observer
 ) -> Iterator[GroupsAhead]:
-    """Have other processes run groups, what takes longest first."""
-    order = sorted(groups, key=lambda group: not _is_trained(group[0]))
+    """Have other processes run groups, teachers before those they teach, short ones last."""
+    order = sorted(groups, key=lambda group: _turn(group[0], len(shared.material.errors_m)))
     done = spread.map(made, shared, order)
     try:
         yield GroupsAhead(dict(enumerate(order)), done, watch)
@@ -83,12 +87,29 @@ def groups_ahead(
             done.close()
 
 
-def _is_trained(model: Plugin) -> bool:
-    """Tell whether a model is trained by gradient descent: on `qat` it is trained once more."""
+def _turn(model: Plugin, rows: int) -> tuple[bool, bool, int]:
+    """Return what decides whose turn it is, least first.
+
+    What is trained by gradient descent, on `qat` once more, comes before what is not; what
+    another model teaches comes after those that nothing teaches, when its teacher's fit is there;
+    more rows to see come before fewer.
+    """
     try:
-        return model.make().training_recipe() is not None
+        made = model.make()
+        recipe = made.training_recipe()
+        teacher = getattr(made, "teacher", lambda: None)()
     except (BenchError, AttributeError):
-        return False
+        return True, False, 0
+    if recipe is None:
+        return True, False, 0
+    return False, teacher is not None, -rows_to_see(recipe, rows)
+
+
+def rows_to_see(recipe: TrainingRecipe, rows: int) -> int:
+    """Return how many rows a training goes through at most, each as often as it does."""
+    if recipe.stopping is not None:
+        return recipe.stopping.most_steps * recipe.batch_size
+    return recipe.epochs * rows
 
 
 def made(shared: Shared, group: tuple[Plugin, int]) -> tuple[Outcomes, list[str]]:

@@ -264,3 +264,18 @@ def test_a_blend_is_its_parts_by_their_shares() -> None:
 def test_a_blend_is_trained_on_links_of_one_row_each() -> None:
     model = SmallLevels(samples=32, distilled=False, epochs=1, steps=50).fit(X, Y)
     assert np.abs(Y - model.predict(X)).mean() < np.abs(Y).mean()
+
+
+@pytest.mark.parametrize(("kind", "columns"), [(SmallCNN, CIR_ONLY), (SmallLevels, slice(None))])
+def test_a_teachers_word_that_is_known_saves_its_training(kind, columns, monkeypatch) -> None:
+    settings = {"samples": 32, "epochs": 8} | ({"steps": 5} if kind is SmallLevels else {})
+    teacher = kind(**settings).teacher().set_params(cir_samples=None, epochs=1)
+    monkeypatch.setattr(kind, "teacher", lambda self: clone(teacher))
+    rows = X[:, columns]
+    said_m = clone(teacher).fit(X[:, CIR_ONLY], Y).predict(X[:, CIR_ONLY])
+    own, given, none = (
+        kind(**settings, **more).fit(rows, Y, groups=LINKS, **told).predict(rows)
+        for more, told in (({}, {}), ({}, {"said_m": said_m}), ({"distilled": False}, {}))
+    )
+    np.testing.assert_array_equal(own, given)
+    assert not np.array_equal(own, none) or kind is SmallLevels  # which may leave its CNN no share

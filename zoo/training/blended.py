@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from torch import nn
 
 from zoo.modules.blended import BlendedNetwork
+from zoo.training import by_hand
 from zoo.training.bagged import Bagging, link_bags, train_bagged
-from zoo.training.eager import FloatArray, Progress, report, train
+from zoo.training.eager import FloatArray, Progress, report
 from zoo.training.recipe import TrainingLog, TrainingRecipe
 from zoo.training.stopping import link_numbers
 from zoo.training.teacher import taught
@@ -63,7 +64,7 @@ def _train_both(
     steady = replace(recipe, decay=False)  # how many steps there will be is not known
     train_bagged(network.perceptrons, X[:, network.bins :], y, steady, bagging, groups=links)
     half = None if progress is None else lambda done: progress(0.5 + 0.5 * done)
-    return train(network.trunk, X[:, : network.bins], lesson, recipe, progress=half)
+    return by_hand.train(network.trunk, X[:, : network.bins], lesson, recipe, progress=half)
 
 
 def _share(

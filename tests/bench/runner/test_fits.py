@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,6 +60,24 @@ class Forgetful(Mean):
 
     def restore_state(self, state):
         return False
+
+
+class Teacher(Mean):
+    """Says the mean."""
+
+    def predict(self, X):
+        return np.full(len(X), self.mean_m, np.float32)
+
+
+class Taught(Mean):
+    """Is taught by a `Teacher`, and notes what it is told."""
+
+    def teacher(self):
+        return Teacher(self.random_state)
+
+    def fit(self, X, y, progress=None, groups=None, said_m=None):
+        ASKED.append(("told", said_m))
+        return super().fit(X, y, progress, groups)
 
 
 def plugin(kind: str = "Mean", name: str = "mean") -> Plugin:
@@ -134,6 +154,40 @@ def test_the_same_fit_is_not_made_twice_and_is_the_same(material: Material) -> N
     assert second.mean_m == first.mean_m
     assert ASKED[-1] == ("restore", ["mean_m"])  # what is ours in the file is not the model's
     assert second.training_log_.engine is None
+
+
+def test_a_teacher_is_fitted_once_for_all_and_its_word_is_passed_on(material, monkeypatch) -> None:
+    teacher = plugin("Teacher", "teacher")
+    monkeypatch.setattr("bench.runner.fits.named", lambda group, kind: teacher)
+    fit_fold(plugin("Taught", "taught"), material, 0, 3)
+    assert fits() == 2  # the teacher's and its own
+    [said_m] = [what for asked, what in ASKED if asked == "told"]
+    train = material.split.folds[0].train
+    np.testing.assert_array_equal(said_m, np.full(len(train), material.errors_m[train].mean()))
+    fit_fold(teacher, material, 0, 3)  # the board's own run of what teaches
+    assert fits() == 2
+    fit_fold(plugin("Taught", "another"), material, 0, 3)
+    assert fits() == 3
+
+
+def test_a_teacher_that_is_no_plugin_is_left_to_the_model(material: Material) -> None:
+    fit_fold(plugin("Taught"), material, 0, 0)
+    assert ("told", None) in ASKED
+
+
+def test_two_that_want_the_same_fit_at_once_make_one(material: Material, monkeypatch) -> None:
+    begun = []
+
+    def slowly(model, *given):
+        begun.append(model)
+        time.sleep(0.2)
+        model.fit(material.cirs, material.errors_m)
+
+    monkeypatch.setattr("bench.runner.fits.fit_on", slowly)
+    with ThreadPoolExecutor(2) as pool:
+        both = list(pool.map(lambda _: fit_fold(plugin(), material, 0, 0), range(2)))
+    assert len(begun) == 1
+    assert both[0].mean_m == both[1].mean_m
 
 
 @pytest.mark.parametrize("kind", ["Stateless", "Forgetful"])
