@@ -18,13 +18,12 @@ from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, View, view, without
-from bench.discrepancy.confirm import Confirmed, confirm, headline, improves
+from bench.discrepancy.confirm import Confirmed, confirm, headline
 from bench.discrepancy.data.checks import check_recorded
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_motion
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.own_columns import measured_columns
 from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
-from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
@@ -34,6 +33,8 @@ from bench.discrepancy.select.candidates import Contender, Explanation, library,
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.marks import marked, with_marks, without_idle
+from bench.discrepancy.select.range_part import with_range_part
+from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
@@ -49,7 +50,7 @@ from bench.discrepancy.select.stepwise import (
     with_contender,
     witnessed_by_links,
 )
-from bench.discrepancy.select.verdict import Unknown
+from bench.discrepancy.select.unnamed import unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.physics.base import Base
@@ -156,7 +157,7 @@ def diagnose(
     progress("confirming on links that nothing was tuned on")
     sealed = rows.confirm()
     said = borne_out(comparison, sealed, weighing, asked.seed)
-    found, more = said.found, (said.law.effect,) if said.law else _unnamed(search, said.found)
+    found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
     added = (*found.added, *more)
     confirmed = confirm(comparison, sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
@@ -254,12 +255,15 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
     """Go round until nothing significant is left, and say what was found."""
     journal = journal or Journal()
     state = State(search, Guard().safely("marks", marked, ())(search))
+    fault = state.guard.safely("recorder", recorder_fault, "")(search)
     for turn in journal.rounds(MOST_ROUNDS):
         search.progress(f"searching (round {turn + 1})")
         state = one_round(state, turn, journal)
+        if fault and state.rounds and state.rounds[0].located.significant:
+            return spoilt(state, fault)
         if state.finished:
             break
-    return concluded(state, journal)
+    return concluded(with_range_part(state, journal), journal)
 
 
 def one_round(state: State, turn: int, journal: Journal) -> State:
@@ -334,17 +338,3 @@ def concluded(state: State, journal: Journal) -> Selection:
     named = tuple(e for e in (*struck, *kept) if any(e.physics in v.names for v in said))
     skipped = {**state.skipped, **state.guard.failed}
     return Selection(said, named, held.rounds, skipped, search.choice.names)
-
-
-def _unnamed(search: Search, found: Selection) -> Added:
-    """Return a curve for a mismatch without a name, if it predicts links it was not fitted on."""
-    rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
-    if not rest:
-        return ()
-    curve = Guard().safely("unnamed curve", unnamed_effect, None)
-    extra = curve(search.comparison, search.fit, found.added, rest[0].findings)
-    if extra is None:
-        return ()
-    both = (*found.added, extra)
-    helps = improves(search.comparison, search.discover, found.added, both, search.seed)
-    return (extra,) if helps else ()

@@ -140,13 +140,14 @@ class Base:
         symbols = there(batch.symbols)
         energy = np.einsum("ns,ns->n", magnitude, magnitude).astype(np.float64)
         energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)
+        more_db = 0.0 if batch.reported_db is None else batch.reported_db
         return replace(
             batch,
             first_path=found,
             noise_std=noise_std,
             range_m=batch.rows.true_range_m + C_M_PER_NS * late,
-            rx_power_dbm=decibel(energy / symbols**2) - self.power_offset_db,
-            first_path_power_dbm=self._first_power(magnitude, found, symbols),
+            rx_power_dbm=decibel(energy / symbols**2) - self.power_offset_db + more_db,
+            first_path_power_dbm=self._first_power(magnitude, found, symbols) + more_db,
         )
 
     def _first_power(self, magnitude: Reals, found: Floats, symbols: Floats) -> Floats:

@@ -30,8 +30,9 @@ class Batch:
     `free_gain` [n] what the straight path would have with nothing in its way.
     Receiver: `waveform` [n, S] (counts, signal alone) and `noise` [n, S] (counts), the excess
     delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
-    noise's standard deviation), `level_dbm` [n] true receive level. All None without a CIR, except
-    `symbols` and `level_dbm`.
+    noise's standard deviation), `level_dbm` [n] true receive level, `reported_db` [n] what levels
+    are reported too high by, whatever the samples say. All None without a CIR, except `symbols`
+    and `level_dbm`.
     `noise_power` [n] is the mean |noise|^2 of one sample, `steady_power` [n] what tones and offsets
     hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
     table, with its noise in it; `noise` holds only what effects add.
@@ -55,6 +56,7 @@ class Batch:
     symbols: Floats | None = None
     nominal_symbols: Floats | None = None
     agc_db: Floats | None = None
+    reported_db: Floats | None = None
     threshold: Floats | None = None
     peak_fraction: float = 0.0
     noise_power: Floats | None = None

@@ -117,7 +117,8 @@ class Effect(ABC):
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
     `marked`: it is fitted only where recordings bear a mark that no scatter can leave.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
-    meaningfully on the rows of another simulator's table (see `bench.physics.foreign`).
+    meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
+    `with_phases` asks for phases that a table of magnitudes has not.
     `follows`: the measured column that its error follows, at a fixed distance too.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -144,6 +145,7 @@ class Effect(ABC):
     follows: ClassVar[str] = ""
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
+    with_phases: ClassVar[bool] = False
     needs: ClassVar[tuple[tuple[str, ...], ...]] = ()
     strikes: ClassVar[tuple[str, str] | None] = None
     values_unit: ClassVar[str] = ""

@@ -9,7 +9,9 @@ it can only be raised (`noise-floor`, `narrowband-interference`), and colouring 
 raised. Propagation: `material-delay`, `diffraction`, `blocked-path`, `path-loss`, `antenna-pattern`
 act on the CIR's first path, on what comes before a detour, or on all of it; reflections and tails
 are added to it. `small-scale-fading` would tear the pulse apart and is refused (`on_tables`).
-A table without phases is taken as real; without a CIR, effects act on a single path.
+A table without phases is taken as real; where an effect adds copies of samples (`with_phases`),
+every lobe of a row is given a random phase, else noise would add up like a pulse. Without a CIR,
+effects act on a single path.
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ from bench.physics.units import (
     C_M_PER_NS,
     Complexes,
     Floats,
+    Reals,
     absolute,
     amplitude,
 )
@@ -123,13 +126,14 @@ class ForeignTable:
 
     def _detect(self, early: tuple[Effect, ...], start: int, draws: Draws) -> Batch:
         """Return one block up to detection."""
-        arriving = self._arriving(slice(start, start + BLOCK))
+        phased = any(effect.with_phases for effect in early)
+        arriving = self._arriving(slice(start, start + BLOCK), phased)
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
         receive = partial(self._received, offset_db=offset_db)
         return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
 
-    def _arriving(self, part: slice) -> Batch:
+    def _arriving(self, part: slice, phased: bool = False) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
         batch = self.base.counted(self.base.paths(self.rows.slice(part.start, part.stop)))
         excess = ((self.range_m[part] - batch.rows.true_range_m) / C_M_PER_NS).astype(np.float32)
@@ -138,7 +142,14 @@ class ForeignTable:
             given = batch.rows.number("first_path_power_dbm", np.nan)
             return batch.louder(np.nan_to_num(given - batch.level()))
         scale = amplitude(self.base.power_offset_db) * there(batch.symbols)
-        return self._as_tail(batch, (self.cir[part] / scale[:, None]).astype(np.complex64))
+        cir = self._phased[part] if phased else self.cir[part]
+        return self._as_tail(batch, (cir / scale[:, None]).astype(np.complex64))
+
+    @cached_property
+    def _phased(self) -> Complexes:
+        """The CIRs with a random phase for every lobe, where the table has none."""
+        cir = there(self.cir)
+        return cir if np.any(cir.imag) else cir * lobe_phases(absolute(cir))
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
@@ -214,6 +225,18 @@ class ForeignTable:
         if changed.first_path is None or plain.first_path is None:
             return None
         return self._index(changed.rows) + changed.first_path - plain.first_path
+
+
+def lobe_phases(size: Reals) -> Complexes:
+    """Return a random phase for every lobe of magnitudes [n, K], alike within it, as e^(j phase).
+
+    A lobe reaches from one local minimum to the next: a pulse is one.
+    """
+    begins = np.zeros(size.shape, bool)
+    begins[:, 1:-1] = (size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
+    drawn = np.random.default_rng(0).random(size.shape)
+    turns = np.take_along_axis(drawn, np.cumsum(begins, axis=1), axis=1)
+    return np.asarray(np.exp(2j * np.pi * turns), np.complex64)
 
 
 def _stacked(column: pd.Series, source: str) -> Floats:

@@ -16,6 +16,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.fit.starts import (
     by_level,
     by_ratio,
+    delayed,
     elsewhere,
     free_parameters,
     inside,
@@ -117,6 +118,8 @@ def screen(objective: Objective) -> Fitted:
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
     for values in elsewhere(objective.kind, objective.best[1], thorough):
+        objective(values)
+    for values in delayed(objective.kind, objective.best[1]):
         objective(values)
     for values in switched_off(objective.kind) if several and thorough else ():
         objective(values)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from bench.discrepancy.settings import (
     DECADES,
     DECIBEL_STEPS,
     DELAY_POINTS,
+    ECHO_WEAKER_DB,
     ELSEWHERE_LEVELS,
     ELSEWHERE_POINTS,
     ELSEWHERE_SHARES,
@@ -19,8 +21,11 @@ from bench.discrepancy.settings import (
     LOUD_DB,
     RATIO_STEPS,
     SCATTERED_POINTS,
+    SHORTEST_ECHO_NS,
 )
 from bench.physics.effect import Effect, Parameter
+
+Floats = NDArray[np.float64]
 
 
 def free_parameters(kind: type[Effect]) -> tuple[Parameter, ...]:
@@ -98,6 +103,8 @@ def elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str
     now = {p.name: float(getattr(best, p.name)) for p in free}
     echo = any(p.name.endswith("delay_ns") for p in others)
     points = qmc.Sobol(len(others), seed=0).random(DELAY_POINTS if echo else ELSEWHERE_POINTS)
+    if echo:
+        points = _delays(points, others)
     shares = ELSEWHERE_LEVELS if by_level(amplitudes[0]) else ELSEWHERE_SHARES
     out = []
     for number, point in enumerate(points):
@@ -106,6 +113,35 @@ def elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str
             strong = {p.name: _strength(p, now[p.name], share) for p in amplitudes[:1]}
             out.append(now | strong | spread)
     return out
+
+
+def delayed(kind: type[Effect], best: Effect) -> list[dict[str, float]]:
+    """Return points with nothing but the delay of an echo elsewhere, at two strengths."""
+    free = free_parameters(kind)
+    now = {p.name: float(getattr(best, p.name)) for p in free}
+    levels = [p for p in free if by_level(p)][:1]
+    weaker = {p.name: inside(p, now[p.name] - ECHO_WEAKER_DB) for p in levels}
+    ratios = np.linspace(0, 1, DELAY_POINTS)
+    return [
+        now | other | {p.name: SHORTEST_ECHO_NS * (p.high / SHORTEST_ECHO_NS) ** ratio}
+        for p in free
+        if p.name.endswith("delay_ns")
+        for ratio in ratios
+        for other in ({}, weaker)
+    ]
+
+
+def _delays(points: Floats, others: list[Parameter]) -> Floats:
+    """Return points [n, k] of the unit cube whose delays are spread evenly by ratio.
+
+    Echoes are short, and a start that is off by more than a pulse leads nowhere.
+    """
+    ratios = np.linspace(0, 1, len(points))
+    for column, item in enumerate(others):
+        if item.name.endswith("delay_ns"):
+            delays = SHORTEST_ECHO_NS * (item.high / SHORTEST_ECHO_NS) ** ratios
+            points[:, column] = (delays - item.low) / (item.high - item.low)
+    return points
 
 
 def switched_off(kind: type[Effect]) -> list[dict[str, float]]:

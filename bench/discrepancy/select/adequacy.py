@@ -30,6 +30,8 @@ from bench.discrepancy.select.predictive_cells import (
     response_cells,
     typical_size,
 )
+from bench.discrepancy.select.settings import OF_LINKS_DB, OF_LINKS_SHARE
+from bench.discrepancy.select.within_links import of_links
 from bench.discrepancy.settings import (
     ADEQUACY_ALPHA,
     ADEQUACY_BROUGHT,
@@ -39,11 +41,13 @@ from bench.discrepancy.settings import (
     ADEQUACY_OFF_COVARIATE,
     ADEQUACY_TOUCHED,
     LEAST_CRPS,
+    ONE_SIDED_95,
 )
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+LEVELS = ("rx_power_dbm", "energy_db")
 MOMENTS = ("the mean", "the spread")
 KNOWN_MOMENTS = ("mean", "spread")  # of a located cell, in that order
 CHANNEL = (
@@ -95,6 +99,8 @@ def adequacy(
         names = (RANGE,)
     if not names:
         return Adequacy(True)
+    if type(effect).per_link and views[0].waveform and (words := row_by_row(whole, rest)):
+        return Adequacy(False, 1.0, note=words)
     places, weights = zip(*predictive_places(views), strict=True)
     crowding = max(comparison.crowding(view) for view in views)
     parts = kept(whole, names), kept(rest, names)
@@ -102,6 +108,23 @@ def adequacy(
     if not found.adequate or not views[0].waveform:
         return found
     return brought(*parts, [(cell, place_weight(views, cell.place)) for cell in wanted])
+
+
+def row_by_row(whole: Ensemble, rest: Ensemble) -> str:
+    """Return in words that a level changes from row to row, where `whole` has links change it.
+
+    What draws every link anew leaves the rows of a link alike; fading does not.
+    """
+    for name in LEVELS:
+        if name not in whole.names or name not in rest.names:
+            continue
+        change = whole.simulated_of(name).mean(axis=0) - rest.simulated_of(name).mean(axis=0)
+        if float(np.nanmean(np.abs(change))) < OF_LINKS_DB:
+            continue
+        share, error = of_links(rest, name)
+        if share + ONE_SIDED_95 * error < OF_LINKS_SHARE:
+            return f"rows of one link have only {share:.0%} of the change of {name} in common"
+    return ""
 
 
 def brought(whole: Ensemble, rest: Ensemble, wanted: list[tuple[Cell, Floats | None]]) -> Adequacy:

@@ -70,7 +70,7 @@ def verdicts(
     least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and _real(search, last))
-    if worth and share < REMOVED_SHARE and not search.choice.names:
+    if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, share))
     worth = worth and not (added and _within_forms(search, share))

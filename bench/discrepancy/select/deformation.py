@@ -24,12 +24,18 @@ from bench.physics.effect import Effect
 Floats = NDArray[np.float64]
 
 
-def needless(comparison: Comparison, views: tuple[View, ...], added: Added) -> Effect | None:
-    """Return the smallest effect that is within another's allowance, None where none is."""
+def needless(
+    comparison: Comparison, views: tuple[View, ...], added: Added, sure: tuple[str, ...] = ()
+) -> Effect | None:
+    """Return the smallest effect that is within another's allowance, None where none is.
+
+    Those named in `sure` were weighed beside such allowances already.
+    """
     if len(added) < 2:
         return None
     sizes = _responses(comparison, views, added)
     order = sorted(range(len(added)), key=lambda i: float((sizes[i] ** 2).sum()))
+    order = [i for i in order if added[i].physics not in sure]
     return next((added[i] for i in order if within(sizes[i], np.delete(sizes, i, axis=0))), None)
 
 

@@ -99,7 +99,10 @@ def _without_forms(search: Search, added: Added) -> Added:
 
     With waveforms, where one effect moves twenty observables.
     """
-    while search.fit.waveform and (small := needless(search.comparison, working(search), added)):
+    sure = search.choice.names
+    while search.fit.waveform and (
+        small := needless(search.comparison, working(search), added, sure)
+    ):
         added = polished(search.comparison, search.fit, without(added, small), 1, False)
     return added
 

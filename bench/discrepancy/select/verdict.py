@@ -66,17 +66,18 @@ class Ambiguous:
 
 @dataclass(frozen=True)
 class Unknown:
-    """Something is there that no known effect explains."""
+    """Something is there that no known effect explains; `cause`: what marks say it is."""
 
     findings: tuple[Finding, ...]
     removable: Estimate
     tried: dict[str, float] = field(default_factory=dict)
     note: str = ""
+    cause: str = ""
 
     names: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        what = self.findings[0] if self.findings else "the held-out score"
+        what = self.cause or (self.findings[0] if self.findings else "the held-out score")
         return f"something is there that no known effect explains: {what}"
 
 

@@ -7,7 +7,12 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.settings import MAD_TO_STD, ROW_OFF_STD, SHORTEST_DETOUR_M
+from bench.discrepancy.select.settings import FEWEST_SEVERAL
+from bench.discrepancy.settings import (
+    MAD_TO_STD,
+    ROW_OFF_STD,
+    SHORTEST_DETOUR_M,
+)
 
 Floats = NDArray[np.float64]
 
@@ -32,3 +37,29 @@ def rows_off(ensemble: Ensemble) -> float:
         return 0.0
     within = MAD_TO_STD * float(np.nanmedian(off))
     return float(np.mean(off > max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)))
+
+
+def of_links(ensemble: Ensemble, name: str) -> tuple[float, float]:
+    """Return which share of a mismatch rows of one link have in common, and its standard error.
+
+    Of the variance of an observable beyond the simulated one: between links over all (the
+    intraclass correlation: Fisher 1925). (nan, nan) where too few links have several rows.
+    """
+    code = np.unique(ensemble.links, return_inverse=True)[1]
+    values = ensemble.versions_of(name) - np.nanmean(ensemble.simulated_of(name), axis=0)
+    several = (np.bincount(code)[code] > 1) & np.isfinite(values).all(axis=0)
+    links = len(np.unique(code[several]))
+    if links < FEWEST_SEVERAL:
+        return float("nan"), float("nan")
+    parts = np.array([_components(each[several], code[several]) for each in values])
+    between, within = parts[0] - parts[1:].mean(axis=0)
+    share = max(between, 0.0) / max(max(between, 0.0) + max(within, 0.0), 1e-12)
+    return float(share), float((1 - share**2) / np.sqrt(links - 1.5))
+
+
+def _components(values: Floats, code: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the variance between links and within them, of values [n] of links with 2 rows."""
+    place, count = np.unique(code, return_inverse=True)[1], np.unique(code, return_counts=True)[1]
+    mean = np.bincount(place, values) / count
+    within = float(((values - mean[place]) ** 2).sum() / (len(values) - len(count)))
+    return float(np.var(mean)) - within * float(np.mean(1 / count)), within

@@ -155,3 +155,19 @@ def test_a_tone_raises_the_magnitude_but_hardly_its_scatter(table: ForeignTable)
         np.testing.assert_allclose(made.noise_std, np.abs(drawn + size).std(axis=1), rtol=0.06)
     offset = table.observe((Quantisation(step_counts=0, offset_counts=900.0),))
     assert np.all(offset.noise_std < 2 * table.frame["noise_std"])
+
+
+def test_an_echo_on_magnitudes_adds_noise_as_noise() -> None:
+    rng = np.random.default_rng(2)
+    noise = np.abs(rng.normal(0, 40, (100, 150)) + 1j * rng.normal(0, 40, (100, 150)))
+    noise[:, 20:23] += np.array([2000, 4000, 2000])
+    table = ForeignTable(
+        pd.DataFrame(
+            {"true_range_m": 5.0, "range_m": 5.0, "noise_std": 26.0, "preamble_count": 1000}
+            | {"first_path_index": 20.0, "cir": list(noise)},
+            index=range(100),
+        )
+    )
+    made = table.observe((PulseRinging(ring_db=-3, ring_delay_ns=30, on_top=1.0),))
+    late = np.mean(made.cir[:, 80:] ** 2) / np.mean(noise[:, 80:] ** 2)
+    assert abs(late - 1.5) < 0.12  # 2.3 if all magnitudes had one phase

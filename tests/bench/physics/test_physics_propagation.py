@@ -7,7 +7,7 @@ from bench.physics import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction, knife_edge
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
-from bench.physics.effects.propagation.fading import SmallScaleFading
+from bench.physics.effects.propagation.fading import SmallScaleFading, scatter_db
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -238,3 +238,13 @@ def test_a_blocked_path_reads_metres_long_with_nothing_before_it() -> None:
     assert early.max() < 0.1
     links = shift.reshape(-1, 4)
     assert np.abs(links - links.mean(axis=1, keepdims=True)).max() < 0.05  # jumps with geometry
+
+
+def test_fades_may_take_more_than_peaks_give() -> None:
+    made, base = change(line(4000), SmallScaleFading(direct_m=2.0, deeper=1.5), cir=False)
+    plain, _ = change(line(4000), SmallScaleFading(direct_m=2.0), cir=False)
+    shift = np.mean(plain.rx_power_dbm) - np.mean(made.rx_power_dbm)
+    assert abs(shift - 1.5 * scatter_db(2.0)) < 0.4
+    assert abs(np.std(made.rx_power_dbm - base.rx_power_dbm) - scatter_db(2.0)) < 0.3
+    none, _ = change(line(200), SmallScaleFading(1000, 1000, 1000, deeper=3.0), cir=False)
+    np.testing.assert_allclose(none.rx_power_dbm, base.rx_power_dbm[:200])

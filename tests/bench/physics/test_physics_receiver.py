@@ -167,3 +167,25 @@ def test_bits_dropped_at_read_out_leave_the_reported_noise() -> None:
     whole = kept.cir_complex.real / 64
     np.testing.assert_allclose(whole, np.rint(whole), atol=1e-3)
     assert (np.rint(whole) == 0).mean() > (np.abs(plain.cir) < 32).mean()  # towards zero
+
+
+def test_an_echo_may_come_on_top_and_off_the_strongest_path_alone() -> None:
+    frame = shadowed(256)
+    before = (SpecularReflections(wall_m=6.0, walls="metal"),)
+    ring = {"ring_db": -6.0, "ring_delay_ns": 12.0}
+    made, base = change(frame, *before, PulseRinging(**ring, on_top=1.0))
+    louder = np.median(made.rx_power_dbm - base.rx_power_dbm)
+    assert abs(louder - 10 * np.log10(1.25)) < 0.2
+    alone, _ = change(frame, *before, PulseRinging(**ring, on_top=1.0, first_alone=1.0))
+    assert np.median(alone.rx_power_dbm) < np.median(made.rx_power_dbm)
+    assert np.median(alone.rx_power_dbm) > np.median(base.rx_power_dbm) + 0.3
+
+
+def test_a_level_may_be_held_in_the_report_alone() -> None:
+    frame = line(128, far_m=2.0)
+    told, base = change(frame, LevelControl(accumulation=0.0, peak_counts=1e9, in_samples=0.0))
+    seen_too, _ = change(frame, LevelControl(accumulation=0.0, peak_counts=1e9))
+    np.testing.assert_array_equal(told.cir, base.cir)
+    assert np.median(base.rx_power_dbm - told.rx_power_dbm) > 5
+    np.testing.assert_allclose(told.rx_power_dbm, seen_too.rx_power_dbm, atol=0.3)
+    assert np.median(seen_too.cir.max(axis=1)) < 0.6 * np.median(base.cir.max(axis=1))

@@ -18,7 +18,9 @@ class LevelControl(Effect):
 
     The reported level over the true one follows the DW1000 User Manual's figure for 64 MHz PRF
     (-60 dBm reads -77.5), and no peak exceeds `peak_counts`. The share of symbols accumulated
-    follows recorded accumulators (28 % above -80 dBm reported, all of them below -92).
+    follows recorded accumulators (28 % above -80 dBm reported, all of them below -92). `in_samples`
+    of the attenuation in dB is seen in the samples too (a gain that is turned down); the rest is in
+    the reported level alone (an estimate that saturates).
     """
 
     name = "level-control"
@@ -32,6 +34,7 @@ class LevelControl(Effect):
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
     peak_counts: float = parameter(20000, "counts", 1000, 1e9, "highest peak let through", null=1e9)
     shift_db: float = parameter(0, "dB", -6, 6, "the true level at which both curves start")
+    in_samples: float = parameter(1, "ratio", 0, 1, "of the attenuation in dB, that samples show")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Attenuate signals and shorten the accumulation of every row."""
@@ -46,7 +49,9 @@ class LevelControl(Effect):
         made = replace(batch, symbols=symbols, agc_db=read - level, noise_power=power)
         if batch.waveform is None or batch.noise is None:
             return made
-        signal = (longer * amplitude(read - level)).astype(np.float32)
+        seen_db, told_db = np.multiply.outer([self.in_samples, 1 - self.in_samples], read - level)
+        made = replace(made, reported_db=told_db if self.in_samples < 1 else batch.reported_db)
+        signal = (longer * amplitude(seen_db)).astype(np.float32)
         peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
         noise = np.sqrt(longer).astype(np.float32)[:, None]

@@ -10,7 +10,7 @@ from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import convolved, echo_taps, filtered
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, amplitude, energy
+from bench.physics.units import Complexes, Reals, amplitude, energy, squared
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,8 @@ class PulseRinging(Effect):
     """Widens the pulse and lets every path ring: an echo of the whole waveform at a fixed delay.
 
     Recorded accumulators ring 2.5 to 3.5 samples behind every strong first path, in all links of
-    a device alike. The echo's phase is `ring_phase_deg`. Energy is kept.
+    a device alike. The echo's phase is `ring_phase_deg`. Energy is kept, but for `on_top`
+    of it: a level that was calibrated with the pulse alone has all of the echo on top.
     """
 
     name = "pulse-ringing"
@@ -28,11 +29,14 @@ class PulseRinging(Effect):
     signature = "all paths widened alike, an echo at a delay that no geometry moves"
     needs = (("cir",),)
     without_cir = False
+    with_phases = True
 
     ring_db: float = parameter(-60, "dB", -60, 0, "echo over the path itself", null=-60)
     ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
     ring_phase_deg: float = parameter(120, "deg", -360, 360, "of the echo")
     widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
+    on_top: float = parameter(0, "ratio", 0, 1, "of what rings on, that the pulse does not lose")
+    first_alone: float = parameter(0, "ratio", 0, 1, "of the echo, that other paths do not have")
     pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before", fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -42,6 +46,7 @@ class PulseRinging(Effect):
         before = energy(batch.waveform)
         waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
         kept = np.sqrt(before / np.maximum(energy(waveform), 1e-20)).astype(np.float32)
+        kept = kept ** np.float32(1 - self.on_top)
         waveform = waveform.copy() if waveform is batch.waveform else waveform
         waveform *= kept[:, None]
         return replace(batch, waveform=waveform)
@@ -60,4 +65,14 @@ class PulseRinging(Effect):
         if self.ring_db <= -60:
             return waveform
         turn = np.exp(1j * np.radians(self.ring_phase_deg)) * amplitude(self.ring_db)
-        return filtered(waveform, *echo_taps(self.ring_delay_ns / period_ns, complex(turn)))
+        taps = echo_taps(self.ring_delay_ns / period_ns, complex(turn))
+        if self.first_alone <= 0:
+            return filtered(waveform, *taps)
+        heard = waveform * self._weights(waveform)
+        return np.asarray(waveform - heard + filtered(heard, *taps), np.complex64)
+
+    def _weights(self, waveform: Complexes) -> Reals:
+        """Return how much of every sample [n, S] echoes: all of the strongest path."""
+        away = np.arange(waveform.shape[1]) - squared(waveform).argmax(axis=1)[:, None]
+        near = np.abs(away) < 2 * self.pulse_fwhm
+        return np.where(near, 1, 1 - self.first_alone).astype(np.float32)

@@ -1,0 +1,158 @@
+"""The causes that act on ranges, weighed as a set in what the named waveform effects leave.
+
+Summed scores name what is loudest; of a tail and a wall delay of 6 cm, the tail. The range is one
+observable of twenty, but all that a delay moves. So once waveforms have their names, sets of causes
+are compared on ranges alone (see `bench.discrepancy.sets`). What waveform effects do to ranges
+depends on how a receiver detects, and library forms do not know how: smooth deformations of their
+responses, and small shifts over everything known, take part as what has no name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE
+from bench.discrepancy.select.state import Round, Search, State
+from bench.discrepancy.select.stepwise import locate_left
+from bench.discrepancy.sets.blocks import (
+    deformed,
+    named_kinds,
+    of_laws,
+    of_library,
+    of_setup,
+)
+from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.choose import Contest, judged_by_sets
+from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.install import rounds_of, together
+from bench.discrepancy.sets.settings import LAW_SIZE
+from bench.discrepancy.settings import (
+    MAD_TO_STD,
+    RESIDUAL_MEMBERS,
+)
+from bench.physics.units import Floats
+
+Turns = tuple[Round, ...]
+NONE: tuple[Added, Turns] = (), ()
+
+
+def with_range_part(state: State, journal: Journal) -> State:
+    """Return the state with the set of causes that ranges speak for beside waveform effects.
+
+    Where nothing differed, nothing is asked.
+    """
+    search, safely = state.search, state.guard.safely
+    if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
+        return state
+    ranged = replace(search, work=joined(search.fit, search.discover))
+    names = judged_by_sets(ranged)
+    beside = tuple(effect for effect in state.added if effect.physics not in names)
+    have = {effect.physics for effect in state.added} & names
+    found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside)
+    if not (found.names or found.others) or set(found.names) == have:
+        return state
+    step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
+    added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
+    return _installed(state, found, added, turns) if turns else state
+
+
+def _fitted(ranged: Search, beside: Added, first: Round) -> tuple[Added, Turns]:
+    """Return the effects with those of the choice, and a round for each of these."""
+    added = together(ranged, beside, ranged.choice)
+    return added, rounds_of(ranged, beside, added, first.located, ranged.choice)
+
+
+def _installed(state: State, found: Choice, added: Added, turns: Turns) -> State:
+    """Return the state with new effects, their rounds before the last, and what is left then."""
+    names = set(found.names) | {e.physics for e in state.added} - {e.physics for e in added}
+    old = tuple(t for t in state.rounds if not (t.added and t.added.physics in names))
+    left = locate_left(state.search, added, len(old) + len(turns))
+    last = Round(left, state.rounds[-1].explanation, None)
+    old = old[:-1] if old and old[-1].added is None and len(old) > 1 else old
+    search = replace(state.search, choice=found)
+    return replace(state, search=search, added=added, rounds=(*old, *turns, last))
+
+
+def chosen_beside(ranged: Search, beside: Added) -> Choice:
+    """Return the set of causes that ranges of all working rows speak for beside some effects."""
+    rows = ranged.work
+    assert rows is not None
+    ensemble = ranged.comparison.ensemble(rows, beside, RESIDUAL_MEMBERS)
+    if RANGE not in ensemble.names:
+        return Choice()
+    left = ensemble.residual_of(RANGE)
+    known = np.flatnonzero(np.isfinite(left))
+    forms = receiver_forms(ranged, rows, ensemble, beside)[known]
+    flat = whitening(forms, left[known])
+    library = _kept(of_library(ranged.kinds, rows), known, flat)
+    laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known, flat)
+    widest = dict.fromkeys(laws, LAW_SIZE)
+    evidence = Evidence(flat @ left[known], rows.links[known], library | laws, widest)
+    every = named_kinds(ranged.kinds, rows)
+    kinds = {name: every[name] for name in library}
+    crowding = ranged.comparison.crowding(rows) ** 2
+    return Contest(evidence, kinds, crowding, rows, known).settled()
+
+
+def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -> Floats:
+    """Return what a receiver of another kind may make of waveform effects [n, k], in metres.
+
+    Smooth deformations of what every effect does to ranges, and small shifts over what is known.
+    """
+    if not beside:
+        return np.zeros((len(rows.rows), 0))
+    sizes, parts = [DETECTION_M], []
+    for effect in beside:
+        rest = search.comparison.ensemble(rows, without(beside, effect), RESIDUAL_MEMBERS)
+        response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))
+        sizes.append(DETECTION_SHARE * float(np.sqrt(np.mean(response**2))))
+        parts += [deformed(response, rows), DETECTION_SHARE * response[:, None]]
+    return np.hstack([max(sizes) * known_columns_of(rows), *parts])
+
+
+def known_columns_of(rows: View) -> Floats:
+    """Return one, every number in standard deviations and every group but devices [n, k]."""
+    columns = [np.ones(len(rows.rows))]
+    for value in rows.covariates.numbers.values():
+        filled = np.where(np.isfinite(value), value, np.nanmean(value))
+        columns.append(np.clip((filled - filled.mean()) / max(float(filled.std()), 1e-9), -2, 2))
+    groups = rows.covariates.groups.items()
+    columns += [mask * 1.0 for name, mask in groups if not name.startswith(("tx=", "rx="))]
+    return np.stack(columns, axis=1)
+
+
+def whitening(forms: Floats, left_m: Floats) -> Floats:
+    """Return the matrix [n, n] that makes rows alike where `forms` [n, k] add to their scatter.
+
+    Every form has a normal factor of one; rows scatter as `left_m` [n] does.
+    """
+    scatter = max(MAD_TO_STD * float(np.median(np.abs(left_m - np.median(left_m)))), 1e-4)
+    ways, sizes, _ = np.linalg.svd(forms, full_matrices=False)
+    less = 1 - 1 / np.sqrt(1 + (sizes / scatter) ** 2)
+    return np.asarray(np.eye(len(left_m)) - (ways * less) @ ways.T)
+
+
+def joined(one: View, two: View) -> View:
+    """Return the rows of two views of one table."""
+    names = tuple(name for name in one.recorded.names if name in two.recorded.names)
+    parts = [each.recorded.keep(names) for each in (one, two)]
+    recorded = replace(parts[0], values=np.concatenate([part.values for part in parts]))
+    frame = pd.concat([one.frame, two.frame], ignore_index=True)
+    links, rows = (np.concatenate([getattr(v, n) for v in (one, two)]) for n in ("links", "rows"))
+    return View(frame, recorded, links, rows, one.waveform)
+
+
+def _kept(
+    blocks: dict[str, tuple[Floats, ...]], known: Floats, flat: Floats
+) -> dict[str, tuple[Floats, ...]]:
+    """Return the blocks of the known rows, made flat, those that do anything there."""
+    made = {name: tuple(part[known] for part in block) for name, block in blocks.items()}
+    some = {name: block for name, block in made.items() if any(part.any() for part in block)}
+    return {name: tuple(flat @ part for part in block) for name, block in some.items()}

@@ -1,0 +1,104 @@
+"""Faults of what recorded the samples, seen by marks that nothing on the air can leave.
+
+Clipped peaks share one largest value; a pulse of 500 MHz is wider than a sample, so no signal
+stands out of both neighbours of a sample at one place of the accumulator in all rows. Effects of
+the library fit what such faults do to levels and profiles, and would be named for it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.select.settings import (
+    CLIPPED_ROWS,
+    CLIPPED_SAME,
+    PULSE_SAMPLES,
+    STUCK_DB,
+    STUCK_PLACES,
+    STUCK_Z,
+)
+from bench.discrepancy.select.state import Round, Search, Selection, State
+from bench.discrepancy.select.verdict import Unknown
+from bench.physics.units import Floats
+
+
+def recorder_fault(search: Search) -> str:
+    """Return in words what a recorder did to the samples, "" where nothing is seen.
+
+    What the simulated table shows as well is no difference.
+    """
+    if not search.fit.waveform or "cir" not in search.fit.frame:
+        return ""
+    table = search.comparison
+    other = table.frame if isinstance(table, TableComparison) else None
+    frame = pd.concat([search.fit.frame, search.discover.frame], ignore_index=True)
+    for fault in (clipped, stuck):
+        words = fault(frame)
+        if words and not (other is not None and fault(other)):
+            return words
+    return ""
+
+
+def clipped(frame: pd.DataFrame) -> str:
+    """Return in words that the largest samples of many rows are one value, "" where not."""
+    tops = np.array([np.max(np.abs(row)) if len(row) else np.nan for row in frame["cir"]])
+    tops = tops[np.isfinite(tops)]
+    if not len(tops):
+        return ""
+    same = float(np.mean(tops > tops.max() * (1 - CLIPPED_SAME)))
+    if same < CLIPPED_ROWS or same * len(tops) < 2 * STUCK_PLACES:
+        return ""
+    return f"samples are clipped at {tops.max():.4g} counts, in {same:.0%} of the rows"
+
+
+def stuck(frame: pd.DataFrame) -> str:
+    """Return in words which places of the accumulator read another level, "" where none does."""
+    magnitude = _magnitudes(frame)
+    if magnitude.shape[1] < 3 * PULSE_SAMPLES or len(magnitude) < STUCK_PLACES:
+        return ""
+    level = 20 * np.log10(np.maximum(magnitude, 1e-3 * np.median(magnitude)))
+    apart, error = _standing_out(level)
+    first = pd.to_numeric(frame.get("first_path_index"), errors="coerce")
+    middle = float(np.nanmedian(first)) if first is not None else 0.0
+    far = np.abs(np.arange(level.shape[1]) - middle) > PULSE_SAMPLES
+    seen = np.flatnonzero((apart > STUCK_DB) & (apart > STUCK_Z * error) & far)
+    if len(seen) < STUCK_PLACES:
+        return ""
+    places = ", ".join(map(str, seen[:STUCK_PLACES]))
+    return f"samples {places} ... of every row read a level of their own, whatever arrives"
+
+
+def _standing_out(level: Floats) -> tuple[Floats, Floats]:
+    """Return by how many dB each place of levels [n, K] stands out of both neighbours, its error.
+
+    Above both, or below both; the ends never do.
+    """
+    left, right = (level[:, 1:-1] - level[:, at : level.shape[1] - 2 + at] for at in (0, 2))
+    means = np.stack([left.mean(axis=0), right.mean(axis=0)])
+    errors = np.stack([left.std(axis=0), right.std(axis=0)]) / np.sqrt(len(level))
+    apart = np.maximum(means.min(axis=0), -means.max(axis=0))
+    return np.pad(apart, 1), np.pad(errors.max(axis=0), 1, constant_values=1.0)
+
+
+def _magnitudes(frame: pd.DataFrame) -> Floats:
+    """Return the magnitudes of rows [n, K] whose CIRs have the usual length."""
+    rows = [np.abs(np.asarray(row)) for row in frame["cir"]]
+    lengths: NDArray[np.intp] = np.array([len(row) for row in rows], np.intp)
+    usual = int(np.bincount(lengths).argmax()) if len(lengths) else 0
+    kept = [row for row in rows if len(row) == usual and np.isfinite(row).all()]
+    return np.stack(kept).astype(np.float64) if kept else np.zeros((0, 0))
+
+
+def spoilt(state: State, fault: str) -> Selection:
+    """Return what can be said where the recorder spoilt the samples: that, and no name."""
+    first = state.rounds[0]
+    made = first.explanation
+    tried = {c.name: c.gain.value for c in made.contenders} if made else {}
+    removable = made.removable if made else Estimate(0, 0, 0)
+    unknown = Unknown(first.located.findings, removable, tried, fault, cause=fault)
+    rounds = (Round(first.located, made, None),)
+    return Selection((unknown,), (), rounds, {**state.skipped, **state.guard.failed})

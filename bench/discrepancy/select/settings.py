@@ -1,0 +1,28 @@
+"""Every number that decides about names of waveforms beside those that all names share.
+
+Origins in brackets as in `bench.discrepancy.settings`.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+# --- Rows of one link are alike (select/adequacy) -------------------------------------------------
+FEWEST_SEVERAL: Final = 12  # links of several rows, to say whether they are alike [convention]
+OF_LINKS_SHARE: Final = 0.5  # of a mismatch of levels, that rows of a link must have in common
+# for an effect that draws every link anew [convention]
+OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [convention]
+
+# --- Faults of the recorder (select/recorder) -----------------------------------------------------
+CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
+CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision
+STUCK_DB: Final = 6.0  # out of both neighbours: a pulse of 2 samples at half height is 3 [derived]
+STUCK_Z: Final = 8.0  # standard errors over rows [convention]
+STUCK_PLACES: Final = 3  # at least [convention]
+PULSE_SAMPLES: Final = 6  # around the first path, where the pulse itself stands [derived]
+
+# --- Ranges beside waveform effects (select/range_part) -------------------------------------------
+DETECTION_M: Final = (
+    0.01  # that receivers differ by in what they make of a changed waveform [waves]
+)
+DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector

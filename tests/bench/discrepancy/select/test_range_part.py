@@ -1,0 +1,64 @@
+"""Ranges beside waveform effects: a delay is found, what a receiver may make of them is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Added, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.select.candidates import library, offered
+from bench.discrepancy.select.range_part import chosen_beside, joined, whitening, with_range_part
+from bench.discrepancy.select.state import Search, State
+from bench.physics.effects.ranging.temperature import TemperatureDrift
+from tests.bench.discrepancy.numpy_tables import tables
+
+
+def search_of(constant_m: float) -> tuple[Search, Search]:
+    """Return a search over two halves of tables, `constant_m` hidden, and one over all rows."""
+    recorded, simulated = tables(3, None)
+    frame = recorded.frame
+    frame = frame.assign(**{n: frame[n] + constant_m for n in ("error_m", "range_m") if n in frame})
+    codes = link_codes(frame)
+    odd = codes % 2 == 1
+    halves = [
+        view(frame, codes, np.flatnonzero(part), Window(), None, False) for part in (odd, ~odd)
+    ]
+    kinds, _ = offered(library()[0], frame, False, False)
+    search = Search(TableComparison(simulated.frame, Window()), *halves, kinds, 0)
+    return search, replace(search, work=joined(*halves))
+
+
+@pytest.mark.parametrize(("constant_m", "names"), [(0.15, ("antenna-delay",)), (0.012, ())])
+def test_a_delay_is_found_beside_an_effect_and_a_receivers_shift_is_not(
+    constant_m: float, names: tuple[str, ...]
+) -> None:
+    beside: Added = (TemperatureDrift(0.0),)  # does nothing: receivers differ about it all the same
+    search = search_of(constant_m)[1]
+    assert chosen_beside(search, beside).names == names
+    assert chosen_beside(search, ()).names == ("antenna-delay",)
+
+
+def test_rows_of_two_views_are_all_there() -> None:
+    search, whole = search_of(0.0)
+    assert whole.work is not None
+    assert len(whole.work.rows) == len(search.fit.rows) + len(search.discover.rows)
+    assert set(whole.work.links) == set(search.fit.links) | set(search.discover.links)
+
+
+def test_forms_are_taken_out_as_far_as_they_are_expected() -> None:
+    rng = np.random.default_rng(0)
+    noise, form = rng.normal(0, 0.02, 100), rng.normal(size=(100, 1))
+    kept = [np.linalg.norm(whitening(s * form, noise) @ form) for s in (1.0, 1e-5)]
+    assert kept[0] < 0.05 * np.linalg.norm(form)
+    assert kept[1] > 0.95 * np.linalg.norm(form)
+
+
+def test_where_nothing_differed_nothing_is_asked() -> None:
+    state = State(search_of(0.15)[0])
+    assert with_range_part(state, Journal()) is state

@@ -1,0 +1,63 @@
+"""Faults of a recorder are seen by marks that no signal leaves, and take every name."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.skill import Tally
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.recorder import clipped, recorder_fault, spoilt, stuck
+from bench.discrepancy.select.state import Round, State
+
+ROWS, SAMPLES, FIRST = 60, 120, 20
+
+
+def samples(echo: float = 0.0) -> np.ndarray:
+    """Return magnitudes [n, K] of a pulse, a tail and noise, with an echo 30 samples later."""
+    rng = np.random.default_rng(1)
+    start = FIRST + rng.random((ROWS, 1))
+    loud = 5000 * rng.uniform(0.3, 1, (ROWS, 1))
+    grid = np.arange(SAMPLES)
+    pulse = [np.exp(-4 * np.log(2) * ((grid - start - late) / 2.5) ** 2) for late in (0, 30)]
+    noise = rng.normal(0, 40, (2, ROWS, SAMPLES))
+    return np.asarray(np.abs(loud * (pulse[0] + echo * pulse[1]) + noise[0] + 1j * noise[1]))
+
+
+def frame(cir: np.ndarray) -> pd.DataFrame:
+    return pd.DataFrame({"cir": list(cir.astype(np.float32)), "first_path_index": FIRST})
+
+
+def test_what_is_right_bears_no_mark() -> None:
+    for echo in (0.0, 0.5):  # an echo at one delay is wider than a sample
+        assert clipped(frame(samples(echo))) == ""
+        assert stuck(frame(samples(echo))) == ""
+
+
+def test_clipped_peaks_share_one_value() -> None:
+    words = clipped(frame(np.minimum(samples(), 3000)))
+    assert "clipped at 3000 counts" in words
+
+
+def test_stuck_samples_stand_out_in_every_row_above_or_below() -> None:
+    for value in (600.0, 2.0):
+        cir = samples()
+        cir[:, [45, 61, 77, 93]] = value
+        assert "samples 45, 61, 77" in stuck(frame(cir))
+
+
+def test_what_is_seen_takes_every_name() -> None:
+    rows = frame(np.minimum(samples(), 3000))
+    view = SimpleNamespace(waveform=True, frame=rows)
+    words = recorder_fault(SimpleNamespace(fit=view, discover=view, comparison=None))  # type: ignore[arg-type]
+    tally = Tally(("noise_std",), np.ones((4, 1)), np.ones((4, 1)))
+    told = Explanation((), tally, Estimate(1, 0, 2), tally, {}, {})
+    state = State(None, (), (Round(Located((), 0.002, 9.0, 3.0, 1, {}), told, None),))  # type: ignore[arg-type]
+    found = spoilt(state, words)
+    assert found.names == found.added == ()
+    assert str(found.verdicts[0]).endswith(words)
+    assert "clipped" in words

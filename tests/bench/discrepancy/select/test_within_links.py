@@ -1,0 +1,42 @@
+"""What draws every link anew leaves its rows alike; fading does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.select.adequacy import row_by_row
+from bench.discrepancy.select.within_links import of_links
+
+LINKS, ROWS, MEMBERS = 40, 2, 6
+LINK = np.repeat(np.arange(LINKS), ROWS)
+
+
+def levels(of_link_db: float, of_row_db: float, fitted_db: float = 0.0) -> Ensemble:
+    """Return levels, recorded with a scatter over links and one over rows, simulated without.
+
+    `fitted_db` is what an effect takes off the simulated ones.
+    """
+    rng = np.random.default_rng(3)
+    versions = rng.normal(0, 0.5, (1 + MEMBERS, LINKS * ROWS, 1))
+    versions[0, :, 0] += of_link_db * rng.normal(size=LINKS)[LINK]
+    versions[0, :, 0] += of_row_db * rng.normal(size=LINKS * ROWS) - 6
+    versions[1:] -= fitted_db
+    return Ensemble(("rx_power_dbm",), ("dB",), versions, LINK)
+
+
+def test_the_share_of_a_mismatch_that_links_keep() -> None:
+    assert of_links(levels(5, 0), "rx_power_dbm")[0] > 0.9
+    assert of_links(levels(0, 5), "rx_power_dbm")[0] < 0.4
+    share, error = of_links(levels(5, 5), "rx_power_dbm")
+    assert share == pytest.approx(0.5, abs=3 * error)
+    alone = levels(5, 0)
+    assert np.isnan(of_links(alone.rows(np.arange(0, LINKS * ROWS, 2)), "rx_power_dbm")[0])
+
+
+def test_fading_from_row_to_row_is_no_obstacle() -> None:
+    for of_link_db, of_row_db, refused in ((5, 0.5, False), (0, 5, True)):
+        rest, whole = (levels(of_link_db, of_row_db, fitted) for fitted in (0, 6))
+        assert bool(row_by_row(whole, rest)) is refused
+        assert row_by_row(rest, rest) == ""  # it does not change levels at all
