@@ -148,8 +148,9 @@ class ForeignTable:
     @cached_property
     def _phased(self) -> Complexes:
         """The CIRs with a random phase for every lobe, where the table has none."""
-        cir = there(self.cir)
-        return cir if np.any(cir.imag) else cir * lobe_phases(absolute(cir))
+        cir = np.zeros((0, 0), np.complex64) if self.cir is None else self.cir
+        whole = cir if np.any(cir.imag) else cir * lobe_phases(absolute(cir))
+        return np.asarray(whole, np.complex64)
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.

@@ -256,7 +256,8 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     if inert.sum() < CONTROL_ROWS or inert.all():
         return Control(words, None)
     ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
-    name = RANGE if effect.stage == "ranging" else top.cell.observable
+    of_range = effect.stage == "ranging" or effect.physics in search.choice.names
+    name = RANGE if of_range else top.cell.observable
     if name not in ensemble.names:
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -22,6 +23,7 @@ from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.sets.blocks import (
+    Blocks,
     deformed,
     named_kinds,
     of_laws,
@@ -119,12 +121,15 @@ def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -
 
 def known_columns_of(rows: View) -> Floats:
     """Return one, every number in standard deviations and every group but devices [n, k]."""
-    columns = [np.ones(len(rows.rows))]
+    columns: list[Floats] = [np.ones(len(rows.rows))]
     for value in rows.covariates.numbers.values():
         filled = np.where(np.isfinite(value), value, np.nanmean(value))
-        columns.append(np.clip((filled - filled.mean()) / max(float(filled.std()), 1e-9), -2, 2))
+        standard = (filled - filled.mean()) / max(float(filled.std()), 1e-9)
+        columns.append(np.asarray(np.clip(standard, -2, 2), np.float64))
     groups = rows.covariates.groups.items()
-    columns += [mask * 1.0 for name, mask in groups if not name.startswith(("tx=", "rx="))]
+    columns += [
+        mask.astype(np.float64) for name, mask in groups if not name.startswith(("tx=", "rx="))
+    ]
     return np.stack(columns, axis=1)
 
 
@@ -149,9 +154,7 @@ def joined(one: View, two: View) -> View:
     return View(frame, recorded, links, rows, one.waveform)
 
 
-def _kept(
-    blocks: dict[str, tuple[Floats, ...]], known: Floats, flat: Floats
-) -> dict[str, tuple[Floats, ...]]:
+def _kept(blocks: Blocks, known: NDArray[np.intp], flat: Floats) -> Blocks:
     """Return the blocks of the known rows, made flat, those that do anything there."""
     made = {name: tuple(part[known] for part in block) for name, block in blocks.items()}
     some = {name: block for name, block in made.items() if any(part.any() for part in block)}

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.select.settings import (
     CLIPPED_ROWS,
     CLIPPED_SAME,
@@ -62,8 +63,7 @@ def stuck(frame: pd.DataFrame) -> str:
         return ""
     level = 20 * np.log10(np.maximum(magnitude, 1e-3 * np.median(magnitude)))
     apart, error = _standing_out(level)
-    first = pd.to_numeric(frame.get("first_path_index"), errors="coerce")
-    middle = float(np.nanmedian(first)) if first is not None else 0.0
+    middle = float(np.nan_to_num(np.nanmedian(numeric(frame, "first_path_index"))))
     far = np.abs(np.arange(level.shape[1]) - middle) > PULSE_SAMPLES
     seen = np.flatnonzero((apart > STUCK_DB) & (apart > STUCK_Z * error) & far)
     if len(seen) < STUCK_PLACES:
