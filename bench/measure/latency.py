@@ -8,9 +8,10 @@ drifts (frequency, temperature, neighbours) drifts for all of them alike. Only o
 any moment.
 
 Every round holds a reference loop too, the same work each time, just before and just after the
-samples, and how much of the machine others used. What these show to be disturbed is dropped; more
-is taken while there is patience; where fewer than six rounds are left there is no figure, and
-`withheld` says why. A figure also stands as a ratio to the reference loop.
+samples, and how much of the machine others used. What these show to be disturbed is dropped
+(`undisturbed` says when); more is taken while there is patience, until `FIRST_ROUNDS` are left;
+where fewer than six are there is no figure, and `withheld` says why. A figure also stands as a
+ratio to the reference loop.
 
 A target is done as soon as the intervals of its medians are narrow (`NARROW`), after `FIRST_ROUNDS`
 at least and `ROUNDS` at most: the others go on. An interval that was looked at until it was narrow
@@ -19,7 +20,7 @@ errs a little towards narrow; it is 96 % at the first look.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -49,7 +50,7 @@ SAMPLE_S = 0.002
 ROUNDS = 21
 FIRST_ROUNDS = 9  # the interval is then from the second smallest to the second largest: 96 %
 MORE_ROUNDS = 3  # between two looks
-NARROW = 0.03  # of the median
+NARROW = 0.05  # of the median
 SAMPLES_PER_ROUND = 3
 TIMEOUT_S = 120.0
 MOST = 3  # times the rounds asked for, before it is given up
@@ -178,7 +179,7 @@ class _Run:
         self.target, self.batches = target, batches
         self.error: BenchError | None = None
         self.rounds: dict[int, list[Round]] = {b: [] for b in [*batches, THROUGHPUT_ROWS]}
-        self._fresh: dict[int, list[dict[str, Any]]] = {batch: [] for batch in self.rounds}
+        self._fresh: list[Mapping[str, Any]] = []
         self.calls: dict[int, int] = {}
         self._own, self._timeout_s = stack.enter_context(ExitStack()), timeout_s
 
@@ -217,18 +218,18 @@ class _Run:
 
     def sample(self) -> None:
         """Take one round of samples of every batch."""
-        for batch, fresh in self._fresh.items():
-            count = 1 if batch == THROUGHPUT_ROWS else SAMPLES_PER_ROUND  # one lasts long enough
-            fresh.append(dict(self.worker.ask(do="sample", batch=batch, samples=count)))
+        counts = dict.fromkeys(self.batches, SAMPLES_PER_ROUND)
+        counts[THROUGHPUT_ROWS] = 1  # one lasts long enough
+        self._fresh.append(self.worker.ask(do="round", samples=counts))
 
     def beside(self, excess: float) -> None:
         """Note how many cores too many others used during the rounds since the last note."""
-        for batch, fresh in self._fresh.items():
-            for answer in fresh:
-                flanks = (answer["reference_us"][0], answer["reference_us"][1])
-                one = Round(answer["samples_us"], flanks, answer["core_share"], excess)
-                self.rounds[batch].append(one)
-            fresh.clear()
+        for answer in self._fresh:
+            for batch, rounds in self.rounds.items():
+                one = answer[str(batch)]
+                flanks = (one["reference_us"][0], one["reference_us"][1])
+                rounds.append(Round(one["samples_us"], flanks, one["core_share"], excess))
+        self._fresh.clear()
 
     def kept(self) -> dict[int, list[Round]]:
         """Return the undisturbed rounds by batch."""
@@ -245,8 +246,14 @@ class _Run:
         return len(self.rounds[THROUGHPUT_ROWS])
 
     def wants(self, rounds: int, patient: bool) -> bool:
-        """Tell whether more rounds would help: up to `rounds`, thrice as many while `patient`."""
-        if self.error is not None or self.undisturbed() >= rounds or self._narrow():
+        """Tell whether more rounds would help: up to `rounds`, thrice as many while `patient`.
+
+        Beyond `rounds` only where too few of them were undisturbed.
+        """
+        if self.error is not None:
+            return False
+        enough = self.undisturbed() >= min(rounds, FIRST_ROUNDS)
+        if enough and (self.taken >= rounds or self._narrow()):
             return False
         return self.taken < (MOST * rounds if patient else rounds)
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import psutil
 
 WINDOW_S = 0.5  # the counters tick in hundredths of a second: shorter spans say little
-POLL_S = 1.0
+POLL_S = 0.5
 FEW_CORES, SHARE = 0.25, 0.125  # others may use a quarter of a core, or an eighth of many cores
 Tell = Callable[[str], None]
 

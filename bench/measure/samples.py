@@ -14,8 +14,8 @@ from bench.results import Latency
 FEWEST_ROUNDS = 6  # fewer give no 95 % interval: 1 - 2 x 0.5^5 = 94 %
 WIDE, DRIFTED = 0.10, 0.05
 SHARED = 0.97  # of its core's time; the rest went to other processes
-SLOWED = 1.03  # times the reference loop's own quiet level
-LEVEL = 25  # percentile of the reference taken for quiet: not the luckiest moment, not a slow one
+SLOWED = 1.10  # times the quiet level; a virtual machine's own speed wanders by half of that
+LEVEL = 25  # percentile taken for quiet: not the luckiest moment, not a slow one
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,14 @@ class Round:
     others: float = 0.0
 
     @property
+    def figure_us(self) -> float:
+        """The median sample."""
+        return float(np.median(self.samples_us))
+
+    @property
     def ratio(self) -> float:
         """The median sample over the mean of the reference loops beside it."""
-        return float(np.median(self.samples_us) / np.mean(self.reference_us))
+        return self.figure_us / float(np.mean(self.reference_us))
 
 
 def reference_level(rounds: Sequence[Round]) -> float:
@@ -46,16 +51,22 @@ def reference_level(rounds: Sequence[Round]) -> float:
 def undisturbed(rounds: Sequence[Round], level_us: float) -> list[Round]:
     """Return the rounds that nothing else disturbed.
 
-    Dropped are those in which the loop had less than 97 % of its core, the reference loop before
-    or after took more than 3 % longer than its level, or other work used too much of the machine.
+    Dropped are those in which the loop had less than 97 % of its core, or other work used too
+    much of the machine; and of the others those that were visibly slowed, by more than 10 %: the
+    reference loop before or after against its level `level_us`, and the round's own figure against
+    the lower quartile of all. A reference that is slow beside a figure as usual says nothing of the
+    figure, and a slow figure beside a quick reference is the model's own; both stay, and widen the
+    interval.
     """
-    return [
-        one
-        for one in rounds
-        if one.core_share >= SHARED
-        and max(one.reference_us) <= SLOWED * level_us
-        and one.others <= 0
-    ]
+    alone = [one for one in rounds if one.core_share >= SHARED and one.others <= 0]
+    if not alone:
+        return []
+    usual_us = float(np.percentile([one.figure_us for one in alone], LEVEL))
+    return [one for one in alone if not _slowed(one, level_us, usual_us)]
+
+
+def _slowed(one: Round, level_us: float, usual_us: float) -> bool:
+    return max(one.reference_us) > SLOWED * level_us and one.figure_us > SLOWED * usual_us
 
 
 def summarise(batch: int, rounds: Sequence[Round]) -> Latency:

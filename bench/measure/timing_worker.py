@@ -6,8 +6,8 @@ ends when its input does, so it never outlives the process that asked.
     {"do": "open", "path": .., "opener": "module:function", "width": 157, "batches": [1, 4],
      "rows": 256, "preload": ["onnxruntime"]}      -> {"peak_memory_bytes": .., "core": 1}
     {"do": "calibrate", "sample_s": 0.002}         -> {"calls": {"1": 20, "4": 9, "256": 1}}
-    {"do": "sample", "batch": 1, "samples": 10}    -> {"samples_us": [..], "core_share": 0.998,
-                                                       "reference_us": [17.1, 17.2]}
+    {"do": "round", "samples": {"1": 3, "256": 1}} -> {"1": {"samples_us": [..],
+                          "core_share": 0.998, "reference_us": [17.1, 17.2]}, "256": {..}}
     {"do": "burst", "batch": 1, "seconds": 0.5}    -> {"calls": 5012, "seconds": 0.5001}
 """
 
@@ -20,7 +20,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from itertools import repeat
 from pathlib import Path
@@ -37,6 +37,7 @@ Runner = Callable[[Floats], Floats]
 THREADS = 1
 WARM_UP_S = 0.02  # each sample settles again before it is taken
 SETTLE_S = 0.003  # re-warms caches after other workers, or the reference, had the core
+REFERENCE_SHARE = 0.5  # of a sample's time
 REFERENCE_SIZE = 96  # the reference loop multiplies two such matrices: 108 kB, 1.8 million flops
 
 
@@ -57,7 +58,11 @@ class Reference:
         self.calls = max(1, -int(-sample_s // fastest_s))
 
     def time_us(self) -> float:
-        """Return microseconds for one product, the mean over the calibrated number."""
+        """Return microseconds for one product, the mean over the calibrated number.
+
+        One more goes before them: whatever had the core left its caches cold.
+        """
+        np.matmul(self.left, self.right, out=self.result)
         start = time.perf_counter_ns()
         for _ in repeat(None, self.calls):
             np.matmul(self.left, self.right, out=self.result)
@@ -81,29 +86,35 @@ class Timer:
 
     def calibrate(self, sample_s: float) -> dict[int, int]:
         """Warm up, then choose how many calls make one sample of at least `sample_s` seconds."""
-        self.reference.calibrate(sample_s)
+        self.reference.calibrate(sample_s * REFERENCE_SHARE)
         for batch in self.inputs:
             self._run_for(batch, WARM_UP_S)
             fastest = min(self._time(batch, 1) for _ in range(5))
             self.calls[batch] = max(1, -int(-sample_s // fastest))
         return self.calls
 
-    def sample(self, batch: int, samples: int) -> dict[str, Any]:
-        """Return `samples` means over the calibrated number of calls, in microseconds a call.
+    def round(self, samples: Mapping[int, int]) -> dict[int, dict[str, Any]]:
+        """Return so many samples of each batch: means over the calibrated calls, microseconds each.
 
         `core_share` is the processor time they took over the time that passed: below 1 where
         other processes had the core meanwhile. `reference_us` is the reference loop, a product in
         microseconds, just before and just after.
         """
-        before = self.reference.time_us()
+        self.reference.time_us()  # the core wakes up
+        found, before = {}, self.reference.time_us()
+        for batch, count in samples.items():
+            found[batch] = self._sample(batch, count)
+            after = self.reference.time_us()
+            found[batch]["reference_us"], before = [before, after], after
+        return found
+
+    def _sample(self, batch: int, count: int) -> dict[str, Any]:
         self._run_for(batch, SETTLE_S)
         calls = self.calls[batch]
         start, start_busy = time.perf_counter(), time.process_time()
-        samples_us = [self._time(batch, calls) * 1e6 / calls for _ in range(samples)]
+        samples_us = [self._time(batch, calls) * 1e6 / calls for _ in range(count)]
         busy, passed = time.process_time() - start_busy, time.perf_counter() - start
-        flanks = [before, self.reference.time_us()]
-        share = busy / max(passed, 1e-9)
-        return {"samples_us": samples_us, "core_share": share, "reference_us": flanks}
+        return {"samples_us": samples_us, "core_share": busy / max(passed, 1e-9)}
 
     def burst(self, batch: int, seconds: float) -> dict[str, float]:
         """Run without pause for about `seconds`; return how many calls that took, and how long."""
@@ -198,7 +209,8 @@ def _timed(timer: Timer, request: dict[str, Any]) -> dict[str, Any]:
             case "burst":
                 return timer.burst(request["batch"], request["seconds"])
             case _:
-                return timer.sample(request["batch"], request["samples"])
+                wanted = {int(batch): count for batch, count in request["samples"].items()}
+                return {str(batch): one for batch, one in timer.round(wanted).items()}
     finally:
         gc.enable()
 

@@ -94,9 +94,11 @@ def quiet(count: int = 8, **changes: object) -> list[Round]:
         ({}, 8),
         ({"core_share": 0.96}, 7),
         ({"core_share": 0.98}, 8),
-        ({"reference_us": (10.0, 10.4)}, 7),
-        ({"reference_us": (10.4, 10.0)}, 7),
-        ({"reference_us": (9.0, 10.2)}, 8),
+        ({"reference_us": (10.0, 11.1), "samples_us": [111.0] * 5}, 7),
+        ({"reference_us": (11.1, 10.0), "samples_us": [111.0] * 5}, 7),
+        ({"reference_us": (10.9, 10.9), "samples_us": [111.0] * 5}, 8),  # as it wanders
+        ({"reference_us": (15.0, 15.0)}, 8),  # the figure did not notice
+        ({"reference_us": (15.0, 15.0), "samples_us": [109.0] * 5}, 8),
         ({"others": 0.01}, 7),
         ({"others": 0.0}, 8),
         ({"samples_us": [900.0] * 5}, 8),  # a slow model is no disturbance
@@ -118,3 +120,22 @@ def test_the_ratio_to_the_reference_is_that_of_the_same_round() -> None:
     found = samples.summarise(1, rounds)
     assert found.reference_ratio == pytest.approx(5.0)
     assert found.unstable
+
+
+def test_what_is_kept_of_a_machine_that_wanders_has_the_median_of_all() -> None:
+    rng = np.random.default_rng(6)
+    speed = rng.lognormal(0, 0.04, 4000)
+    rounds = [
+        Round(list(100 * one * rng.lognormal(0, 0.02, 3)), (10 * one, 10 * one)) for one in speed
+    ]
+    kept = undisturbed(rounds, reference_level(rounds))
+    assert len(kept) > 0.9 * len(rounds)
+    middle = np.median([one.figure_us for one in kept])
+    assert middle == pytest.approx(np.median([one.figure_us for one in rounds]), rel=0.01)
+
+
+def test_a_neighbour_that_comes_and_goes_is_left_out_of_the_figure() -> None:
+    slow = np.where(np.arange(30) % 3 == 0, 1.4, 1.0)
+    rounds = [Round([100.0 * k] * 3, (10.0 * k, 10.0 * k)) for k in slow]
+    kept = undisturbed(rounds, reference_level(rounds))
+    assert [one.figure_us for one in kept] == [100.0] * 20
