@@ -32,10 +32,11 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.marks import marked, with_marks, without_idle
+from bench.discrepancy.select.marks import marked, with_marks
 from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked, checked
+from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -332,9 +333,8 @@ def concluded(state: State, journal: Journal) -> Selection:
     asis = Checked(added, state.rounds)
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)
     held = state.guard.safely("marks", with_marks, held)(search, held)
-    said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts)
+    said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts, held.whole)
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
-    kept = without_idle(held)
-    named = tuple(e for e in (*struck, *kept) if any(e.physics in v.names for v in said))
     skipped = {**state.skipped, **state.guard.failed}
-    return Selection(said, named, held.rounds, skipped, search.choice.names)
+    best = fitting_best(search, held, struck, said)
+    return Selection(said, best, held.rounds, skipped, search.choice.names)

@@ -180,6 +180,8 @@ def _without_names(found: Selection, kept: Added) -> Selection:
     physics = {effect.physics for effect in kept}
     stay = tuple(v for v in found.verdicts if physics & set(v.names))
     gone = [v.names for v in found.verdicts if v.names and v not in stay]
+    if not gone:  # only effects go that no verdict names
+        return replace(found, added=kept)
     names = " and ".join(" or ".join(group) for group in gone)
     tried = {c.name: c.gain.value for c in first.explanation.contenders}
     note = f"a law does better than {names}"

@@ -52,12 +52,16 @@ def verdicts(
     rounds: tuple[Round, ...],
     added: Added,
     doubts: tuple[Doubt, ...] = (),
+    whole: Added = (),
 ) -> tuple[Verdict, ...]:
-    """Return what can be said: names that hold, and what is left, `doubts` among it."""
+    """Return what can be said: names that hold, and what is left, `doubts` among it.
+
+    `added` may be named; `whole` are all effects beside which they were judged, () for the same.
+    """
     last = rounds[-1]
     struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
     if doubts:
-        held = verdicts(search, rounds, added) if added else struck
+        held = verdicts(search, rounds, added, whole=whole) if added else struck
         known = tuple(v for v in held if not isinstance(v, Unknown))
         if known and _within_forms(search, _share(search, _since_struck(rounds), added)):
             return known
@@ -72,7 +76,7 @@ def verdicts(
     worth = worth or (not added and _real(search, last))
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         return (*struck, _unknown(last, "the best known effects remove too little of it"))
-    named = (*struck, *_named(search, rounds, added, share))
+    named = (*struck, *_named(search, rounds, added, whole or added, share))
     worth = worth and not (added and _within_forms(search, share))
     return (*named, _unknown(last, "left after the named effects")) if worth else named
 
@@ -173,15 +177,23 @@ def _form_leaves(search: Search, added: Added) -> float:
 
 
 def _named(
-    search: Search, rounds: tuple[Round, ...], added: Added, share: float
+    search: Search, rounds: tuple[Round, ...], added: Added, whole: Added, share: float
 ) -> tuple[Verdict, ...]:
-    """Return one verdict per added effect: named alone, or with those that do as well."""
+    """Return one verdict per added effect: named alone, or with those that do as well.
+
+    Each is judged as it is beside all others of `whole`.
+    """
     out: list[Verdict] = []
+    names = {effect.name for effect in added}
     for turn in rounds:
         if turn.added is None or turn.explanation is None or turn.strike:
             continue
-        effect = next((e for e in added if e.name == turn.added.name), None)
-        if effect is None or any(effect.physics in v.names for v in out):
+        effect = next((e for e in whole if e.name == turn.added.name), None)
+        if (
+            effect is None
+            or effect.name not in names
+            or any(effect.physics in v.names for v in out)
+        ):
             continue
         together = effect.physics in search.choice.names
         same = turn.explanation.contenders
@@ -189,17 +201,17 @@ def _named(
             same = equivalents(turn.explanation, search.seed)
         if search.fit.waveform:
             same = (*same, *nearly_as_good(turn.explanation, same))
-        if len(added) > 1 and not together:
+        if len(whole) > 1 and not together:
             views = (search.fit, search.discover)
             held = rivals(
-                search.comparison, views, added, effect, same[1:], search.kinds, search.seed
+                search.comparison, views, whole, effect, same[1:], search.kinds, search.seed
             )
             same = (same[0], *held)
         options = tuple(
-            _left_out(search, turn, effect if i == 0 else c.effect, c.gain, added, share)
+            _left_out(search, turn, effect if i == 0 else c.effect, c.gain, whole, share)
             for i, c in enumerate(same)
         )
-        objections = [objection(search, turn, added, effect, option) for option in options]
+        objections = [objection(search, turn, whole, effect, option) for option in options]
         passed = tuple(o for o, why in zip(options, objections, strict=True) if not why)
         passed = without_disguises(passed, search.searched)
         if not passed:  # a name whose own negative control fails is none

@@ -53,26 +53,31 @@ def _best(search: Search, added: Added, forms: tuple[Effect, ...]) -> Effect:
 
 def with_marks(search: Search, held: Checked) -> Checked:
     """Return what was checked with every effect that bears its mark in it, and a round for each."""
-    for effect in marked(search, held.added):
+    for effect in marked(search, held.simulated):
         known = any(turn.added and turn.added.name == effect.name for turn in held.rounds)
-        inside = any(one.name == effect.name for one in held.added)
-        added = held.added if inside else (*held.added, effect)
+        added = _including(held.added, effect)
         rounds = held.rounds if known else _announced(search, held, added, effect)
         doubts = tuple(doubt for doubt in held.doubts if doubt.effect.name != effect.name)
-        held = replace(held, added=added, rounds=rounds, doubts=doubts)
+        whole = _including(held.whole, effect) if held.whole else ()
+        held = replace(held, added=added, rounds=rounds, doubts=doubts, whole=whole)
     return held
 
 
-def without_idle(held: Checked) -> Added:
-    """Return what was checked without effects that only their mark speaks for.
+def _including(added: Added, effect: Effect) -> Added:
+    """Return the effects with this one, as it is where it is among them."""
+    inside = any(one.name == effect.name for one in added)
+    return added if inside else (*added, effect)
 
-    They are named, but not put into the simulator: they help no link they were not fitted on.
+
+def idle(held: Checked) -> set[str]:
+    """Return the names of effects that only their mark speaks for.
+
+    They are stated, but not put into the simulator: they help no link they were not fitted on.
     """
     alone = [turn for turn in held.rounds if turn.added and turn.explanation and not turn.strike]
     gains = {t.added.name: t.explanation.contenders for t in alone if t.added and t.explanation}
     bare = {name for name, every in gains.items() if len(every) == 1}
-    idle = {name for name in bare if not gains[name][0].gain.likely_above_zero}
-    return tuple(effect for effect in held.added if effect.name not in idle)
+    return {name for name in bare if not gains[name][0].gain.likely_above_zero}
 
 
 def _announced(search: Search, held: Checked, added: Added, effect: Effect) -> tuple[Round, ...]:

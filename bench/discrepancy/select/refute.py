@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy, brought
-from bench.discrepancy.select.backfitting import beside_others, polished
+from bench.discrepancy.select.backfitting import beside_others, polished, pruned
 from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import locate_left
+from bench.discrepancy.select.stepwise import locate_left, margin
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
     EQUIVALENT_SHARE,
     ESSENTIAL_SHARE,
     MARGIN_NATS,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
 )
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
@@ -39,11 +42,22 @@ class Doubt:
 
 @dataclass(frozen=True)
 class Checked:
-    """The effects that reproduce what they act on, the rounds that name them, and the doubts."""
+    """What was checked: a statement and a simulator, which are separate questions.
+
+    `added` are the effects that reproduce what they act on and may be named; `doubts` say why
+    others may not. `whole` is what fits best: these with the refused ones that held-out links miss,
+    () where none is missed.
+    """
 
     added: Added
     rounds: tuple[Round, ...]
     doubts: tuple[Doubt, ...] = ()
+    whole: Added = ()
+
+    @property
+    def simulated(self) -> Added:
+        """The effects in whose company every name is judged."""
+        return self.whole or self.added
 
 
 def working(search: Search) -> tuple[View, ...]:
@@ -52,32 +66,80 @@ def working(search: Search) -> tuple[View, ...]:
 
 
 def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
-    """Return the effects without those that are refuted, the worst first.
+    """Return the effects without those that are refuted, each judged in the company of all.
 
-    What is refuted gives way to a rival of its round that is not, where there is one.
+    What is refuted gives way to a rival of its round that is not, where there is one. Else it is
+    no name; but it is taken out only where held-out links do not miss it when the rest is fitted
+    without it: what it did would fall on others, which would then be refuted for its sake.
     """
-    doubts: tuple[Doubt, ...] = ()
+    gone: tuple[Doubt, ...] = ()
     refuted: set[str] = set()
     added = _without_forms(search, added)
     for _ in range(2 * len(added)):
-        worst = _worst(search, rounds, added)
-        if worst is None:
+        fresh = [d for d in _refuted(search, rounds, added) if d.effect.physics not in refuted]
+        if not fresh:
             break
-        refuted.add(worst.effect.physics)
-        rival = _adequate_rival(search, rounds, added, worst.effect, refuted)
-        if rival is None:
-            doubts = (*doubts, worst)
-            rest = without(added, worst.effect)
-            added = polished(search.comparison, search.fit, rest, 1, False)
-        else:
-            rounds = tuple(_renamed(turn, worst.effect, rival) for turn in rounds)
-            added = swapped_for(added, worst.effect, rival.effect)
-    needed = doubts and _left(search, rounds, added)
+        worst = fresh[0].effect
+        refuted.add(worst.physics)
+        rival = _adequate_rival(search, rounds, added, worst, refuted)
+        if rival is not None:
+            rounds = tuple(_renamed(turn, worst, rival) for turn in rounds)
+            added = swapped_for(added, worst, rival.effect)
+        elif len(rest := _unmissed(search, added, worst)) < len(added):
+            gone, added = (*gone, fresh[0]), rest
+    return _stated(search, rounds, added, gone)
+
+
+def _unmissed(search: Search, added: Added, effect: Effect) -> Added:
+    """Return the effects fitted without one of them, or as they are where held-out links miss it.
+
+    Missed: the others, fitted anew, lose what an effect must be worth.
+    """
+    rest = polished(search.comparison, search.fit, without(added, effect), 1, False)
+    if not search.fit.waveform:
+        return rest
+    bare, whole = (_scored(search, effects) for effects in (rest, added))
+    lost = gain_interval(bare, whole, search.seed)
+    missed = lost.likely_above_zero and lost.value > margin(search, rest)
+    return added if missed else rest
+
+
+def _scored(search: Search, added: Added) -> Tally:
+    """Return the tally of effects on held-out rows."""
+    made = search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
+    return tally(made)
+
+
+def _stated(
+    search: Search, rounds: tuple[Round, ...], whole: Added, gone: tuple[Doubt, ...]
+) -> Checked:
+    """Return which effects are names: those that are not refused and do without the refused ones.
+
+    What helps only beside a refused effect mends the form of that, and is no cause of its own.
+    """
+    doubts = _refuted(search, rounds, whole)
+    added, fillers = whole, ()
+    if doubts:
+        added, fillers = _standing(search, whole, doubts)
+    needed = doubts or (gone and _left(search, rounds, added))
+    doubts = (*gone, *doubts, *fillers)
     loudest = _loudest(search, rounds, added)
     if not loudest.adequate:
-        doubts = (*doubts, *(Doubt(effect, loudest) for effect in added))
-        return Checked((), rounds, doubts)
-    return Checked(added, rounds, doubts if needed else ())
+        return Checked((), rounds, (*doubts, *(Doubt(e, loudest) for e in added)), whole)
+    return Checked(added, rounds, doubts if needed else (), whole if added != whole else ())
+
+
+def _standing(
+    search: Search, whole: Added, refused: tuple[Doubt, ...]
+) -> tuple[Added, tuple[Doubt, ...]]:
+    """Return the effects that are missed without the refused ones, and doubts of the others."""
+    names = {doubt.effect.name for doubt in refused}
+    rest = tuple(effect for effect in whole if effect.name not in names)
+    rest = polished(search.comparison, search.fit, rest, 1, False)
+    least = margin(search, rest)
+    held = pruned(search.comparison, search.discover, rest, search.seed, least)
+    why = Adequacy(False, note=f"it helps only beside {' and '.join(sorted(names))}")
+    return held, tuple(Doubt(effect, why) for effect in rest if effect not in held)
 
 
 def _loudest(search: Search, rounds: tuple[Round, ...], added: Added) -> Adequacy:
@@ -177,12 +239,12 @@ def _brought_by(rounds: tuple[Round, ...], effect: Effect) -> Round | None:
     return next((turn for turn in rounds if turn.added and turn.added.name == effect.name), None)
 
 
-def _worst(search: Search, rounds: tuple[Round, ...], added: Added) -> Doubt | None:
-    """Return the effect of which most is left beyond what is allowed, None where none is."""
+def _refuted(search: Search, rounds: tuple[Round, ...], added: Added) -> tuple[Doubt, ...]:
+    """Return the effects of which more is left than is allowed, beside all others; worst first."""
     left = (effect for effect in added if effect.physics not in search.choice.names)
     doubts = [Doubt(e, fits(search, added, e, _brought_by(rounds, e))) for e in left]
     doubts = [doubt for doubt in doubts if not doubt.why.adequate]
-    return max(doubts, key=lambda doubt: doubt.why.left, default=None)
+    return tuple(sorted(doubts, key=lambda doubt: -doubt.why.left))
 
 
 def _adequate_rival(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.deformation import within
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.sets.choice import Choice
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.level_control import LevelControl
@@ -146,27 +148,60 @@ def test_chance_is_not_held_against_a_weak_effect() -> None:
     assert refused <= 6  # of 60 at 5 %: P(more) = 0.04
 
 
-def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    tail, noise = DiffuseTail(), NoiseFloor()
+Fits = Callable[[tuple[Effect, ...], Effect], bool]
 
-    def fits(_: object, added: tuple[object, ...], effect: object, __: object) -> Adequacy:
-        alone = len(added) == 1
-        left = {tail.name: 2.0, noise.name: 0.9}[effect.name]  # type: ignore[attr-defined]
-        return Adequacy(alone, left, 9.0, "the mean of profile_db in all rows")
 
-    monkeypatch.setattr(refute, "fits", fits)
+def _checked(
+    monkeypatch: pytest.MonkeyPatch, added: tuple[Effect, ...], fits: Fits, missed: bool
+) -> refute.Checked:
+    """Return what is checked where `fits` says which names hold beside which others."""
+
+    def looked(_: object, beside: tuple[Effect, ...], effect: Effect, __: object) -> Adequacy:
+        left = {"diffuse-tail": 2.0}.get(effect.name, 0.9)
+        return Adequacy(fits(beside, effect), left, 9.0, "the mean of profile_db in all rows")
+
+    def unmissed(_: object, beside: tuple[Effect, ...], effect: Effect) -> tuple[Effect, ...]:
+        return beside if missed else tuple(e for e in beside if e is not effect)
+
+    monkeypatch.setattr(refute, "fits", looked)
+    monkeypatch.setattr(refute, "_unmissed", unmissed)
     monkeypatch.setattr(refute, "polished", lambda _comparison, _rows, added, *_: added)
+    monkeypatch.setattr(refute, "pruned", lambda _comparison, _rows, added, *_: added)
+    monkeypatch.setattr(refute, "margin", lambda *_: 0.01)
     monkeypatch.setattr(refute, "_left", lambda *_: True)
     monkeypatch.setattr(refute, "needless", lambda *_: None)
     monkeypatch.setattr(refute, "working", lambda _: ())
     monkeypatch.setattr(refute, "_loudest", lambda *_: Adequacy(True))
-    search = _Search()
-    found = refute.checked(search, (), (tail, noise))  # type: ignore[arg-type]
-    assert found.added == (noise,)
+    return refute.checked(_Search(), (), added)  # type: ignore[arg-type]
+
+
+def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tail, noise = DiffuseTail(), NoiseFloor()
+    found = _checked(monkeypatch, (tail, noise), lambda beside, _: len(beside) == 1, missed=False)
+    assert found.simulated == found.added == (noise,)
     assert [doubt.effect for doubt in found.doubts] == [tail]
     assert "looks most like diffuse-tail" in str(found.doubts[0])
+
+
+def test_a_refused_effect_that_links_miss_stays_in_the_simulator_without_its_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tail, noise = DiffuseTail(), NoiseFloor()
+    found = _checked(monkeypatch, (tail, noise), lambda _, effect: effect is noise, missed=True)
+    assert found.added == (noise,)
+    assert found.simulated == (tail, noise)
+    assert [doubt.effect for doubt in found.doubts] == [tail]
+
+
+def test_a_refusal_that_another_effect_lifts_is_not_final(monkeypatch: pytest.MonkeyPatch) -> None:
+    tail, noise, loss = DiffuseTail(), NoiseFloor(), PathLoss()
+    rival = Contender(loss, Tally((), np.ones((4, 0)), np.ones((4, 0))), Estimate(1, 1, 1))
+    monkeypatch.setattr(refute, "_adequate_rival", lambda *a: rival if a[3] is noise else None)
+    found = _checked(monkeypatch, (tail, noise), lambda beside, _: loss in beside, missed=True)
+    assert found.added == found.simulated == (tail, loss)
+    assert not found.doubts
 
 
 @dataclass(frozen=True)
@@ -178,6 +213,8 @@ class _Fit:
 class _Search:
     comparison: None = None
     fit: _Fit = _Fit()
+    discover: None = None
+    seed: int = 0
     kinds: None = None
     choice: Choice = field(default_factory=Choice)
 
