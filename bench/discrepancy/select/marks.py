@@ -11,10 +11,9 @@ from dataclasses import replace
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.refute import Checked
+from bench.discrepancy.select.refute import Checked, announced
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.settings import FIT_MEMBERS, SCORE_FIRST, SCORE_MEMBERS
+from bench.discrepancy.settings import FIT_MEMBERS
 from bench.physics.effect import Effect
 
 
@@ -82,12 +81,5 @@ def idle(held: Checked) -> set[str]:
 
 def _announced(search: Search, held: Checked, added: Added, effect: Effect) -> tuple[Round, ...]:
     """Return the rounds with one before the last that adds an effect by its mark."""
-    rest = tuple(one for one in added if one.name != effect.name)
-    before, after = (
-        tally(search.comparison.ensemble(search.discover, each, SCORE_MEMBERS, SCORE_FIRST))
-        for each in (rest, (*rest, effect))
-    )
-    gained = gain_interval(before, after, search.seed)
-    alone = Explanation((Contender(effect, after, gained),), before, gained, after, {}, {})
     *earlier, last = held.rounds
-    return (*earlier, Round(last.located, alone, effect), last)
+    return (*earlier, announced(search, last, added, effect), last)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from bench.discrepancy.compare.skill import Tally, gain_interval, tally
+from bench.discrepancy.compare.skill import Tally, gain_interval, gains, tally
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy, brought
 from bench.discrepancy.select.backfitting import beside_others, polished, pruned
-from bench.discrepancy.select.candidates import Contender
+from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
@@ -19,6 +19,7 @@ from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left, margin
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
+    ADEQUACY_TOUCHED,
     EQUIVALENT_SHARE,
     ESSENTIAL_SHARE,
     MARGIN_NATS,
@@ -74,7 +75,7 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
     """
     gone: tuple[Doubt, ...] = ()
     refuted: set[str] = set()
-    added = _without_forms(search, added)
+    first = added = _without_forms(search, added)
     for _ in range(2 * len(added)):
         fresh = [d for d in _refuted(search, rounds, added) if d.effect.physics not in refuted]
         if not fresh:
@@ -87,7 +88,10 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
             added = swapped_for(added, worst, rival.effect)
         elif len(rest := _unmissed(search, added, worst)) < len(added):
             gone, added = (*gone, fresh[0]), rest
-    return _stated(search, rounds, added, gone)
+    for effect in first if search.fit.waveform else ():
+        rounds, added = _taken_again(search, rounds, added, effect)
+    back = {effect.name for effect in added}
+    return _stated(search, rounds, added, tuple(d for d in gone if d.effect.name not in back))
 
 
 def _unmissed(search: Search, added: Added, effect: Effect) -> Added:
@@ -102,6 +106,34 @@ def _unmissed(search: Search, added: Added, effect: Effect) -> Added:
     lost = gain_interval(bare, whole, search.seed)
     missed = lost.likely_above_zero and lost.value > margin(search, rest)
     return added if missed else rest
+
+
+def _taken_again(
+    search: Search, rounds: tuple[Round, ...], added: Added, effect: Effect
+) -> tuple[tuple[Round, ...], Added]:
+    """Return rounds and effects with a refused one among them again, where it now holds.
+
+    What came in the place of another may have lifted what spoke against a third.
+    """
+    if any(known.physics == effect.physics for known in added):
+        return rounds, added
+    both = polished(search.comparison, search.fit, (*added, effect), 1, False)
+    made, turn = both[-1], _brought_by(rounds, effect)
+    more = announced(search, rounds[-1], both, made)
+    assert more.explanation is not None
+    gained = more.explanation.removable
+    worth = gained.likely_above_zero and gained.value > margin(search, added)
+    if not (worth and fits(search, both, made, turn).adequate):
+        return rounds, added
+    return (rounds if turn else (*rounds[:-1], more, rounds[-1])), both
+
+
+def announced(search: Search, last: Round, added: Added, effect: Effect) -> Round:
+    """Return a round that adds an effect beside others, with what it gains there."""
+    before, after = (_scored(search, each) for each in (without(added, effect), added))
+    gained = gain_interval(before, after, search.seed)
+    alone = Explanation((Contender(effect, after, gained),), before, gained, after, {}, {})
+    return Round(last.located, alone, effect)
 
 
 def _scored(search: Search, added: Added) -> Tally:
@@ -165,8 +197,27 @@ def _without_forms(search: Search, added: Added) -> Added:
     while search.fit.waveform and (
         small := needless(search.comparison, working(search), added, sure)
     ):
+        if _most_missed(search, added, small):
+            break
         added = polished(search.comparison, search.fit, without(added, small), 1, False)
     return added
+
+
+def _most_missed(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether held-out links miss no other effect more where this one acts.
+
+    Each is left out and the rest fitted again. What is missed most is no form of another.
+    """
+    whole = _scored(search, added)
+    rests = {
+        e.name: polished(search.comparison, search.fit, without(added, e), 1, False) for e in added
+    }
+    lost = {name: gains(_scored(search, rest), whole) for name, rest in rests.items()}
+    most = max(lost[effect.name].values())
+    acts = [name for name, nats in lost[effect.name].items() if nats > ADEQUACY_TOUCHED * most]
+    missed = {name: sum(each.get(one, 0.0) for one in acts) for name, each in lost.items()}
+    own = missed.pop(effect.name)
+    return own > margin(search, rests[effect.name]) and own >= max(missed.values())
 
 
 def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:

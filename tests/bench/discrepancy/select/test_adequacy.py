@@ -152,9 +152,19 @@ Fits = Callable[[tuple[Effect, ...], Effect], bool]
 
 
 def _checked(
-    monkeypatch: pytest.MonkeyPatch, added: tuple[Effect, ...], fits: Fits, missed: bool
+    monkeypatch: pytest.MonkeyPatch,
+    added: tuple[Effect, ...],
+    fits: Fits,
+    missed: bool,
+    gained: float = 0.0,
 ) -> refute.Checked:
-    """Return what is checked where `fits` says which names hold beside which others."""
+    """Return what is checked where `fits` says which names hold beside which others.
+
+    `gained` is what one that was refused gains when it is taken again.
+    """
+    none, gain = Tally((), np.ones((4, 0)), np.ones((4, 0))), Estimate(gained, gained, gained)
+    told = Explanation((), none, gain, none, {}, {})
+    last = Round(Located((), 1.0, 1.0, 9.0, 1, {}), told, None)
 
     def looked(_: object, beside: tuple[Effect, ...], effect: Effect, __: object) -> Adequacy:
         left = {"diffuse-tail": 2.0}.get(effect.name, 0.9)
@@ -168,11 +178,12 @@ def _checked(
     monkeypatch.setattr(refute, "polished", lambda _comparison, _rows, added, *_: added)
     monkeypatch.setattr(refute, "pruned", lambda _comparison, _rows, added, *_: added)
     monkeypatch.setattr(refute, "margin", lambda *_: 0.01)
+    monkeypatch.setattr(refute, "announced", lambda _s, _l, _a, effect: replace(last, added=effect))
     monkeypatch.setattr(refute, "_left", lambda *_: True)
     monkeypatch.setattr(refute, "needless", lambda *_: None)
     monkeypatch.setattr(refute, "working", lambda _: ())
     monkeypatch.setattr(refute, "_loudest", lambda *_: Adequacy(True))
-    return refute.checked(_Search(), (), added)  # type: ignore[arg-type]
+    return refute.checked(_Search(), (last,), added)  # type: ignore[arg-type]
 
 
 def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
@@ -199,9 +210,13 @@ def test_a_refusal_that_another_effect_lifts_is_not_final(monkeypatch: pytest.Mo
     tail, noise, loss = DiffuseTail(), NoiseFloor(), PathLoss()
     rival = Contender(loss, Tally((), np.ones((4, 0)), np.ones((4, 0))), Estimate(1, 1, 1))
     monkeypatch.setattr(refute, "_adequate_rival", lambda *a: rival if a[3] is noise else None)
-    found = _checked(monkeypatch, (tail, noise), lambda beside, _: loss in beside, missed=True)
-    assert found.added == found.simulated == (tail, loss)
-    assert not found.doubts
+    for gained, taken in ((0.0, ()), (1.0, (noise,))):
+        lifted = _checked(
+            monkeypatch, (tail, noise), lambda beside, _: loss in beside, missed=True, gained=gained
+        )
+        assert lifted.added == lifted.simulated == (tail, loss, *taken)
+        assert [turn.added for turn in lifted.rounds[:-1]] == list(taken)
+        assert not lifted.doubts
 
 
 @dataclass(frozen=True)
