@@ -150,9 +150,7 @@ def _stated(
     What helps only beside a refused effect mends the form of that, and is no cause of its own.
     """
     doubts = _refuted(search, rounds, whole)
-    added, fillers = whole, ()
-    if doubts:
-        added, fillers = _standing(search, whole, doubts)
+    added, fillers = _standing(search, whole, doubts) if doubts else (whole, ())
     needed = doubts or (gone and _left(search, rounds, added))
     doubts = (*gone, *doubts, *fillers)
     loudest = _loudest(search, rounds, added)
