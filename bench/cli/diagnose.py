@@ -111,13 +111,19 @@ def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
 def _print(diagnosis: Diagnosis) -> None:
     """Print the verdicts and the confirm figures."""
     from bench.discrepancy.compare.calibration import auc_doubt
-    from bench.discrepancy.report.document import describe, law_lines, measured_lines
+    from bench.discrepancy.report.document import (
+        describe,
+        law_lines,
+        measured_lines,
+        nameless_lines,
+    )
 
     say(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
         for line in describe(verdict):
             say(line.replace("**", ""))
-    for line in law_lines(diagnosis.law) if diagnosis.law else ():
+    laws = law_lines(diagnosis.law) if diagnosis.law else []
+    for line in (*laws, *nameless_lines(diagnosis)):
         say(line.replace("**", ""))
     seen = diagnosis.confirmed
     if diagnosis.uncovered:

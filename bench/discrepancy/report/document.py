@@ -105,7 +105,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
         lines += [*describe(verdict), ""]
     if diagnosis.law is not None:
         lines += [*law_lines(diagnosis.law), ""]
-    lines += [part for line in _nameless_lines(diagnosis) for part in (line, "")]
+    lines += [part for line in nameless_lines(diagnosis) for part in (line, "")]
     lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
     lines += ["## Pictures", ""]
     for name, caption in figures:
@@ -151,7 +151,7 @@ def describe(verdict: Verdict) -> list[str]:
     return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict)]
 
 
-def _nameless_lines(diagnosis: Diagnosis) -> list[str]:
+def nameless_lines(diagnosis: Diagnosis) -> list[str]:
     """Return which library effects the new simulator has although they are not stated as causes."""
     selection = diagnosis.selection
     every = beyond_names(selection.added, selection.verdicts)
