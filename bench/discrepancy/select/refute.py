@@ -162,13 +162,18 @@ def _stated(
 def _standing(
     search: Search, whole: Added, refused: tuple[Doubt, ...]
 ) -> tuple[Added, tuple[Doubt, ...]]:
-    """Return the effects that are missed without the refused ones, and doubts of the others."""
+    """Return the effects that are missed without the refused ones, and doubts of the others.
+
+    Those of a set of causes were weighed on ranges alone, where little may be much.
+    """
     names = {doubt.effect.name for doubt in refused}
     rest = tuple(effect for effect in whole if effect.name not in names)
     rest = polished(search.comparison, search.fit, rest, 1, False)
     least = margin(search, rest)
     held = pruned(search.comparison, search.discover, rest, search.seed, least)
     why = Adequacy(False, note=f"it helps only beside {' and '.join(sorted(names))}")
+    sure = {effect.name for effect in held} | set(search.choice.names)
+    held = tuple(effect for effect in rest if {effect.name, effect.physics} & sure)
     return held, tuple(Doubt(effect, why) for effect in rest if effect not in held)
 
 
