@@ -21,7 +21,7 @@ from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE
 from bench.discrepancy.select.state import Round, Search, State
-from bench.discrepancy.select.stepwise import locate_left
+from bench.discrepancy.select.stepwise import locate_left, loses
 from bench.discrepancy.sets.blocks import (
     Blocks,
     deformed,
@@ -48,7 +48,7 @@ NONE: tuple[Added, Turns] = (), ()
 def with_range_part(state: State, journal: Journal) -> State:
     """Return the state with the set of causes that ranges speak for beside waveform effects.
 
-    Where nothing differed, nothing is asked.
+    Where nothing differed, nothing is asked; what held-out links lose by is not taken.
     """
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
@@ -62,7 +62,9 @@ def with_range_part(state: State, journal: Journal) -> State:
         return state
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
-    return _installed(state, found, added, turns) if turns else state
+    if not turns or loses(search, added, state.added):
+        return state
+    return _installed(state, found, added, turns)
 
 
 def _fitted(ranged: Search, beside: Added, first: Round) -> tuple[Added, Turns]:

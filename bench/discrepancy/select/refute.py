@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from bench.discrepancy.compare.skill import Tally, gain_interval, gains, tally
+from bench.discrepancy.compare.skill import gain_interval, gains
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.sandwich import parameter_intervals
@@ -16,15 +16,13 @@ from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import locate_left, margin
+from bench.discrepancy.select.stepwise import locate_left, loses, margin, scored
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
     ADEQUACY_TOUCHED,
     EQUIVALENT_SHARE,
     ESSENTIAL_SHARE,
     MARGIN_NATS,
-    SCORE_FIRST,
-    SCORE_MEMBERS,
 )
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
@@ -100,12 +98,7 @@ def _unmissed(search: Search, added: Added, effect: Effect) -> Added:
     Missed: the others, fitted anew, lose what an effect must be worth.
     """
     rest = polished(search.comparison, search.fit, without(added, effect), 1, False)
-    if not search.fit.waveform:
-        return rest
-    bare, whole = (_scored(search, effects) for effects in (rest, added))
-    lost = gain_interval(bare, whole, search.seed)
-    missed = lost.likely_above_zero and lost.value > margin(search, rest)
-    return added if missed else rest
+    return added if search.fit.waveform and loses(search, rest, added) else rest
 
 
 def _taken_again(
@@ -130,16 +123,10 @@ def _taken_again(
 
 def announced(search: Search, last: Round, added: Added, effect: Effect) -> Round:
     """Return a round that adds an effect beside others, with what it gains there."""
-    before, after = (_scored(search, each) for each in (without(added, effect), added))
+    before, after = (scored(search, each) for each in (without(added, effect), added))
     gained = gain_interval(before, after, search.seed)
     alone = Explanation((Contender(effect, after, gained),), before, gained, after, {}, {})
     return Round(last.located, alone, effect)
-
-
-def _scored(search: Search, added: Added) -> Tally:
-    """Return the tally of effects on held-out rows."""
-    made = search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
-    return tally(made)
 
 
 def _stated(
@@ -211,11 +198,11 @@ def _most_missed(search: Search, added: Added, effect: Effect) -> bool:
 
     Each is left out and the rest fitted again. What is missed most is no form of another.
     """
-    whole = _scored(search, added)
+    whole = scored(search, added)
     rests = {
         e.name: polished(search.comparison, search.fit, without(added, e), 1, False) for e in added
     }
-    lost = {name: gains(_scored(search, rest), whole) for name, rest in rests.items()}
+    lost = {name: gains(scored(search, rest), whole) for name, rest in rests.items()}
     most = max(lost[effect.name].values())
     acts = [name for name, nats in lost[effect.name].items() if nats > ADEQUACY_TOUCHED * most]
     missed = {name: sum(each.get(one, 0.0) for one in acts) for name, each in lost.items()}

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from bench.discrepancy.compare.skill import gain, tally
+from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
@@ -101,6 +101,21 @@ def margin(search: Search, added: Added) -> float:
         for effects in ((), added)
     )
     return max(WAVE_MARGIN_NATS, WAVE_MARGIN_SHARE * gain(before, after))
+
+
+def scored(search: Search, added: Added) -> Tally:
+    """Return the tally of effects on held-out rows."""
+    made = search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
+    return tally(made)
+
+
+def loses(search: Search, now: Added, before: Added) -> bool:
+    """Return whether held-out links lose what an effect must be worth where `now` has come.
+
+    `before` was there before; both are fitted.
+    """
+    lost = gain_interval(scored(search, now), scored(search, before), search.seed)
+    return lost.likely_above_zero and lost.value > margin(search, now)
 
 
 def best_contender(
