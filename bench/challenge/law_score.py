@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.challenge.cases import Case
 from bench.discrepancy.law.found import LawConstant
+from bench.discrepancy.law.unexplained import named_fault
 from bench.discrepancy.method import Diagnosis
 
 WITHIN = 0.1
@@ -17,12 +18,16 @@ def law_score(case: Case, found: Diagnosis) -> dict[str, Any]:
     """Return what is stated, whether its form is right, and whether its size is within 10 %.
 
     The form of a law is right where the law, or one that the recordings do not exclude, has it. A
-    fault needs its kind; its size is right where the devices are, and what it measures is.
+    fault needs its kind; its size is right where the devices are, and what it measures is. Where
+    the library is the truth, a fault that a named effect of it is (`time-lag`) is that name, and
+    no law beside it.
     """
     law, fault = found.law, found.setup_fault
     stated = str(fault or law or "")
     if not case.law.forms:
-        return {"stated_law": stated}
+        return {
+            "stated_law": "" if law is None and fault == named_fault(found.selection) else stated
+        }
     told = {fault.kind} if fault else set()
     told |= {law.form, *(rival.form for rival in law.rivals)} if law else set()
     right = bool(told & set(case.law.forms))

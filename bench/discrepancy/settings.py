@@ -251,6 +251,7 @@ BACKFIT_EVALUATIONS: Final = 30  # per effect and pass [cost]
 BACKFIT_STALLED_NATS: Final = 0.01  # on the fitted rows: another pass is not worth it [cost]
 CONTROL_ROWS: Final = 10  # that a negative control needs [convention]
 CONTROL_QUIET: Final = 0.25  # of what is left elsewhere may be left where the effect vanishes
+CONTROL_REACH: Final = 2.0  # times the half 95 % interval from zero, to refuse a name: 10 000 to 1
 
 # --- A name reproduces what it acts on (select/adequacy) ------------------------------------------
 ADEQUACY_FIRST: Final = 9000  # replicates that nothing else looks at [derived]

@@ -55,7 +55,8 @@ class Form:
         at = int(np.argmin(np.abs(grid - value)))
         low, high = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
         if self.name == "power":
-            low, high = max(value - 1, LAW_POWER_BOUNDS[0]), min(value + 1, LAW_POWER_BOUNDS[1])
+            least = LAW_POWER_BOUNDS[0] if grid[0] < 0 else grid[0]  # no pole at zero
+            low, high = max(value - 1, least), min(value + 1, LAW_POWER_BOUNDS[1])
         return float(low), float(high)
 
 
@@ -77,15 +78,29 @@ def _if_positive(column: Column) -> Floats:
     return np.zeros(1 if _positive(column) else 0)
 
 
+def _from_zero(column: Column) -> bool:
+    """Return whether a covariate is a count or size of which some rows have none."""
+    over_zero = column.values[column.values > 0]
+    wide = len(over_zero) > 0 and over_zero.max() > LAW_SPREAD * over_zero.min()
+    return bool(not column.angle and np.nanmin(column.values) == 0 and wide)
+
+
 def _powers(column: Column) -> Floats:
-    return np.array(LAW_POWERS if _positive(column) else (), np.float64)
+    powers = np.array(LAW_POWERS, np.float64)
+    if _from_zero(column):
+        return powers[powers > 0]
+    return powers[: len(powers) * _positive(column)]
 
 
 def _saturations(column: Column) -> Floats:
-    if not _positive(column):
+    if not (_positive(column) or _from_zero(column)):
         return np.empty(0)
-    low, high = np.nanmin(column.values), np.nanmax(column.values)
+    low, high = np.min(column.values[column.values > 0]), np.nanmax(column.values)
     return np.geomspace(LAW_SATURATION[0] * low, LAW_SATURATION[1] * high, LAW_SCALES)
+
+
+def _counts(column: Column) -> Floats:
+    return _saturations(column) if _from_zero(column) else np.empty(0)
 
 
 def _taus(column: Column) -> Floats:
@@ -198,6 +213,9 @@ FORMS: tuple[Form, ...] = (
     Form("logarithm", "a * log({x} / x0)", "{a} x ln({x} / {x0})", _if_positive,
          _scaled(lambda c, x, _: np.log(x / c.reference)),
          _and(lambda c, _: ("x0", c.reference, c.unit)), offset=(True,)),
+    Form("logarithm", "a * log(1 + {x} / x0)", "{a} x ln(1 + {x} / {x0})", _counts,
+         _with(lambda x, free: np.log1p(x / free)), _and(lambda c, free: ("x0", free, c.unit)),
+         "x0"),
     Form("parabola", "a * ({x} - x0) ** 2", "{a} x ({x} - {x0})^2", _places,
          _with(lambda x, free: (x - free) ** 2),
          lambda c, top, free, found: [("a", float(found[0]), over(top, c.unit, c.unit)),

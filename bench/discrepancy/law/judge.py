@@ -70,7 +70,8 @@ def shown(constants: Sequence[LawConstant]) -> dict[str, str]:
 def setup_fault(proposal: Proposal) -> SetupFault | None:
     """Return the fault of the set-up that a law is, None where it is none."""
     structure = proposal.best.structure
-    if structure.form == "linear" and structure.columns == ("radial_speed_m_per_s",):
+    speed_alone = structure.columns == ("radial_speed_m_per_s",) and not structure.where
+    if structure.form == "linear" and speed_alone:
         lag = str(proposal.constants[0])
         words = f"ranges are later than their truth by {lag}"
         return SetupFault("time shift", (), words, proposal.constants[:1])

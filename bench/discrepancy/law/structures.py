@@ -133,12 +133,12 @@ class GridLaw:
             value = float(found.x)
         elif self.shape.name == "step":
             value = self._best_place(given)
-        fit = linear(self._design(given, value), given.residual_m)
+        fit = linear(self.design(given, value), given.residual_m)
         return Fitted(self._named(given, value, fit.values), fit)
 
     def _misfit(self, given: Material, value: float) -> float:
         """Return minus the log-likelihood at a value of the free constant."""
-        return -linear(self._design(given, value), given.residual_m).likelihood
+        return -linear(self.design(given, value), given.residual_m).likelihood
 
     def _best_place(self, given: Material) -> float:
         """Return the place of the step: all between two values near the screened one are tried."""
@@ -149,7 +149,7 @@ class GridLaw:
         tried = [self._misfit(given, float(v)) for v in places]
         return float(places[int(np.argmin(tried))]) if tried else self.value
 
-    def _design(self, given: Material, value: float) -> Floats:
+    def design(self, given: Material, value: float) -> Floats:
         """Return the design matrix [n, q] at a value of the free constant."""
         column = over_what(given, self.at)
         parts = [part[0] for part in self.shape.basis(column, np.array([value]))]
@@ -173,7 +173,7 @@ class GridLaw:
         if "phase" in values:
             found = [values["a"] * np.cos(values["phase"]), values["a"] * np.sin(values["phase"])]
         found += [values["b"]] if self.offset else []
-        return np.asarray(self._design(given, free) @ np.array(found))
+        return np.asarray(self.design(given, free) @ np.array(found))
 
     def words(self, shown: dict[str, str]) -> str:
         """Return it for people."""

@@ -185,7 +185,7 @@ def _option_lines(option: LeftOut) -> list[str]:
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]
     out += [f"  - {option.judged}: {option.gain}"]
-    if option.control.passed is not None:
+    if option.control.left is not None:
         out += [f"  - negative control ({option.control.words}): {_control(option.control)}"]
     return out
 
@@ -193,6 +193,8 @@ def _option_lines(option: LeftOut) -> list[str]:
 def _control(control: Control) -> str:
     """Return what is left where an effect must vanish, in words that the interval bears out."""
     left = control.left
+    if control.passed is None:
+        return f"not decided (one in twenty such intervals excludes zero by chance), left {left}"
     if not control.passed:
         return f"FAILED, left {left}"
     if left is not None and (left.low > 0 or left.high < 0):

@@ -32,6 +32,7 @@ from bench.discrepancy.select.verdict import (
 from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.settings import (
     CONTROL_QUIET,
+    CONTROL_REACH,
     CONTROL_ROWS,
     FORM_REACHED,
     MARGIN_NATS,
@@ -276,8 +277,18 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     residual = residual - _everywhere(search, others, effect, name, ~inert)
     quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
     loud = float(np.nanmean(np.abs(residual[~inert])))
-    passed = quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud
-    return Control(words, bool(passed), int(inert.sum()), quiet)
+    return Control(words, control_passed(quiet, loud), int(inert.sum()), quiet)
+
+
+def control_passed(quiet: Estimate, loud: float) -> bool | None:
+    """Return whether nothing is left where an effect must vanish; None where chance decides.
+
+    One in twenty 95 % intervals of true names excludes zero: that alone refuses none.
+    """
+    if quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud:
+        return True
+    reach = quiet.value - quiet.low if quiet.value > 0 else quiet.high - quiet.value
+    return None if abs(quiet.value) < CONTROL_REACH * reach else False
 
 
 def _everywhere(

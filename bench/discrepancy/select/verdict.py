@@ -17,7 +17,7 @@ class Control:
     """The negative control of an effect: where it must vanish, what is seen there.
 
     `left` is the mean residual in the observable's unit on rows where the effect must do nothing;
-    `passed` is None where there are no such rows.
+    `passed` is None where there are no such rows, or where they do not decide.
     """
 
     words: str

@@ -23,6 +23,7 @@ from bench.discrepancy.sets.blocks import (
 )
 from bench.discrepancy.sets.choice import Choice, Set
 from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,
@@ -94,7 +95,7 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which of them it has.
+    the evidence, `known` which of them it has. `pays`: what laws of a form cost for it, in nats.
     """
 
     def __init__(
@@ -108,11 +109,13 @@ class Contest:
         self.evidence, self.kinds, self.crowding = evidence, kinds, crowding
         self.rows, self.known = rows, known
         self.library = frozenset(kinds)
+        self.pays: dict[str, float] = {}
         self._nats: dict[Set, float] = {}
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
         best = self._at_usual_levels(self._beyond_deformed(self._calm()))
+        best = self._beyond_forms(best)
         names = tuple(one for one in best if one in self.library)
         return Choice(
             names,
@@ -180,6 +183,8 @@ class Contest:
     def _price(self, one: str) -> float:
         if one in self.library:
             return NAME_NATS
+        if one in self.pays:
+            return NAME_NATS + self.pays[one]
         return RANGE_LAW_NATS if one == OF_RANGE else LAW_NATS
 
     def brings(self, causes: Set, one: str) -> float:
@@ -236,6 +241,19 @@ class Contest:
             some = (made.of(each).nats for each in (causes, _but(causes, one)))
             if next(some) - next(some) < NAME_NATS * self.crowding:
                 causes = _but(causes, one)
+        return causes
+
+    def _beyond_forms(self, causes: Set) -> Set:
+        """Return the set without names that a law of a definite form does as well as."""
+        while (held := beaten(self, causes)) is not None:
+            law = held.law
+            self.evidence = self.evidence.with_blocks({**self.evidence.blocks, law.name: law.parts})
+            self.evidence.widest[law.name] = LAW_SIZE
+            self.pays[law.name] = law.pays
+            self.library -= set(held.names)
+            able = dict.fromkeys((*sorted(self.library), *causes, law.name))
+            causes = self._physical(tuple(one for one in able if one not in held.names))
+            causes = self._at_usual_levels(self._beyond_deformed(causes))
         return causes
 
     def _beyond(self, causes: Set, name: str) -> float:

@@ -40,3 +40,8 @@ LEFT_SHARE: Final = 0.15  # of what names gain, that their forms may leave [conv
 MOST_LAWS: Final = 6  # that take part: that do most alone, and that do most beside names [cost]
 EXPLAINED_STRAYS: Final = 0.34  # of the links that are far off, that may stay so beside a law: else
 # they were struck one by one, and no law is made of them [convention]
+FORMS_TRIED: Final = 8  # laws of a form in the place of a name [cost]
+FORM_NATS: Final = 6.0  # by which a law over what a name is about must lead it: 400 to 1 [sets]
+TIED_NATS: Final = -3.0  # of lead, from which on a law over anything else is no worse than a name:
+# 20 to 1 [convention]
+SAME_SHAPE: Final = 1e-6  # of a law's square, that a name cannot do: rounding [derived]

@@ -1,0 +1,166 @@
+"""Names against laws of a definite form: a name stays only where no law predicts as well.
+
+A name's columns are free curves, and the laws beside them are too (see `blocks`): neither says
+that what is there is a step or a saturation. A law of the grammar is fitted to what the rest of a
+set leaves, and takes the place of a name as one more block, its form and free constant paid for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import log
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.law.forms import over_what
+from bench.discrepancy.law.likelihood import effective_share
+from bench.discrepancy.law.material import Material, material
+from bench.discrepancy.law.screen import promising
+from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
+from bench.discrepancy.law.structures import GridLaw, cost
+from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.settings import (
+    FORM_NATS,
+    FORMS_TRIED,
+    LAW_M,
+    LAW_SIZE,
+    LEAST_WEIGHT,
+    SAME_SHAPE,
+    TIED_NATS,
+)
+from bench.physics.effect import Effect
+
+if TYPE_CHECKING:
+    from bench.discrepancy.sets.choose import Contest
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Formed:
+    """A law with its free constant fitted: `parts` [n, 1] of its shape, what it `pays` in nats.
+
+    `over` are the columns that it is about, "" for devices and categories; `offset`: whether a
+    constant stands beside it.
+    """
+
+    name: str
+    parts: tuple[Floats, ...]
+    pays: float
+    over: frozenset[str]
+    offset: bool
+
+
+@dataclass(frozen=True)
+class Beaten:
+    """Names of a set that a law stands in for, with its lead over them in nats."""
+
+    names: Set
+    law: Formed
+    lead: float
+
+
+def beaten(contest: Contest, best: Set) -> Beaten | None:
+    """Return the names of a set that hold out least against a law; None where all do.
+
+    A law over what a name is about must do better, for the name is such a law, of known physics.
+    One over anything else need only do about as well: then nothing here tells them apart.
+    """
+    names = tuple(one for one in best if one in contest.library)
+    groups = [(one,) for one in names] + ([names] if len(names) > 1 else [])
+    found = [held for gone in groups if (held := _against(contest, best, gone))]
+    return max(found, key=lambda one: one.lead, default=None)
+
+
+def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
+    """Return the law that stands in for some names of a set, None where none does."""
+    rest = tuple(one for one in best if one not in gone)
+    before = contest.nats(best)
+    tried = []
+    for law in formed(contest, best, gone):
+        lead = _nats_with(contest, rest, law.name, law.parts) - law.pays - before
+        if lead > FORM_NATS or (lead > TIED_NATS and _another(contest, best, gone, law)):
+            tried.append(Beaten(gone, law, lead))
+    return max(tried, key=lambda one: one.lead, default=None)
+
+
+def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
+    """Return the laws that do most for what the rest of a set leaves."""
+    made = contest.evidence.of(best)
+    rest = [contest.evidence.response(made, one) for one in best if one not in gone]
+    left = contest.evidence.left_m - np.sum([np.zeros(len(contest.known)), *rest], axis=0)
+    frame = contest.rows.frame.iloc[contest.known].reset_index(drop=True)
+    every = material(frame, left, contest.rows.links[contest.known])
+    part = every.take(np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT))
+    return list(_best_of(every, part)) if len(part.residual_m) >= LAW_FEWEST_ROWS else []
+
+
+def _best_of(every: Material, part: Material) -> Iterator[Formed]:
+    """Yield the best laws of some rows, as blocks over all."""
+    fits = [(law, law.fitted(part)) for law in promising(part, float(len(part.residual_m)))]
+    if not fits:
+        return
+    first = max(fits, key=lambda one: one[1].fit.likelihood - cost(one[0], 2.0))[1].fit
+    share = effective_share(part.residual_m - first.shift_m, part.links)
+    rows = max(share * len(part.residual_m), 2.0)
+    fits.sort(key=lambda one: cost(one[0], rows) - share * one[1].fit.likelihood)
+    for law, found in fits[:FORMS_TRIED]:
+        free = {name: value for name, value, _ in found.constants}.get(law.shape.free, law.value)
+        yield _formed(every, law, free, rows)
+
+
+def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
+    """Return a law with its free constant as a block; amplitudes pay by their evidence."""
+    design = law.design(every, free)
+    size = np.maximum(np.sqrt((design**2).mean(axis=0)), 1e-12)
+    parts = tuple((LAW_M * design / size)[:, [i]] for i in range(design.shape[1]))
+    pays = bool(law.shape.free) * log(rows) / 2 + log(max(law.choices, 1))
+    factor = every.factors[law.by]
+    over = {column.text for column in [over_what(every, law.at)] if law.at >= 0}
+    over |= {"" if factor.group else factor.text} if law.by else set()
+    return Formed(f"{law.form}: {law.expression}", parts, pays, frozenset(over), law.offset)
+
+
+def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:
+    """Return whether a law is about anything else than some names of a set.
+
+    A law beside a constant is no other cause than a name that does nothing but a constant.
+    """
+    kinds = [contest.kinds[one] for one in names]
+    columns = frozenset(column for kind in kinds for column in about(kind))
+    if law.over <= columns or _within(contest, names, law.parts[0]):
+        return False
+    return not (law.offset and _constant(contest, best, names))
+
+
+def _constant(contest: Contest, best: Set, names: Set) -> bool:
+    """Return whether a mere constant does all that some names of a set do."""
+    rest = tuple(one for one in best if one not in names)
+    parts = (np.full((len(contest.known), 1), LAW_M),)
+    lead = contest.nats(best) - _nats_with(contest, rest, "a constant", parts)
+    return bool(lead < FORM_NATS)
+
+
+def _nats_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> float:
+    """Return the log evidence of a set with one more block."""
+    blocks = {one: contest.evidence.blocks[one] for one in rest}
+    other = contest.evidence.with_blocks({**blocks, name: parts})
+    other.widest = {**contest.evidence.widest, name: LAW_SIZE}
+    return other.of((*rest, name)).nats / contest.crowding
+
+
+def about(kind: type[Effect]) -> frozenset[str]:
+    """Return the columns that an effect is about."""
+    needs = {column for way in kind.needs for column in way}
+    return frozenset(needs | ({kind.follows} if kind.follows else set()))
+
+
+def _within(contest: Contest, names: Set, part: Floats) -> bool:
+    """Return whether some names can do exactly what a part [n, 1] of a law does."""
+    places = np.concatenate([contest.evidence.places[one] for one in names])
+    columns = contest.evidence.columns[:, places]
+    left = part - columns @ np.linalg.lstsq(columns, part, rcond=None)[0]
+    return float((left**2).sum()) < SAME_SHAPE * float((part**2).sum())

@@ -1,0 +1,42 @@
+"""Laws over counts that may be zero; a product with the speed is no time shift."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.law.judge import setup_fault
+from bench.discrepancy.law.material import material
+from bench.discrepancy.law.search import Proposal, propose
+
+
+def crowded(seed: int) -> tuple[pd.DataFrame, np.ndarray, np.ndarray]:
+    """Return rows with a count of people, their errors in metres and links."""
+    rng = np.random.default_rng(seed)
+    people = rng.integers(0, 40, 300)
+    frame = pd.DataFrame({"true_range_m": rng.uniform(2, 20, 300), "people": people * 1.0})
+    frame["error_m"] = 0.1 * np.log1p(people / 4) + rng.normal(0, 0.02, 300)
+    return frame, frame["error_m"].to_numpy(), np.repeat(np.arange(50), 6)
+
+
+def test_a_law_over_a_count_holds_where_it_is_zero() -> None:
+    frame, error, links = crowded(3)
+    found = propose(material(frame, error, links), 0)
+    assert found is not None
+    forms = {found.best.structure.form, *(one.structure.form for one in found.tied)}
+    assert found.best.structure.columns == ("people",)
+    assert "logarithm" in forms
+
+
+def test_speed_times_the_reply_time_is_no_time_shift() -> None:
+    speed = ("radial_speed_m_per_s",)
+    alone = SimpleNamespace(form="linear", columns=speed, where="", fault="")
+    product = SimpleNamespace(form="linear", columns=speed, where="reply time", fault="")
+    constants = (SimpleNamespace(name="a"),)
+    for structure, kind in ((alone, "time shift"), (product, None)):
+        best = SimpleNamespace(structure=structure)
+        made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))
+        assert (made.kind if made else None) == kind
