@@ -5,5 +5,6 @@ and pandas alone, so that a diagnosis is proven on input its own generator did n
 is a module with KNOWN (effects it can hide), LAWS (what it can hide that no library has), CAUSES
 (the covariate each acts through), RARELY (whose cause it can make rare) and `tables(drawn, seed)`;
 those that change another simulator's rows have `known(drawn, seed)` and `hidden_in` or `conceal`.
-What a long one can hide is in a module beside it, `<family>_effects`.
+What a long one can hide is in a module beside it, `<family>_effects`; the waveforms of a family
+that is asked for both are in `<family>_waves`.
 """

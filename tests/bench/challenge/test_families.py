@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.challenge.cases import make_case
+from bench.challenge.cases import drawn_of, make_case
 from bench.challenge.families.case import (
     KEPT,
     MODES,
@@ -26,17 +26,20 @@ from bench.challenge.families.case import (
 from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
-OWN = ("hall", "box", "yard", "loft", "quay", "stage", "abbey", "clinic")  # with own simulators
-LATER = ("quay", "stage", *KEPT)
+NEW = ("mill", "mill_waves", "depot", "depot_waves")
+OWN = ("hall", "box", "yard", "loft", "quay", "stage", "abbey", "clinic", *NEW)  # own simulators
+LATER = ("quay", "stage", "abbey", "clinic", *NEW)
 
 
-def _world(family: str) -> Any:
-    return world_of(family)
+def _world(name: str) -> Any:
+    """Return a family's module; `<family>_waves` is that for modes with waveforms."""
+    family, _, waves = name.partition("_")
+    return world_of(family, "CIR" if waves else "ranges")
 
 
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
-        ValueError, match="unknown family 'x'; known: abbey, box, clinic, hall, loft"
+        ValueError, match="unknown family 'x'; known: abbey, box, clinic, depot, hall"
     ):
         world_of("x")
 
@@ -54,7 +57,7 @@ def test_turns_number_every_mode_and_family_by_itself() -> None:
 def test_any_first_part_holds_all_modes_and_two_fifths_are_of_the_kept() -> None:
     turns = [turn_of(number) for number in range(360)]
     assert Counter(turn.mode for turn in turns) == dict.fromkeys(MODES, 90)
-    assert {turn.family for turn in turns[:10]} == {turn.family for turn in turns}
+    assert {turn.family for turn in turns[:14]} == {turn.family for turn in turns}
     assert {turn.mode for turn in turns[:4]} == set(MODES)
     for part in (20, 100, 360):
         kept = [turn for turn in turns[:part] if turn.family in KEPT]
@@ -65,7 +68,7 @@ def test_any_first_part_holds_all_modes_and_two_fifths_are_of_the_kept() -> None
 @pytest.mark.parametrize("family", [*OWN, "wave"])
 def test_of_twenty_cases_five_are_empty_and_four_outside(family: str) -> None:
     world = _world(family)
-    turns = [t for t in map(turn_of, range(360)) if t.family == family][:20]
+    turns = [t for t in map(turn_of, range(360)) if t.family == family.partition("_")[0]][:20]
     first = next((turn for turn in turns if not turn.mode.endswith("again")), turns[0])
     some = [replace(first, number=n) for n in range(40)]
     drawn = [draw(turn, 1, world.KNOWN, tuple(world.LAWS), world.RARELY) for turn in some]
@@ -73,8 +76,7 @@ def test_of_twenty_cases_five_are_empty_and_four_outside(family: str) -> None:
     assert sum(bool(set(one.hidden) & set(world.LAWS)) for one in drawn) == 8
     assert {one.ratio for one in drawn} == set(RATIOS)
     assert {len(one.hidden) for one in drawn} == {0, 1, 2, 3}
-    if family in OWN:
-        assert sum(not one.same_mix for one in drawn) == 5
+    assert sum(not one.same_mix for one in drawn) == 5 * (not first.mode.endswith("again"))
 
 
 @pytest.mark.parametrize("family", OWN)
@@ -90,7 +92,7 @@ def test_tables_are_in_the_exchange_form_and_deterministic(family: str) -> None:
     assert not set(made.recorded["link"]) & set(made.simulated["link"])
 
 
-@pytest.mark.parametrize("family", OWN)
+@pytest.mark.parametrize("family", [name for name in OWN if not name.endswith("_waves")])
 def test_what_is_hidden_is_all_that_differs_from_the_clean_rows(family: str) -> None:
     world = _world(family)
     plain = world.tables(Draw(ratio=1), 5)
@@ -102,6 +104,19 @@ def test_what_is_hidden_is_all_that_differs_from_the_clean_rows(family: str) -> 
         if made.shifts_m is not None:
             change = made.recorded["error_m"] - made.clean["error_m"]
             assert np.allclose(change, made.shifts_m.sum(axis=0)), name
+
+
+@pytest.mark.parametrize("family", [name for name in OWN if name.endswith("_waves")])
+def test_all_that_waveforms_can_hide_moves_something_and_leaves_the_clean_rows(family: str) -> None:
+    world = _world(family)
+    wide = world.received(world.known(Draw(), 5), np.random.default_rng(5))
+    plain = world.recorded(wide)
+    for name in (*world.KNOWN, *world.LAWS):
+        found = world.recorded(world.conceal(wide, Draw((name,), 2.0), 5))
+        assert _moved(plain, found) > 0.004, name
+        assert np.allclose(found["error_m"], found["range_m"] - found["true_range_m"])
+        assert not clean(found, family).dropped, name
+    assert world.recorded(wide)["range_m"].equals(plain["range_m"])
 
 
 def _moved(clean_rows: pd.DataFrame, recorded: pd.DataFrame) -> float:
@@ -123,7 +138,8 @@ def test_devices_keep_their_values_in_the_true_table() -> None:
     assert float(means[0].std()) > 0.1
 
 
-RARE = [(family, name) for family in ("hall", "quay", "abbey") for name in _world(family).RARELY]
+RARELY_OF = ("hall", "quay", "abbey", "mill", "depot")
+RARE = [(family, name) for family in RARELY_OF for name in _world(family).RARELY]
 
 
 @pytest.mark.parametrize(("family", "name"), RARE)
@@ -166,11 +182,11 @@ def test_nothing_hidden_tables_are_draws_of_one_process(family: str) -> None:
         assert not made.recorded[name].equals(made.simulated[name])
 
 
-@pytest.mark.parametrize("family", ["quay", "abbey"])
+@pytest.mark.parametrize("family", ["quay", "abbey", "mill", "depot"])
 def test_the_radial_speed_that_moves_rows_is_that_of_the_positions(family: str) -> None:
     rows = _world(family).known(Draw(), 5)
     lag = _world(family).tables(Draw(("time-lag",), 1.0, 1), 5)
-    assert not {"pace_m_s", "swing_m_s2"} & {*lag.recorded, *lag.truth}
+    assert {*rows} - {*lag.recorded} == {*rows} - {*lag.truth} > set()  # what makes them is hidden
     derived = np.concatenate(
         [np.gradient(one["true_range_m"], one["time_s"]) for _, one in rows.groupby("link")]
     )
@@ -178,7 +194,7 @@ def test_the_radial_speed_that_moves_rows_is_that_of_the_positions(family: str) 
     assert abs(np.corrcoef(derived, lag.shifts_m[0][order])[0, 1]) > 0.95
 
 
-@pytest.mark.parametrize("family", ["stage", "clinic"])
+@pytest.mark.parametrize("family", ["stage", "clinic", "mill_waves", "depot_waves"])
 @pytest.mark.parametrize("name", ["noise-floor", "narrowband-interference", "quantisation"])
 def test_reported_noise_is_that_of_the_samples(family: str, name: str) -> None:
     made = _world(family).tables(Draw((name,), 2.0, 1), 5)
@@ -197,9 +213,10 @@ def test_fewer_symbols_change_no_level_by_themselves() -> None:
 
 
 @pytest.mark.parametrize("mode", ["ranges again", "CIR again"])
-def test_the_kept_run_again_in_both_modes(mode: str) -> None:
-    number = next(n for n in range(20) if turn_of(n, KEPT).mode == mode)
-    case = make_case(number, 2, KEPT)
+@pytest.mark.parametrize("family", KEPT)
+def test_the_kept_run_again_in_both_modes(mode: str, family: str) -> None:
+    number = next(n for n in range(20) if turn_of(n, (family,)).mode == mode)
+    case = make_case(number, 2, (family,))
     assert isinstance(case.simulated, Simulator)
     assert case.recorded.frame["link"].nunique() > 90
     assert set(case.recorded.frame) == set(case.truth.frame)
@@ -232,3 +249,32 @@ def test_a_deaf_receiver_of_the_clinic_loses_first_paths_behind_steel() -> None:
     assert (later >= 0).all()
     assert later[steel].mean() > 0.3
     assert later[~steel].mean() < 0.03
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_the_kept_have_every_mode_and_four_causes_that_no_other_family_has(family: str) -> None:
+    assert {mode for mode, one in SCHEDULE if one == family} == set(MODES)
+    others = {name for one in OWN if not one.startswith(family) for name in _world(one).LAWS}
+    for name in (family, f"{family}_waves"):
+        laws = _world(name).LAWS
+        own = [law for law in laws if law not in others]
+        assert len(own) >= 4
+        assert sum("position" in one.forms or "swap" in one.forms for one in laws.values()) == 2
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_what_leaves_waveforms_alone_is_as_loud_as_the_shape_it_gives_to_ranges(
+    family: str,
+) -> None:
+    alone = Draw(("timestamp-jitter",), 2.0, 1)
+    world = world_of(family, "CIR")
+    made = world.tables(alone, 5)
+    assert all(map(np.array_equal, made.recorded["cir"], made.clean["cir"]))
+    number = next(n for n in range(4, 40000) if _ranges_alone(n, family))
+    assert make_case(number, 6, (family,)).strength_z > 3
+
+
+def _ranges_alone(number: int, family: str) -> bool:
+    turn, drawn = drawn_of(number, 6, (family,))
+    loud = drawn.hidden in (("timestamp-jitter",), ("range-scale",)) and drawn.strength >= 1
+    return turn.mode == "CIR" and loud
