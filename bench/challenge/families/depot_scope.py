@@ -50,7 +50,7 @@ def first_edge(waves: Complexes, sigma: Floats, of_largest: float = OF_LARGEST) 
     out = []
     for row, wanted in zip(size, least, strict=True):
         at = int(np.argmax(row > wanted))
-        top = row[at : at + 4].max()
+        top = row[at : at + 3].max()
         while at > 0 and row[at] > ON_EDGE * top:
             at -= 1
         while at < len(row) - 2 and row[at + 1] < ON_EDGE * top:

@@ -118,11 +118,11 @@ def _paths(rows: pd.DataFrame, begin: Floats, rng: np.random.Generator) -> Compl
     level = -51.5 - 20.5 * np.log10(far) - rng.gumbel(0, 0.8, len(links))[number]
     height = 10 ** (level / 20) / 1.25
     iron = np.array(["metal" in row for row in rows["obstacles"]])
-    straight = np.where(iron, rng.uniform(0.07, 0.32, size), 1.0)
+    straight = np.where(iron, rng.uniform(0.13, 0.4, size), 1.0)
     waves = (straight * np.exp(2j * np.pi * rng.random(size)))[:, None] * pulse_at(begin)
     for _ in range(SCATTERERS):
-        late = rng.weibull(0.8, size) * 17 + 1.5
-        weak = 0.21 * rng.rayleigh(1, size) / (1 + late / 14) ** 1.3
+        late = rng.weibull(0.8, size) * 17 + 2.4
+        weak = 0.19 * rng.rayleigh(1, size) / (1 + late / 14) ** 1.3
         turned = weak * np.exp(2j * np.pi * rng.random(size))
         waves = waves + turned[:, None] * pulse_at(begin + late)
     return np.asarray(height[:, None] * waves)
