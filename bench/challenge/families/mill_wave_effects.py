@@ -38,7 +38,7 @@ def _mismatched_cable(trace: Trace, strength: float) -> None:
     there = trace.signal()
     turned = np.exp(1j * np.random.default_rng([trace.own, 1]).uniform(0, 2 * np.pi))
     for times in range(1, 5):
-        size = (min(0.17 * strength, 0.5) * turned) ** times
+        size = (min(0.26 * strength, 0.55) * turned) ** times
         trace.cir = trace.cir + size * later(there, np.full(len(there), 3.4 * times))
 
 
