@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
@@ -121,7 +122,8 @@ def _in_processes(
 ) -> Iterator[tuple[int, Any]]:
     # spawn: a forked child of a process with threads (torch, numba) may hang
     start = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, start, _install, (shared,))
+    packed = pickle.dumps(shared)  # once, not once per process
+    pool = ProcessPoolExecutor(jobs, start, _install, (packed,))
     try:
         waiting = {pool.submit(_call, work, task): at for at, task in enumerate(tasks)}
         for done in as_completed(waiting):
@@ -134,14 +136,14 @@ _ONE_AT_A_TIME = Lock()
 _INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
 
 
-def _install(shared: Any) -> None:
+def _install(packed: bytes) -> None:
     """Begin a worker: one thread, since there are as many workers as were asked for."""
     Thread(target=_end_with_parent, daemon=True).start()
     os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
     os.environ[VARIABLE] = "1"
     if (torch := sys.modules.get("torch")) is not None:
         torch.set_num_threads(1)
-    _INSTALLED[:] = [shared]
+    _INSTALLED[:] = [pickle.loads(packed)]  # noqa: S301 - from the process that started this one
 
 
 def _end_with_parent() -> None:

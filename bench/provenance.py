@@ -59,6 +59,7 @@ def decisive_versions(declared: Iterable[str] = ()) -> dict[str, str]:
     return {name: package_version(name) for name in sorted({*DECISIVE_PACKAGES, *declared})}
 
 
+@cache  # what was imported stays what it is
 def package_version(name: str) -> str:
     """Return an installed distribution's version, or 'absent'."""
     try:
