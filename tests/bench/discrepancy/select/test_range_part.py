@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 
 from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.select import range_part
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.range_part import chosen_beside, joined, whitening, with_range_part
-from bench.discrepancy.select.state import Search, State
+from bench.discrepancy.select.state import Round, Search, State
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.numpy_tables import tables
 
@@ -62,3 +67,19 @@ def test_forms_are_taken_out_as_far_as_they_are_expected() -> None:
 def test_where_nothing_differed_nothing_is_asked() -> None:
     state = State(search_of(0.15)[0])
     assert with_range_part(state, Journal()) is state
+
+
+@pytest.mark.parametrize("worse", [True, False])
+def test_what_held_out_links_lose_by_is_not_taken(
+    monkeypatch: pytest.MonkeyPatch, worse: bool
+) -> None:
+    search = search_of(0.15)[0]
+    search = replace(search, fit=replace(search.fit, waveform=True))
+    seen = Finding(Cell("error_m", "mean", Place()), Estimate(0.1, 0.1, 0.1), 9.0, 0.001, 9, 9)
+    turn = Round(Located((seen,), 0.001, 9.0, 4.0, 1, {}), None, None)
+    state, more = State(search, (), (turn,)), (TemperatureDrift(0.0),)
+    monkeypatch.setattr(range_part, "chosen_beside", lambda *_: Choice(("temperature-drift",)))
+    monkeypatch.setattr(range_part, "_fitted", lambda *_: (more, (turn,)))
+    monkeypatch.setattr(range_part, "loses", lambda *_: worse)
+    monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
+    assert with_range_part(state, Journal()).added == (() if worse else more)
