@@ -53,14 +53,25 @@ class Confirmed:
 
     @property
     def farther(self) -> bool:
-        """Whether ranges are worse after, beyond chance or by so much that chance is no comfort."""
-        much = self.mae_after_m.value > (1 + FARTHER_SHARE) * self.mae_before_m.value
-        return self.nearer_m.high < 0 or much
+        """Whether ranges are worse after, beyond chance or by so much that chance is no comfort.
+
+        So much: in the mean or in the median.
+        """
+        means, medians = (
+            (getattr(self, f"{one}_before_m"), getattr(self, f"{one}_after_m"))
+            for one in ("mae", "median")
+        )
+        return self.nearer_m.high < 0 or much_farther(*means) or much_farther(*medians)
 
     @property
     def serves(self) -> bool:
         """Whether score and typical range error are no worse after than before."""
         return self.gain.value > 0 and not self.farther
+
+
+def much_farther(before: Estimate, after: Estimate) -> bool:
+    """Return whether a range error is larger after by more than a share that chance may excuse."""
+    return after.value > (1 + FARTHER_SHARE) * before.value
 
 
 def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Confirmed:
@@ -94,13 +105,19 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
 
 
 def improves(comparison: Comparison, held: View, added: Added, richer: Added, seed: int) -> bool:
-    """Return whether richer effects score better on held-out working links, beyond doubt."""
+    """Return whether richer effects serve better on held-out working links.
+
+    The score is better, beyond doubt, and ranges are not much farther.
+    """
     first = CONFIRM_FIRST - CONFIRM_MEMBERS
-    left, right = (
-        tally(comparison.ensemble(held, effects, CONFIRM_MEMBERS, first))
-        for effects in (added, richer)
-    )
-    return gain_interval(left, right, seed).above_zero
+    made = [
+        comparison.ensemble(held, effects, CONFIRM_MEMBERS, first) for effects in (added, richer)
+    ]
+    left, right = (_misses(one) for one in made)
+    for typical in (np.nanmean, np.nanmedian):
+        if np.isfinite(left).any() and typical(right) > (1 + FARTHER_SHARE) * typical(left):
+            return False
+    return gain_interval(tally(made[0]), tally(made[1]), seed).above_zero
 
 
 def _misses(ensemble: Ensemble) -> Floats:
@@ -132,10 +149,21 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: 
     change = _change(seen)
     if not seen.serves:
         why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
+        why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
     alike = "" if seen.nearer_m.low > 0 else ", ranges alike within chance"
     return f"{said}. The new simulator fits better{sure}{alike}: {change}."
+
+
+def _only_median(seen: Confirmed) -> bool:
+    """Return whether the median of the range error alone speaks against it."""
+    means = much_farther(seen.mae_before_m, seen.mae_after_m) or seen.nearer_m.high < 0
+    return seen.gain.value > 0 and not means
+
+
+def _medians(seen: Confirmed) -> str:
+    return f"{seen.median_before_m.value:.3g} -> {seen.median_after_m.value:.3g} m"
 
 
 def _change(seen: Confirmed) -> str:

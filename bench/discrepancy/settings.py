@@ -309,6 +309,8 @@ LEAST_SCATTER_M: Final = 1e-4  # of links, a tenth of a millimetre: rounding [de
 
 # --- Pictures ---------------------------------------------------------------------------------
 FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies most [convention]
+FIGURE_MORE: Final = 0.1  # of the variance, that it must explain beyond the distance [convention]
+FEW_POINTS: Final = 500  # of which each is drawn larger [convention]
 
 FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
 

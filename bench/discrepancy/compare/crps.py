@@ -43,7 +43,8 @@ class Estimate:
         return self.value - (self.value - self.low) * ONE_SIDED_95 / TWO_SIDED_95 > 0
 
     def __str__(self) -> str:
-        return f"{self.value:.3g} {self.unit} [{self.low:.3g}, {self.high:.3g}]".replace("  ", " ")
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return f"{self.value:.3g}{unit} [{self.low:.3g}, {self.high:.3g}]"
 
 
 def crps(ensemble: Floats, recorded: Floats) -> Floats:

@@ -12,7 +12,13 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.method import Diagnosis
-from bench.discrepancy.settings import FIGURE_BINS, FIGURE_CENTRE, LEAST_SCATTER_M
+from bench.discrepancy.settings import (
+    FEW_POINTS,
+    FIGURE_BINS,
+    FIGURE_CENTRE,
+    FIGURE_MORE,
+    LEAST_SCATTER_M,
+)
 from bench.files import atomic_path
 from bench.text import unmarked
 
@@ -81,8 +87,9 @@ def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     value = _covariate(seen, column)
     if value is None:
         value, column = np.arange(len(seen.before.links), dtype=np.float64), "row"
+    size = 7 if len(value) <= FEW_POINTS else 3
     for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
-        axes.plot(value, _residual(ensemble), ".", ms=3, alpha=0.4, color=colour, label=label)
+        axes.plot(value, _residual(ensemble), ".", ms=size, alpha=0.4, color=colour, label=label)
     axes.axhline(0, color=RECORDED, lw=0.8)
     _cut_outliers(axes, [_residual(seen.before), _residual(seen.after)])
     axes.set_xlabel(unmarked(column))
@@ -105,7 +112,10 @@ def _cut_outliers(axes: Axes, values: list[Floats]) -> None:
 
 
 def responsible(diagnosis: Diagnosis) -> str:
-    """Return the numeric covariate of a finding over which the range residual varies most."""
+    """Return the numeric covariate of a finding over which the range residual varies most.
+
+    The true range, unless another tells clearly more.
+    """
     seen = diagnosis.confirmed
     every = [f for turn in diagnosis.selection.rounds for f in turn.located.findings]
     findings = [f for f in every if f.cell.observable == RANGE] or every
@@ -113,7 +123,10 @@ def responsible(diagnosis: Diagnosis) -> str:
     names = dict.fromkeys(name for name in places if name and name != "time_s")
     known = {name: _covariate(seen, name) for name in names}
     share = {n: _explained(v, _residual(seen.before)) for n, v in known.items() if v is not None}
-    return max(share, key=lambda name: share[name]) if share else "true_range_m"
+    plain = _covariate(seen, "true_range_m")
+    least = _explained(plain, _residual(seen.before)) + FIGURE_MORE if plain is not None else 0.0
+    telling = {name: value for name, value in share.items() if value > least}
+    return max(telling, key=lambda name: telling[name], default="true_range_m")
 
 
 def _covariate(seen: Confirmed, name: str) -> Floats | None:
@@ -138,7 +151,8 @@ def _explained(value: Floats, residual: Floats, bins: int = FIGURE_BINS) -> floa
 
 def _first(ensemble: Ensemble) -> str:
     name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
-    return f"{name} ({ensemble.units[ensemble.names.index(name)]})"
+    words = "range error" if name == RANGE else name
+    return f"{words} ({ensemble.units[ensemble.names.index(name)]})"
 
 
 def _residual(ensemble: Ensemble) -> Floats:

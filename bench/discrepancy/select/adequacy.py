@@ -52,11 +52,12 @@ MOMENTS = ("the mean", "the spread")
 KNOWN_MOMENTS = ("mean", "spread")  # of a located cell, in that order
 CHANNEL = (
     "true_range_m", "tx", "rx", "pair", "room", "environment", "los", "obstacle", "obstructed",
-    "time_s",
+    "time_s", "clock_offset_ppm",
 )  # fmt: skip
 """How the names of the covariates begin that a channel or a receiver may depend on.
 
-Time among them: places are recorded one after the other.
+Time among them: places are recorded one after the other; and the offset of two crystals, which
+tells the devices.
 """
 
 
