@@ -22,14 +22,24 @@ from backends.weights import (
 if TYPE_CHECKING:
     from onnx import GraphProto, ModelProto, NodeProto
 
-Kind = Literal["conv", "dense", "elementwise", "reduce", "move"]
+Kind = Literal[
+    "conv", "dense", "elementwise", "activation", "function", "reduce", "trees", "convert", "move"
+]
 DType = Literal["fp32", "fp16", "int8"]
+_ACTIVATIONS = ("Relu", "LeakyRelu", "PRelu", "Clip", "HardSigmoid")
+_FUNCTIONS = ("Exp", "Log", "Sigmoid", "Tanh", "Erf", "Softplus", "Sin", "Cos")
+_TREES = ("TreeEnsembleRegressor",)
 _REDUCTIONS = ("Reduce", "ArgM", "MaxPool", "AveragePool", "GlobalAveragePool", "QLinearGlobal")
 _MOVES = (
     *("Slice", "Gather", "Concat", "Split", "Transpose", "Expand", "Pad", "Cast", "Identity"),
     *("Reshape", "Flatten", "Squeeze", "Unsqueeze", "Shape", "ConstantOfShape", "Range"),
-    *("QuantizeLinear", "DequantizeLinear"),
 )
+_BY_NAME: dict[Kind, tuple[str, ...]] = {
+    "activation": _ACTIVATIONS,
+    "function": _FUNCTIONS,
+    "trees": _TREES,
+    "convert": ("QuantizeLinear", "DequantizeLinear"),
+}
 
 
 @dataclass(frozen=True)
@@ -37,9 +47,12 @@ class LayerCost:
     """One kernel of one inference of a single row.
 
     `macs`: multiply-accumulates of a "conv" or "dense" layer, else 0. `outputs`: values written.
+    `reads`: values read that are no constants; of "trees" the nodes on the way to a leaf. An
+    "activation" is what a generator of code joins to the layer before it, a "function" takes
+    more than a few multiplications for each value.
     `dtype`: "int8" where the runtime has an integer kernel for it, "fp16" where the weights are
     stored so (the processor computes those in float32; a device with such units need not), else
-    "fp32". "move" copies or converts values.
+    "fp32". "move" copies values, "convert" makes 8-bit ones of them or the other way round.
     """
 
     kind: Kind
@@ -47,6 +60,7 @@ class LayerCost:
     outputs: int
     dtype: DType
     operator: str
+    reads: int
 
 
 @dataclass(frozen=True)
@@ -55,12 +69,14 @@ class GraphCost:
 
     `parameters`: weights and biases, without normalisation constants. `weight_bytes`: what they
     take as stored, with the scales and zero points of 8-bit weights. `file_bytes`: the file.
+    `inputs`: values a row holds.
     """
 
     file_bytes: int
     weight_bytes: int
     parameters: int
     layers: tuple[LayerCost, ...]
+    inputs: int
 
     @property
     def macs(self) -> int:
@@ -93,6 +109,7 @@ def graph_cost(path: Path) -> GraphCost:
         weight_bytes=sum(value.nbytes for value in (*stored, *scales)),
         parameters=sum(value.size for value in stored),
         layers=_layers(graph.graph, values),
+        inputs=_inputs(graph, values),
     )
 
 
@@ -124,20 +141,35 @@ def row_values(model: ModelProto) -> Values:
     return values | dict(zip(names, run_once(probe, row), strict=True))
 
 
+def _inputs(graph: ModelProto, values: Values) -> int:
+    from backends.inputs import graph_inputs
+
+    return sum(values[one.name].size for one in graph_inputs(graph))
+
+
 def _layers(graph: GraphProto, values: Values) -> tuple[LayerCost, ...]:
     constants = constant_names(graph)
     halves = {name for name, origin in constants.items() if values[origin].dtype == np.float16}
     launched = [node for node in graph.node if node.output[0] not in constants]
-    return tuple(_layer(node, values, halves) for node in launched)
+    return tuple(_layer(node, values, halves, set(constants)) for node in launched)
 
 
-def _layer(node: NodeProto, values: Values, halves: set[str]) -> LayerCost:
+def _layer(node: NodeProto, values: Values, halves: set[str], constants: set[str]) -> LayerCost:
     written = [values[name] for name in node.output if name]
     dtype: DType = "fp16" if halves & set(node.input) else "fp32"
     if node.op_type in INTEGER_SLOTS or written[0].dtype in (np.uint8, np.int8):
         dtype = "int8"
     outputs = sum(value.size for value in written)
-    return LayerCost(_kind(node.op_type), _macs(node, values), outputs, dtype, node.op_type)
+    kind, macs, reads = _kind(node.op_type), _macs(node, values), _reads(node, values, constants)
+    return LayerCost(kind, macs, outputs, dtype, node.op_type, reads)
+
+
+def _reads(node: NodeProto, values: Values, constants: set[str]) -> int:
+    from backends.trees import nodes_passed
+
+    if node.op_type in _TREES:
+        return nodes_passed(node)
+    return sum(values[name].size for name in {*node.input} - constants if name)
 
 
 def _kind(operator: str) -> Kind:
@@ -147,6 +179,9 @@ def _kind(operator: str) -> Kind:
         return "dense"
     if operator in _MOVES:
         return "move"
+    for kind, operators in _BY_NAME.items():
+        if operator in operators:
+            return kind
     return "reduce" if operator.startswith(_REDUCTIONS) else "elementwise"
 
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
-from onnx import ModelProto, TensorProto, helper
+from onnx import ModelProto, NodeProto, TensorProto, helper
 
 if TYPE_CHECKING:
     from torch import nn
 
 DOMAIN, VERSION = "ai.onnx.ml", 3
+_NODES = (
+    *("nodes_treeids", "nodes_nodeids", "nodes_modes"),
+    *("nodes_truenodeids", "nodes_falsenodeids"),
+)
 
 
 def tree_tail(module: nn.Module) -> nn.Module | None:
@@ -40,3 +46,20 @@ def with_trees(columns: ModelProto, trees: Any) -> ModelProto:
     last.CopyFrom(helper.make_tensor_value_info(name, TensorProto.FLOAT, [rows]))
     graph.opset_import.append(helper.make_opsetid(DOMAIN, VERSION))
     return graph
+
+
+def nodes_passed(node: NodeProto) -> int:
+    """Return the nodes a row passes in all trees, every leaf of a tree taken as equally likely.
+
+    A node that is listed in front of the one it hangs from counts as a root.
+    """
+    given = {entry.name: helper.get_attribute_value(entry) for entry in node.attribute}
+    depths: dict[tuple[int, int], int] = {}
+    leaves: dict[int, list[int]] = defaultdict(list)
+    for tree, number, mode, *below in zip(*(given.get(name, ()) for name in _NODES), strict=False):
+        depth = depths.get((tree, number), 1)
+        if mode == b"LEAF":
+            leaves[tree].append(depth)
+        else:
+            depths.update({(tree, one): depth + 1 for one in below})
+    return round(sum(map(fmean, leaves.values())))

@@ -87,20 +87,28 @@ class Size:
 
 @dataclass(frozen=True)
 class Layer:
-    """One kernel of one inference of a single row, as `backends.cost.LayerCost` counts it."""
+    """One kernel of one inference of a single row, as `backends.cost.LayerCost` counts it.
+
+    `reads` is 0 in records that are older than it.
+    """
 
     kind: str
     macs: int
     outputs: int
     dtype: str
+    reads: int = 0
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What every estimate for a device is made from: kernels in order, bytes of weights."""
+    """What every estimate for a device is made from: kernels in order, bytes of weights.
+
+    `inputs`: values a row holds; 0 in records that are older than it.
+    """
 
     layers: tuple[Layer, ...]
     weight_bytes: int
+    inputs: int = 0
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,7 @@ class Layer:
     macs: int
     outputs: int
     dtype: str
+    reads: int = 0
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,7 @@ class Cost:
 
     layers: tuple[Layer, ...]
     weight_bytes: int
+    inputs: int = 0
 
 
 @dataclass(frozen=True)

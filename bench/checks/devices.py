@@ -19,6 +19,7 @@ class _Layer:
     kind: str = "conv"
     macs: int = 20_000
     outputs: int = 500
+    reads: int = 500
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class _Cost:
 
     layers: tuple[_Layer, ...]
     weight_bytes: int = 6000
+    inputs: int = 157
 
 
 def check_device(profile: Profile) -> None:

@@ -70,7 +70,7 @@ Examples:
     "--markdown",
     metavar="FILE",
     type=click.Path(path_type=Path),
-    help="Write the table as Markdown too.",
+    help="Write the table as Markdown too: between the marks of a page that has them.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 def command(
@@ -90,11 +90,12 @@ def command(
     """Count instructions and cycles of a network's C on a part's core, in an emulator.
 
     The C is compiled for the core, run on recorded rows and checked against this machine.
-    Reports cycles, latency (ms), energy (mJ), flash and RAM (KB) with low and high ends.
+    Reports cycles, latency (ms), energy (mJ), flash and RAM (KB) with low and high ends. Counts
+    are kept in the cache: a command that was stopped goes on when it is given again.
     """
-    from bench.cli.count_view import markdown_table, print_rows, rows_as_json
+    from bench.cli.count_table import markdown_table, write_markdown
+    from bench.cli.count_view import print_rows, rows_as_json
     from bench.cli.run_view import RunView
-    from bench.files import write_atomically
     from bench.runner.count_models import count_finished, count_models, make_count_plan
 
     board = _board(measured, profile_out)
@@ -112,7 +113,7 @@ def command(
     if board is not None and profile_out is not None:
         _write_profile(found[0], plan.profiles[0], board, profile_out)
     if markdown is not None:
-        write_atomically(markdown, markdown_table(found, board))
+        write_markdown(markdown, markdown_table(found, board))
     (rows_as_json if as_json else print_rows)(found, board)
     if not any(row.counted for row in found):
         raise BenchError(f"nothing was counted: {found[0].reason}")

@@ -1,4 +1,4 @@
-"""What `bench count` shows: a table of parts, layers of one network, JSON, Markdown."""
+"""What `bench count` shows: a table of parts, layers of one network, JSON."""
 
 from __future__ import annotations
 
@@ -12,10 +12,6 @@ from bench.results import Interval
 from bench.runner.count_models import CountRow
 from bench.runner.counting import Counted
 
-COLUMNS = (
-    *("device", "model", "backend", "how", "cycles (M)", "latency (ms)", "energy (mJ)"),
-    *("flash (KB)", "RAM (KB)"),
-)
 NARROW = ("device", "network", "how", "cycles\n(M)", "latency\n(ms)", "energy\n(mJ)", "flash\n(KB)")
 NOTE = (
     "counted: instructions exact in an emulator, cycles by the core's table; brackets: its low and "
@@ -25,7 +21,7 @@ NOTE = (
 
 def print_rows(rows: Sequence[CountRow], board: Measured | None) -> None:
     """Print the table, what fits, and for a single network its layers and kinds."""
-    print_table("Counted", (*NARROW, "RAM\n(KB)"), map(_narrow, _lines(rows, board)))
+    print_table("Counted", (*NARROW, "RAM\n(KB)"), map(_narrow, lines(rows, board)))
     say(NOTE)
     for row in rows:
         say(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
@@ -39,13 +35,8 @@ def rows_as_json(rows: Sequence[CountRow], board: Measured | None) -> None:
     print_json([_facts(row, board) for row in rows])
 
 
-def markdown_table(rows: Sequence[CountRow], board: Measured | None) -> str:
-    """Return the table as Markdown, rows that could not be counted with their reason."""
-    lines = [COLUMNS, ("---",) * 4 + ("---:",) * 5, *_lines(rows, board)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
-
-
-def _lines(rows: Sequence[CountRow], board: Measured | None) -> Iterator[tuple[str, ...]]:
+def lines(rows: Sequence[CountRow], board: Measured | None) -> Iterator[tuple[str, ...]]:
+    """Yield every row's cells: part, model, backend, how, figures; a refusal with its reason."""
     for row in rows:
         names = (row.device, row.model, row.backend)
         if row.counted is None:
@@ -53,7 +44,8 @@ def _lines(rows: Sequence[CountRow], board: Measured | None) -> Iterator[tuple[s
             continue
         if board is not None:
             yield (*names, "measured", *_board_cells(row.counted, board), "", "")
-        yield (*names, "counted", *_cells(row.counted))
+        problem = row.counted.figure.problem
+        yield (*names, f"counted, {problem}" if problem else "counted", *_cells(row.counted))
 
 
 def _narrow(line: tuple[str, ...]) -> tuple[str, ...]:
@@ -62,7 +54,7 @@ def _narrow(line: tuple[str, ...]) -> tuple[str, ...]:
     Why something was not counted stands below the table.
     """
     device, model, backend, how, *rest = line
-    how = "not\ncounted" if how.startswith("- (") else how
+    how = "not\ncounted" if how.startswith("- (") else how.partition(",")[0]
     return device, f"{model}\n{backend}", how, *(cell.replace(" [", "\n[") for cell in rest)
 
 

@@ -1,20 +1,24 @@
 """Latency and energy of one call on a device that is not here: an ESTIMATE from its profile.
 
-    cycles  = sum over layers of MACs / macs_per_cycle(kind, type) + outputs x cycles_per_output
-    latency = t0 + kernels x launch_cycles / f_host + rows x cycles / f
+    cycles  = sum over layers of MACs / macs_per_cycle(kind, type)
+              + outputs x cycles_per_output(kind, type) + reads x cycles_per_read(kind, type)
+              + inputs x cycles_per_input
+    latency = fit_factor x (t0 + kernels x launch_cycles / f_host
+                            + (call_cycles + rows x cycles) / f)
     energy  = cycle_energy x latency x f      where the profile knows the energy of a cycle
             = power(precision) x latency      elsewhere (power above idle)
 
 `f_host` is the clock of the processor that launches kernels: the device itself unless the profile
-names another. Layers that only move values are no kernels: whether a runtime has them is an
-accident of its graph format. The model is linear in batch and knows nothing of caches.
+names another. A profile may leave out t0, fit_factor, call_cycles, cycles_per_input and
+cycles_per_read. Layers that only move or convert values are no kernels: whether a runtime has them
+is an accident of its graph format. The model is linear in batch and knows nothing of caches.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Protocol
 
@@ -23,6 +27,8 @@ from bench.measure.profile import Profile
 from bench.results import Estimate, Interval
 
 _BYTES = {"fp32": 4, "fp16": 4, "int8": 1}  # of a value between layers; half weights, full values
+_NO_KERNELS = ("convert", "move")
+_JOINED = ("activation", "elementwise", "function")
 _LIVE_BUFFERS = 3  # a residual block holds its input, its output and the shortcut
 
 
@@ -31,7 +37,7 @@ class Layer(Protocol):
 
     @property
     def kind(self) -> str:
-        """What it does: "conv", "dense", "elementwise", "reduce" or "move"."""
+        """What it does, as `backends.cost.Kind` names it."""
 
     @property
     def macs(self) -> int:
@@ -45,6 +51,10 @@ class Layer(Protocol):
     def dtype(self) -> str:
         """Type it computes in: "fp32", "fp16" or "int8"."""
 
+    @property
+    def reads(self) -> int:
+        """Values read that are no constants; of trees the nodes passed."""
+
 
 class NetworkCost(Protocol):
     """What one call of a network takes (`backends.cost.GraphCost`)."""
@@ -57,16 +67,28 @@ class NetworkCost(Protocol):
     def weight_bytes(self) -> int:
         """Bytes of weights as stored."""
 
+    @property
+    def inputs(self) -> int:
+        """Values a row holds."""
+
+
+Work = Mapping[tuple[str, str], int]
+
 
 @dataclass(frozen=True)
 class Call:
-    """What the model needs to know of one call: `work` [multiply-adds] by (kind, type)."""
+    """What the model needs to know of one call.
+
+    `work` [multiply-adds], `outputs` and `reads` [values] are by (kind, type) of layer.
+    """
 
     precision: str
     rows: int
     kernels: int
-    outputs: int
-    work: Mapping[tuple[str, str], int]
+    inputs: int = 0
+    work: Work = field(default_factory=dict)
+    outputs: Work = field(default_factory=dict)
+    reads: Work = field(default_factory=dict)
 
 
 Values = Mapping[str, float]
@@ -93,33 +115,48 @@ def estimate(profile: Profile, cost: NetworkCost, precision: str, rows: int = 1)
 
 def energy_of(profile: Profile, precision: str, measured_us: float) -> Interval:
     """Return the energy (mJ) of a call whose latency was measured: still an estimate."""
-    call = Call(precision, 1, 0, 0, {})
+    call = Call(precision, 1, 0)
     return _with_range(profile, lambda values: _energy(values, call, measured_us))
 
 
 def call_of(cost: NetworkCost, precision: str, rows: int = 1) -> Call:
     """Return what one call with `rows` rows takes."""
-    work: dict[tuple[str, str], int] = {}
-    for layer in cost.layers:
-        if layer.macs:
+    work, outputs, reads = (
+        _sums(cost.layers, count)
+        for count in (lambda one: one.macs, lambda one: one.outputs, lambda one: one.reads)
+    )
+    kernels = _kernels(cost.layers, precision)
+    return Call(precision, rows, kernels, cost.inputs, work, outputs, reads)
+
+
+def _sums(layers: Sequence[Layer], count: Callable[[Layer], int]) -> Work:
+    """Return what layers of each kind and type have together, without those that have nothing."""
+    found: dict[tuple[str, str], int] = {}
+    for layer in layers:
+        if number := count(layer):
             key = (layer.kind, layer.dtype)
-            work[key] = work.get(key, 0) + layer.macs
-    outputs = sum(layer.outputs for layer in cost.layers)
-    return Call(precision, rows, _kernels(cost.layers, precision), outputs, work)
+            found[key] = found.get(key, 0) + number
+    return found
 
 
 def latency_us(values: Values, call: Call) -> float:
     """Return the model's latency in microseconds; a cycle at 1 MHz is a microsecond."""
-    launches = call.kernels * _find(values, "launch_cycles", call.precision)
-    cycles = call.outputs * _find(values, "cycles_per_output", call.precision)
-    for (kind, dtype), macs in call.work.items():
-        cycles += macs / _find(values, "macs_per_cycle", kind, dtype)
     clock = _find(values, "frequency_mhz")
-    return (
-        _find(values, "t0_us")
-        + launches / values.get("host_mhz", clock)
-        + call.rows * cycles / clock
-    )
+    launches = call.kernels * _find(values, "launch_cycles", call.precision)
+    cycles = values.get("call_cycles", 0.0) + call.rows * _row_cycles(values, call)
+    taken_us = values.get("t0_us", 0.0) + launches / values.get("host_mhz", clock) + cycles / clock
+    return taken_us * values.get("fit_factor", 1.0)
+
+
+def _row_cycles(values: Values, call: Call) -> float:
+    cycles = call.inputs * values.get("cycles_per_input", 0.0)
+    for parts, macs in call.work.items():
+        cycles += macs / _find(values, "macs_per_cycle", *parts)
+    for parts, number in call.outputs.items():
+        cycles += number * _find(values, "cycles_per_output", *parts)
+    for parts, number in call.reads.items():
+        cycles += number * (_found(values, "cycles_per_read", *parts) or 0.0)
+    return cycles
 
 
 def energy_mj(values: Values, call: Call) -> float:
@@ -146,11 +183,11 @@ def _kernels(layers: Sequence[Layer], precision: str) -> int:
     A half-precision file still holds its activations apart, but every runtime joins them to the
     weighted layer before them on loading.
     """
-    launched = [layer for layer in layers if layer.kind != "move"]
+    launched = [layer for layer in layers if layer.kind not in _NO_KERNELS]
     joined = 0
     if precision == "fp16":
         pairs = pairwise(launched)
-        joined = sum(bool(a.macs) and b.kind == "elementwise" for a, b in pairs)
+        joined = sum(bool(a.macs) and b.kind in _JOINED for a, b in pairs)
     return len(launched) - joined
 
 
@@ -161,15 +198,16 @@ def _energy(values: Values, call: Call, taken_us: float) -> float:
 
 
 def _find(values: Values, name: str, *parts: str) -> float:
-    """Return the most specific coefficient: "name.conv.int8", then "name.int8", then "name".
+    """Return the most specific coefficient. Raises BenchError where the profile has none."""
+    if (found := _found(values, name, *parts)) is None:
+        raise BenchError(f"the device profile has no {'.'.join((name, *parts))!r} to estimate with")
+    return found
 
-    Raises BenchError where the profile has none of them.
-    """
-    for start in range(len(parts) + 1):
-        found = values.get(".".join((name, *parts[start:])))
-        if found is not None:
-            return found
-    raise BenchError(f"the device profile has no {'.'.join((name, *parts))!r} to estimate with")
+
+def _found(values: Values, name: str, *parts: str) -> float | None:
+    """Return the most specific coefficient: "name.conv.int8", then "name.int8", then "name"."""
+    names = (".".join((name, *parts[start:])) for start in range(len(parts) + 1))
+    return next((values[one] for one in names if one in values), None)
 
 
 def _with_range(profile: Profile, model: Callable[[Values], float]) -> Interval:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -26,6 +26,10 @@ UNITS = {
     "launch_cycles": "cycles per kernel",
     "macs_per_cycle": "multiply-adds per cycle",
     "cycles_per_output": "cycles per value written",
+    "cycles_per_read": "cycles per value read",
+    "cycles_per_input": "cycles per value of a row",
+    "call_cycles": "cycles per call",
+    "fit_factor": "counted cycles per estimated cycle",
     "power_w": "W",
     "cycle_energy_pj": "pJ per cycle",
     "flash_kib": "KiB",
@@ -84,10 +88,16 @@ class Profile:
         return None if entry is None else entry.value
 
     def in_mode(self, mode: str) -> Profile:
-        """Return the profile in one of its modes. Raises BenchError for an unknown one."""
+        """Return the profile in one of its modes. Raises BenchError for an unknown one.
+
+        What a mode gives stands for all that is more specific too: its "macs_per_cycle.fp32"
+        replaces "macs_per_cycle.conv.fp32".
+        """
         if mode not in self.modes:
             raise unknown_name(f"mode of {self.name}", mode, self.modes)
-        return replace(self, coefficients={**self.coefficients, **self.modes[mode]})
+        given = self.modes[mode]
+        kept = {name: one for name, one in self.coefficients.items() if not _covered(name, given)}
+        return replace(self, coefficients={**kept, **given})
 
     def with_values(self, values: Mapping[str, float]) -> Profile:
         """Return the profile with other values (a fit's); ranges keep their ratio to the value.
@@ -163,6 +173,15 @@ def _coefficient(name: str, table: dict[str, Any]) -> Coefficient:
     if entry.kind not in get_args(Kind) or not entry.source:
         raise ValueError(f"{name}: a source and one of {', '.join(get_args(Kind))} were expected")
     return entry
+
+
+def _covered(name: str, given: Iterable[str]) -> bool:
+    """Return True where a coefficient is one of those given, or a more specific one."""
+    first, *parts = name.split(".")
+    return any(
+        first == other and parts[len(parts) - len(rest) :] == rest
+        for other, *rest in (one.split(".") for one in given)
+    )
 
 
 def _moved(entry: Coefficient, value: float) -> Coefficient:

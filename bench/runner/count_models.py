@@ -19,7 +19,7 @@ from bench.measure.counting.compile import Which
 from bench.measure.counting.emulate import check_tools
 from bench.measure.profile import Profile, load_profile
 from bench.plugins import Plugin, find, plugins
-from bench.results import Cost
+from bench.results import Cost, RunRecord
 from bench.runner.counting import ROWS, Counted, Floats, count_artifact, recorded_rows
 from bench.runner.finished import artifact_of, finished_runs, newest
 from bench.runner.fits import fit_fold
@@ -38,7 +38,8 @@ if TYPE_CHECKING:
 class CountRow:
     """One model on one backend and part: counted, or the reason why not.
 
-    `cost` is what an estimate of the same artifact is made from.
+    `cost` is what an estimate of the same artifact is made from; `data` names the recordings,
+    marked where they are SIMULATED.
     """
 
     model: str
@@ -48,6 +49,7 @@ class CountRow:
     reason: str | None = None
     precision: str | None = None
     cost: Cost | None = None
+    data: str = ""
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,15 @@ def count_models(
     watch = watch or Observer()
     watch.stage("reading the recordings")
     material = load_material(data, split)
+    for row in _fitted(plan, material, watch):
+        yield replace(row, data=_named(data, material))
+
+
+def _named(data: str, material: Material) -> str:
+    return f"{data} (SIMULATED)" if material.recordings.simulated else data
+
+
+def _fitted(plan: CountPlan, material: Material, watch: Observer) -> Iterator[CountRow]:
     for model in plan.models:
         if reason := missing(material, model.load()):
             yield from _all(plan, model.name, reason)
@@ -125,15 +136,24 @@ def count_finished(
     for model in plan.models:
         for backend in plan.backends:
             watch.stage(f"counting {model.name} on {backend.name}")
-            try:
-                found = newest(runs, model.name, backend.name, material)
-                artifact = artifact_of(found, results)
-            except BenchError as problem:
-                yield from _all(replace(plan, backends=(backend,)), model.name, str(problem))
-                continue
-            rows = recorded_rows(*_test_rows(material, artifact), plan.rows)
-            for row in _counted(plan, artifact, rows):
-                yield replace(row, model=model.name, backend=backend.name)
+            one = replace(plan, models=(model,), backends=(backend,))
+            for row in _from_files(one, runs, results, material):
+                named = {"model": model.name, "backend": backend.name}
+                yield replace(row, **named, data=_named(data, material))
+
+
+def _from_files(
+    plan: CountPlan, runs: list[RunRecord], results: Path, material: Material
+) -> Iterator[CountRow]:
+    """Yield one model and backend on every part."""
+    [model], [backend] = plan.models, plan.backends
+    try:
+        found = newest(runs, model.name, backend.name, material)
+        artifact = artifact_of(found, results)
+    except BenchError as problem:
+        yield from _all(plan, model.name, str(problem))
+        return
+    yield from _counted(plan, artifact, recorded_rows(*_test_rows(material, artifact), plan.rows))
 
 
 def _test_rows(material: Material, artifact: Artifact) -> tuple[Floats, NDArray[np.intp]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.measure.counting import Count, Figure, build_image, count_image, figure_of, load_core
+from bench.measure.counting import Count, Figure, build_image, count_kept, figure_of, load_core
 from bench.measure.counting.compile import Which
 from bench.measure.profile import Profile
 from bench.results import CountRecord, Estimate
@@ -121,7 +121,7 @@ def _checked(
         raise BenchError(f"device {profile.name} has no core to count on: it is only estimated")
     core = load_core(profile.core)
     image = build_image(c_files(artifact, core.float_unit), core, which)
-    count = count_image(image, core, rows)
+    count = count_kept(image, core, rows)
     return count, _agreement(count, expected_m, profile.core)
 
 

@@ -17,14 +17,13 @@ if TYPE_CHECKING:
 
 
 def finished_runs(results: Path) -> list[RunRecord]:
-    """Return the runs of a result folder that have figures, the newest first.
+    """Return the runs of a result folder, those skipped too, the newest first.
 
-    Raises BenchError where there is none, or a record cannot be read.
+    Raises BenchError where none has figures, or a record cannot be read.
     """
     paths = sorted((results / "runs").glob("*.json"))
     found = [from_json(RunRecord, read_json(path)) for path in paths]
-    found = [record for record in found if record.status == "ok"]
-    if not found:
+    if not any(record.status == "ok" for record in found):
         raise BenchError(f"{results}: no finished runs here")
     return sorted(found, key=lambda record: record.created_utc, reverse=True)
 
@@ -43,11 +42,14 @@ def artifact_of(record: RunRecord, results: Path) -> Artifact:
 def newest(runs: list[RunRecord], model: str, backend: str, material: Material) -> RunRecord:
     """Return the newest run of a model on a backend, on these recordings and this split.
 
-    Raises BenchError where there is none.
+    Raises BenchError where there is none, or saying why it was skipped.
     """
     wanted = (model, backend, material.fingerprint, material.split.name)
     for record in runs:
         key = record.key
-        if (key.model, key.backend, key.data_fingerprint, key.split) == wanted:
+        if (key.model, key.backend, key.data_fingerprint, key.split) != wanted:
+            continue
+        if record.status == "ok":
             return record
+        raise BenchError(record.reason or "it was skipped")
     raise BenchError(f"no finished run of {model} on {backend} with these recordings and split")

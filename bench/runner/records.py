@@ -92,8 +92,8 @@ def _label_note(material: Material) -> str:
 
 def cost_record(cost: GraphCost) -> Cost:
     """Return what a record keeps of a network's cost."""
-    layers = (Layer(one.kind, one.macs, one.outputs, one.dtype) for one in cost.layers)
-    return Cost(tuple(layers), cost.weight_bytes)
+    layers = (Layer(one.kind, one.macs, one.outputs, one.dtype, one.reads) for one in cost.layers)
+    return Cost(tuple(layers), cost.weight_bytes, cost.inputs)
 
 
 def _training(models: Sequence[MitigationModel]) -> tuple[Training, ...]:

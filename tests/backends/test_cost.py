@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from backends.cost import graph_cost
+from backends.trees import nodes_passed
 
 # one layer after another: outputs x inputs each looks at
 REMNET_BLOCKS = sum(
@@ -53,3 +54,32 @@ def test_layers_have_kinds_outputs_and_types(built) -> None:
     assert {layer.dtype for layer in plain.layers} == {"fp32"}
     assert {layer.dtype for layer in halves.layers if layer.macs} == {"fp16"}
     assert plain.kernels - fused.kernels == 16  # a ReLU in ten convolutions, six after dense
+
+
+def test_what_a_row_holds_and_layers_read() -> None:
+    """Two trees, of three and of one leaf: (2 + 3 + 3) / 3 nodes on the way, and 1."""
+    from onnx import helper
+
+    branch, leaf = "BRANCH_LEQ", "LEAF"
+    node = helper.make_node(
+        "TreeEnsembleRegressor",
+        ["x"],
+        ["y"],
+        nodes_treeids=[0, 0, 0, 0, 0, 1],
+        nodes_nodeids=[0, 1, 2, 3, 4, 0],
+        nodes_modes=[branch, leaf, branch, leaf, leaf, leaf],
+        nodes_truenodeids=[1, 0, 3, 0, 0, 0],
+        nodes_falsenodeids=[2, 0, 4, 0, 0, 0],
+    )
+    assert nodes_passed(node) == round(8 / 3 + 1)
+
+
+def test_kinds_inputs_and_reads(built) -> None:
+    cost = graph_cost(built("remnet", "fp32").path)
+    assert cost.inputs == 157
+    kinds = {layer.operator: layer.kind for layer in cost.layers}
+    assert (kinds["Relu"], kinds["Sigmoid"], kinds["Add"]) == (
+        *("activation", "function", "elementwise"),
+    )
+    means = [layer for layer in cost.layers if layer.kind == "reduce"]
+    assert [layer.reads for layer in means] == [16 * 128, 16 * 64, 16 * 32]

@@ -130,8 +130,9 @@ def _function(kernel: Kernel) -> list[str]:
     scale = "int32_t" if fixed_point else "float"
     kind = "float" if kernel.ending == "result" else "uint8_t"
     last = ", int shift" if fixed_point else ""
+    apart = "UWB_APART " if _at_once(kernel.span // 4 * 4) > 1 else ""
     head = [
-        f"static void {kernel.name}(const uint8_t *x, const int8_t *w, const int32_t *b,",
+        f"{apart}static void {kernel.name}(const uint8_t *x, const int8_t *w, const int32_t *b,",
         f"    const {scale} *m, {kind} *y, int steps, int32_t zero{last})",
     ]
     start = [OPAQUE_Y, *(["(void)zero;"] if kernel.ending == "result" else [])]
@@ -212,14 +213,18 @@ def _by_output(kernel: Kernel, outs: int, far: str, row: str) -> list[str]:
 
 
 def _quads(kernel: Kernel, outs: int, fours: int, far: str, row: str) -> list[str]:
-    at_once = 2 if fours % 8 == 0 and fours > 8 else 1
-    body = []
+    at_once, body = _at_once(fours), []
     for n in range(at_once):
         quad = _quad(kernel, outs, f"{far} + {4 * n}", f"{row} + {4 * n}")
         body += [*block("", quad), '__asm__ volatile("" ::: "memory");'] if at_once > 1 else quad
     lines = block(f"for (int i = 0; i < {fours}; i += {4 * at_once})", body)
     rest = _products(kernel, outs, fours, far, row) if fours < kernel.span else []
     return [*lines, *rest]
+
+
+def _at_once(fours: int) -> int:
+    """Return how many groups of four products a turn of the loop takes."""
+    return 2 if fours % 8 == 0 and fours > 8 else 1
 
 
 def _quad(kernel: Kernel, outs: int, far: str, row: str) -> list[str]:
@@ -262,4 +267,19 @@ def dsp() -> list[str]:
             "return r;",
         ],
     )
-    return [*lines, "#endif"]
+    return [*lines, "#endif", *_apart()]
+
+
+def _apart() -> list[str]:
+    """Return what keeps a kernel a function of its own where pairs of products are taken.
+
+    GCC 12 takes one that is called once into its caller, unrolls it by its constants and runs out
+    of registers: 84 377 cycles instead of 36 040 for 16 outputs of 48 products at 24 steps.
+    """
+    return [
+        "#if defined(UWB_DSP) && !defined(__clang__)",
+        "#define UWB_APART __attribute__((noinline, noclone))",
+        "#else",
+        "#define UWB_APART",
+        "#endif",
+    ]

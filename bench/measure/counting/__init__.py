@@ -11,6 +11,7 @@ A counted figure is exact in instructions and an interval in cycles: each core's
 from bench.measure.counting.compile import Compiler, Image, build_image, find_compiler
 from bench.measure.counting.core import Core, load_core
 from bench.measure.counting.count import Count, count_image
+from bench.measure.counting.kept import count_kept
 from bench.measure.counting.part import Figure, figure_of
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "Image",
     "build_image",
     "count_image",
+    "count_kept",
     "figure_of",
     "find_compiler",
     "load_core",

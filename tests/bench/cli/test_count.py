@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 from recordings_factory import make_recordings
 
+from bench.cli.count_table import END, START, markdown_table, write_markdown
 from bench.cli.count_view import print_rows
 from bench.cli.main import group, main
 from bench.errors import BenchError
@@ -64,6 +65,7 @@ def test_a_network_is_counted_checked_and_fits(tools, table, tmp_path):
         row["figure"]["cycles"]["value"] / 64
     )
     markdown = (tmp_path / "table.md").read_text()
+    assert "| 3 of 3 |" in markdown
     assert "| nrf52832 | mlp | c-fp32 | measured | 0.9 |" in markdown
     assert "| nrf52832 | mlp | c-fp32 | counted |" in markdown
     again = _count(*ask[:5], str(tmp_path / "mine.toml"), *ask[6:8], "--rows", "3", "--json")
@@ -90,6 +92,18 @@ def test_bad_input_is_one_line(tools, table, monkeypatch, capsys, arguments, sai
     assert said in _one_line(monkeypatch, capsys, *flat)
 
 
+def test_a_table_goes_between_the_marks_of_a_page(tmp_path):
+    row = CountRow("model", "c-int8", "part", None, "Model has no | weights", data="mine")
+    table = markdown_table([row], None)
+    page = tmp_path / "page.md"
+    page.write_text(f"# Mine\n{START}\nold\n{END}\nbelow\n")
+    write_markdown(page, table)
+    assert page.read_text() == f"# Mine\n{START}\n{table}{END}\nbelow\n"
+    assert "| part | model | c-int8 | - (Model has no / weights) |" in table
+    write_markdown(tmp_path / "new.md", table)
+    assert (tmp_path / "new.md").read_text() == table
+
+
 def test_several_networks_cannot_share_a_boards_cycles(tools, table, tmp_path, monkeypatch, capsys):
     (tmp_path / "board.txt").write_text("900000 cycles")
     ask = ["--model", "mlp", "--backend", "c-fp32", "--device", "nrf52832,nrf52840"]
@@ -99,7 +113,7 @@ def test_several_networks_cannot_share_a_boards_cycles(tools, table, tmp_path, m
 
 def test_the_files_of_finished_runs_are_counted_without_a_fit(tools, table, tmp_path, monkeypatch):
     results = str(tmp_path / "results")
-    run = ["run", "--model", "none", "--backend", "fp32", "--data", table, "--no-timing"]
+    run = ["run", "--model", "none", "--backend", "fp32,int8", "--data", table, "--no-timing"]
     assert CliRunner().invoke(group, [*run, "--out", results]).exit_code == 0
     monkeypatch.setattr("bench.runner.count_models.fit_fold", None)
     ask = ["--model", "none,mlp", "--backend", "fp32", "--device", "nrf52832", "--data", table]
@@ -108,6 +122,8 @@ def test_the_files_of_finished_runs_are_counted_without_a_fit(tools, table, tmp_
     counted, absent = json.loads(done.stdout)
     assert counted["agreement"]["rows"] == counted["agreement"]["equal"] == 2
     assert absent["reason"].startswith("no finished run of mlp on fp32")
+    skipped = _count(*ask[:2], "--backend", "fp32,int8", *ask[4:], "--results", results, "--json")
+    assert json.loads(skipped.stdout)[1]["reason"] == "NoMitigation has no weights"
     nowhere = _count(*ask, "--results", str(tmp_path))
     assert isinstance(nowhere.exception, BenchError)
     assert "no finished runs here" in str(nowhere.exception)

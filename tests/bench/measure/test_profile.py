@@ -89,6 +89,15 @@ def test_dotted_names_and_modes(tmp_path) -> None:
         profile.in_mode("slwo")
 
 
+def test_what_a_mode_gives_stands_for_all_that_is_more_specific(tmp_path) -> None:
+    launch = GOOD.partition("[launch_cycles.int8]")[2].partition("[modes")[0]
+    every = f"{GOOD}\n[modes.other.launch_cycles]{launch.replace('1000', '7')}"
+    profile = _profile(tmp_path, every)
+    assert profile.in_mode("other").values() == {"t0_us": 10, "launch_cycles": 7}
+    narrow = _profile(tmp_path, every.replace("other.launch_cycles", "other.launch_cycles.fp32"))
+    assert narrow.in_mode("other").value("launch_cycles.int8") == 1000
+
+
 def test_fitted_values_move_their_range_along(tmp_path) -> None:
     fitted = _profile(tmp_path).with_values({"t0_us": 20.0})
     entry = fitted.coefficients["t0_us"]
