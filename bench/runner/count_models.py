@@ -138,8 +138,8 @@ def count_finished(
             watch.stage(f"counting {model.name} on {backend.name}")
             one = replace(plan, models=(model,), backends=(backend,))
             for row in _from_files(one, runs, results, material):
-                named = {"model": model.name, "backend": backend.name}
-                yield replace(row, **named, data=_named(data, material))
+                shown = _named(data, material)
+                yield replace(row, model=model.name, backend=backend.name, data=shown)
 
 
 def _from_files(
