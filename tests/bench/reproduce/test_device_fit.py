@@ -22,17 +22,18 @@ def costs() -> dict[str, Any]:
     """Return networks of so many kernels, 10 000 multiply-adds each."""
     made = {}
     for backend, kernels in KERNELS.items():
-        kind = {"kind": "conv", "macs": 10_000, "outputs": 500}
+        kind = {"kind": "conv", "macs": 10_000, "outputs": 500, "reads": 500}
         dtype = "fp32" if backend == "graph" else backend
         layers = [SimpleNamespace(**kind, dtype=dtype)] * kernels
-        made[backend] = SimpleNamespace(layers=layers, weight_bytes=24_604)
+        made[backend] = SimpleNamespace(layers=layers, weight_bytes=24_604, inputs=157)
     return made
 
 
 def made_row(precision: str, kernels: int, cycles: float, runtime: str = "Lite") -> Printed:
     """Return a row whose latency is the model's own for so many cycles per launch."""
     profile = load("devices", "cortex-a53")
-    call = Call(precision, 1, kernels, 1000, {("conv", precision): 300_000})
+    every = ("conv", precision)
+    call = Call(precision, 1, kernels, 157, {every: 300_000}, {every: 1000})
     values = {k: v for k, v in profile.values().items() if not k.startswith("launch_cycles")}
     latency = latency_us({**values, "launch_cycles": cycles}, call) / 1000
     return Printed(

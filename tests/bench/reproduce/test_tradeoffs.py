@@ -99,9 +99,9 @@ def test_the_picture_has_a_front_a_floor_and_says_what_is_hollow() -> None:
 def test_a_pair_that_does_not_fit_the_device_is_left_out_with_its_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    layer = SimpleNamespace(kind="conv", macs=1000, outputs=100, dtype="fp32")
+    layer = SimpleNamespace(kind="conv", macs=1000, outputs=100, dtype="fp32", reads=100)
     monkeypatch.setattr(
-        pareto, "cost_of", lambda *_: SimpleNamespace(layers=[layer], weight_bytes=1000)
+        pareto, "cost_of", lambda *_: SimpleNamespace(layers=[layer], weight_bytes=1000, inputs=157)
     )
     key = SimpleNamespace(model="remnet", backend="fp32")
     record: Any = SimpleNamespace(key=key, precision="fp32", nlos=None, los=score())
