@@ -25,7 +25,8 @@ STANDARD = {
 }  # fmt: skip
 WORDS = {
     "amplitude", "ampl", "cir", "confidence", "energy", "error", "fp", "kurtosis", "level",
-    "noise", "peak", "power", "quality", "rssi", "rsl", "snr", "residual", "spread", "std",
+    "noise", "peak", "power", "quality", "rssi", "rsl", "rtd", "rtt", "snr", "residual", "spread",
+    "std", "timestamp", "tof", "ts",
 }  # fmt: skip  # in the name of what a receiver reports
 CONDITIONS = {
     "age", "angle", "azimuth", "battery", "channel", "heading", "humidity", "orientation", "pitch",
@@ -34,9 +35,9 @@ CONDITIONS = {
 }  # fmt: skip  # in the name of what is so whatever the receiver reports, however it scatters
 RULE = (
     "a column of your own is taken as measured where its name has a word of what receivers report "
-    "(level, peak, quality, snr, ...), or where it scatters from row to row of a link about as "
-    "widely as over the whole table, unless it is named for a condition (temperature, humidity, "
-    "supply, time, speed, ...); --measured and --known say otherwise"
+    "(level, peak, quality, snr, tof, timestamp, ...), or where it scatters from row to row of a "
+    "link about as widely as over the whole table, unless it is named for a condition "
+    "(temperature, humidity, supply, time, speed, ...); --measured and --known say otherwise"
 )
 
 

@@ -66,6 +66,10 @@ def test_an_effect_is_offered_only_where_its_columns_are():
     with_heading = recorded.frame.assign(azimuth_deg=np.nan)
     assert "antenna-pattern" in offered(every, with_heading, False)[1]
     assert "azimuth_deg" not in known_columns(with_heading)
+    for turn_deg, words in ((20.0, "headings all around"), (360.0, "")):
+        turned = recorded.frame.assign(azimuth_deg=np.linspace(0, turn_deg, len(recorded)))
+        assert words in offered(every, turned, False)[1].get("antenna-pattern", "")
+    assert "antenna-pattern" in offered(every, turned, False)[0]
 
 
 def test_an_unknown_heading_is_no_heading():

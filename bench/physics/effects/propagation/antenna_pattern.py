@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.specular import positions
 from bench.physics.randomness import Draws
-from bench.physics.scene import Scene
+from bench.physics.scene import Scene, scene
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of the first harmonic [source: Ledergerber 2018]
 KNOWN_SHARE = 0.9  # of the headings
+SECTORS = 12  # of a circle
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class AntennaPattern(Effect):
     number = 5
     stage = "propagation"
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); up to 10-20 cm over direction"
-    signature = "periodic in heading, the same at all distances"
+    signature = "periodic in the heading or the bearing from rx to tx, the same at all distances"
     control = "rows without a known heading"
     needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))
 
@@ -41,12 +43,19 @@ class AntennaPattern(Effect):
     phase_2_deg: float = parameter(0, "deg", -180, 180, "of the second harmonic")
 
     @classmethod
+    def unmarked(cls, frame: pd.DataFrame) -> str:
+        """Return that headings fill no circle: over a few of them a pattern is a constant."""
+        if fills_half(heading_rad(scene(frame, "recorded"))):
+            return ""
+        return "headings all around (azimuth_deg, or bearings between positions)"
+
+    @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
         """Return the first four harmonics of the heading; None where headings fill no circle."""
         turn = heading_rad(rows)
-        known = np.isfinite(turn)
-        if known.mean() < KNOWN_SHARE or len(np.unique(np.floor(turn[known] * 6 / np.pi))) < 6:
+        if not fills_half(turn):
             return None
+        known = np.isfinite(turn)
         turn = np.where(known, turn, 0.0)
         every = [
             TYPICAL_M / k**1.5 * np.where(known, wave(k * turn), 0.0)
@@ -69,6 +78,13 @@ class AntennaPattern(Effect):
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows without a known heading."""
         return ~np.isfinite(heading_rad(batch.rows))
+
+
+def fills_half(turn: Floats) -> bool:
+    """Return whether headings [n] in radians are known and lie in half of a circle's sectors."""
+    known = np.isfinite(turn)
+    sectors = np.unique(np.floor(turn[known] * SECTORS / 2 / np.pi))
+    return bool(known.mean() >= KNOWN_SHARE and len(sectors) >= SECTORS / 2)
 
 
 def heading_rad(rows: Scene) -> Floats:
