@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import Added, Comparison, View, view, without
+from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import Confirmed, confirm, headline
 from bench.discrepancy.data.checks import check_recorded
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_motion
 from bench.discrepancy.data.observables import Window, window_of
-from bench.discrepancy.data.own_columns import measured_columns
-from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
+from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
+from bench.discrepancy.data.split import LinkSplit
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
@@ -54,6 +54,7 @@ from bench.discrepancy.select.stepwise import (
 from bench.discrepancy.select.unnamed import unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
+from bench.discrepancy.working import WorkingRows
 from bench.physics.base import Base
 from bench.physics.effect import Effect, describe
 from bench.physics.simulator import Simulator
@@ -145,14 +146,18 @@ def diagnose(
     base = base_of(shown.frame, simulated)
     comparison = compared_with(simulated, window_of(shown.frame), asked.seed, base)
     inside = covered(comparison, shown)
-    rows = _WorkingRows.of(shown.select(inside), asked)
+    doubtful = frame[list(doubtful_columns(measured, asked.measured))].iloc[np.flatnonzero(inside)]
+    rows = WorkingRows.of(shown.select(inside), asked, doubtful)
     every, skipped = library()
-    again = isinstance(comparison, Resimulation)
-    able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), again)
+    rerun = isinstance(comparison, Resimulation)
+    able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), rerun)
     skipped |= lacking
     search = _search(comparison, rows, able, progress)
     journal.know(search.kinds)
     found = select_effects(search, journal)
+    if found.mistaken:  # the guess was wrong: what was set aside is known before
+        again = replace(asked, known=(*asked.known, *found.mistaken))
+        return diagnose(recorded, simulated, again, progress, kinds)
     found = replace(found, skipped={**skipped, **found.skipped})
     weighing = weighed(search, found)
     progress("confirming on links that nothing was tuned on")
@@ -179,33 +184,6 @@ def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Record
     both = [recorded, *([simulated] if isinstance(simulated, Recordings) else [])]
     shown = [hidden(table.frame, asked.hide) for table in both]
     return replace(asked, waveform=all(map(has_waveforms, shown)))
-
-
-@dataclass(frozen=True)
-class _WorkingRows:
-    """A recorded table, split by link into what is searched, fitted and, sealed, confirmed."""
-
-    recorded: Recordings
-    asked: Options
-    split: LinkSplit
-    window: Window
-
-    @classmethod
-    def of(cls, recorded: Recordings, asked: Options) -> _WorkingRows:
-        """Return a recorded table, split by link."""
-        split = split_links(recorded.frame, asked.seed)
-        return cls(recorded, asked, split, window_of(recorded.frame))
-
-    def view(self, rows: Rows, most: int) -> View:
-        """Return at most about `most` of some rows, evenly from every link."""
-        codes, asked = link_codes(self.recorded.frame), self.asked
-        kept = thinned(rows, codes, most)
-        frame = self.recorded.frame
-        return view(frame, codes, kept, self.window, asked.observables, bool(asked.waveform))
-
-    def confirm(self) -> View:
-        """Open the sealed links. Raises RuntimeError the second time."""
-        return self.view(self.split.confirm.open(), self.asked.confirm_rows)
 
 
 def compared_with(
@@ -240,7 +218,7 @@ def covered(comparison: Comparison, recorded: Recordings) -> NDArray[np.bool_]:
 
 def _search(
     comparison: Comparison,
-    rows: _WorkingRows,
+    rows: WorkingRows,
     kinds: Mapping[str, type[Effect]],
     progress: Progress,
 ) -> Search:
@@ -249,17 +227,24 @@ def _search(
     discover = rows.view(rows.split.discover, asked.search_rows)
     fit = rows.view(rows.split.fit, asked.fit_rows)
     work = None if asked.waveform else rows.view(rows.split.work, asked.search_rows)
-    return Search(comparison, discover, fit, kinds, asked.seed, progress, work)
+    return Search(
+        comparison, discover, fit, kinds, asked.seed, progress, work, doubtful=rows.doubtful
+    )
 
 
 def select_effects(search: Search, journal: Journal | None = None) -> Selection:
-    """Go round until nothing significant is left, and say what was found."""
+    """Go round until nothing significant is left, and say what was found.
+
+    Where a column was set aside by mistake, nothing but that is said.
+    """
     journal = journal or Journal()
     state = State(search, Guard().safely("marks", marked, ())(search))
     fault = state.guard.safely("recorder", recorder_fault, "")(search)
     for turn in journal.rounds(MOST_ROUNDS):
         search.progress(f"searching (round {turn + 1})")
         state = one_round(state, turn, journal)
+        if state.search.choice.mistaken:
+            return Selection((), (), (), mistaken=state.search.choice.mistaken)
         if fault and state.rounds and state.rounds[0].located.significant:
             return spoilt(state, fault)
         if state.finished:

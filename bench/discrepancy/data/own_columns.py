@@ -62,11 +62,23 @@ def measured_columns(
     return tuple(n for n in dict.fromkeys([*measured, *guessed]) if n not in MEASURED)
 
 
+def doubtful_columns(measured: tuple[str, ...], said: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return those of the measured columns that only their scatter speaks for, no name.
+
+    `said` are those that the user said are measured.
+    """
+    return tuple(n for n in measured if n not in said and not WORDS & _words(n))
+
+
+def _words(name: str) -> set[str]:
+    return set(re.split(r"[^a-z]+", name.lower()))
+
+
 def _looks_measured(frame: pd.DataFrame, name: str) -> bool:
     """Return whether the rule takes a column as measured."""
     if not pd.api.types.is_numeric_dtype(frame[name]):
         return False
-    words = set(re.split(r"[^a-z]+", name.lower()))
+    words = _words(name)
     return not CONDITIONS & words and (bool(WORDS & words) or _scatters(frame, name))
 
 

@@ -125,10 +125,14 @@ def _base_line(diagnosis: Diagnosis) -> str:
 
 
 def measured_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return which columns of the user's own took no part as covariates, and by what rule."""
-    if not diagnosis.measured:
-        return []
-    return [f"Measured, so not searched over: {', '.join(diagnosis.measured)} ({RULE})."]
+    """Return which columns were taken as measured, and which were not, where the user may doubt."""
+    out = []
+    if diagnosis.measured:
+        out += [f"Measured, so not searched over: {', '.join(diagnosis.measured)} ({RULE})."]
+    if diagnosis.options.known:
+        why = "you said so, or it explains what was missing and nothing of the scatter"
+        out += [f"Known before ranges are measured: {', '.join(diagnosis.options.known)} ({why})."]
+    return out
 
 
 def describe(verdict: Verdict) -> list[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
+import pandas as pd
+
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
@@ -26,7 +28,8 @@ class Search:
     """What every step shares: the comparison, the two working views, the library, the seed.
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
-    where that would cost too much. `choice`: the set of causes that ranges speak for.
+    where that would cost too much. `choice`: the set of causes that ranges speak for. `doubtful`:
+    columns of all recorded rows that were set aside as measured by their scatter alone.
     """
 
     comparison: Comparison
@@ -37,6 +40,7 @@ class Search:
     progress: Progress = silent
     work: View | None = None
     choice: Choice = field(default_factory=Choice)
+    doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def sharpest(self) -> View:
@@ -106,7 +110,8 @@ class State:
 class Selection:
     """Verdicts with the effects to add (`added`), and how the search went.
 
-    `together`: the names that were weighed as a set (see `bench.discrepancy.sets`).
+    `together`: the names that were weighed as a set (see `bench.discrepancy.sets`). `mistaken`:
+    columns that were set aside as measured, but are not.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -114,6 +119,7 @@ class Selection:
     rounds: tuple[Round, ...]
     skipped: Mapping[str, str] = field(default_factory=dict)
     together: tuple[str, ...] = ()
+    mistaken: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

@@ -17,7 +17,8 @@ class Choice:
     `nats` maps names to the evidence that each brings beside the rest; `rivals` to other names
     that could stand in its place; `wider` to how many times less is known of what it does than if
     the rest were known; `shifts_m` to what it does to every row [n], names and others alike.
-    `beside`: the effects that were in place, `view` the number of the rows.
+    `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
+    aside as measured that a law says are known before (see `mistaken`).
     """
 
     names: Set = ()
@@ -28,3 +29,4 @@ class Choice:
     shifts_m: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     beside: Set = ()
     view: int = -1
+    mistaken: Set = ()

@@ -24,6 +24,7 @@ from bench.discrepancy.sets.blocks import (
 from bench.discrepancy.sets.choice import Choice, Set
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.formed import beaten
+from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,
@@ -71,7 +72,9 @@ def chosen(search: Search, beside: Added) -> Choice:
     every = named_kinds(search.kinds, rows)
     kinds = {name: every[name] for name in library}
     contest = Contest(evidence, kinds, search.comparison.crowding(rows) ** 2, rows, known)
-    return replace(contest.settled(), beside=_names(beside))
+    found = replace(contest.settled(), beside=_names(beside))
+    best = (*found.names, *found.others)
+    return replace(found, mistaken=mistaken(contest, best, search.doubtful, ensemble))
 
 
 def decided(search: Search, beside: Added) -> bool:

@@ -7,7 +7,6 @@ set leaves, and takes the place of a name as one more block, its form and free c
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import log
 from typing import TYPE_CHECKING
@@ -20,8 +19,9 @@ from bench.discrepancy.law.likelihood import effective_share
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
-from bench.discrepancy.law.structures import GridLaw, cost
+from bench.discrepancy.law.structures import Fitted, GridLaw, cost
 from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.settings import (
     FORM_NATS,
     FORMS_TRIED,
@@ -81,7 +81,7 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     before = contest.nats(best)
     tried = []
     for law in formed(contest, best, gone):
-        lead = _nats_with(contest, rest, law.name, law.parts) - law.pays - before
+        lead = nats_with(contest, rest, law.name, law.parts) - law.pays - before
         if lead > FORM_NATS or (lead > TIED_NATS and _another(contest, best, gone, law)):
             tried.append(Beaten(gone, law, lead))
     return max(tried, key=lambda one: one.lead, default=None)
@@ -95,21 +95,26 @@ def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
     frame = contest.rows.frame.iloc[contest.known].reset_index(drop=True)
     every = material(frame, left, contest.rows.links[contest.known])
     part = every.take(np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT))
-    return list(_best_of(every, part)) if len(part.residual_m) >= LAW_FEWEST_ROWS else []
+    return best_laws(every, part)
 
 
-def _best_of(every: Material, part: Material) -> Iterator[Formed]:
-    """Yield the best laws of some rows, as blocks over all."""
+def best_laws(every: Material, part: Material) -> list[Formed]:
+    """Return the best laws of some rows, as blocks over all; none where they are few."""
+    if len(part.residual_m) < LAW_FEWEST_ROWS:
+        return []
     fits = [(law, law.fitted(part)) for law in promising(part, float(len(part.residual_m)))]
     if not fits:
-        return
+        return []
     first = max(fits, key=lambda one: one[1].fit.likelihood - cost(one[0], 2.0))[1].fit
     share = effective_share(part.residual_m - first.shift_m, part.links)
     rows = max(share * len(part.residual_m), 2.0)
     fits.sort(key=lambda one: cost(one[0], rows) - share * one[1].fit.likelihood)
-    for law, found in fits[:FORMS_TRIED]:
-        free = {name: value for name, value, _ in found.constants}.get(law.shape.free, law.value)
-        yield _formed(every, law, free, rows)
+    return [_formed(every, law, _free(law, found), rows) for law, found in fits[:FORMS_TRIED]]
+
+
+def _free(law: GridLaw, found: Fitted) -> float:
+    """Return the free constant of a fitted law."""
+    return {name: value for name, value, _ in found.constants}.get(law.shape.free, law.value)
 
 
 def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
@@ -140,16 +145,21 @@ def _constant(contest: Contest, best: Set, names: Set) -> bool:
     """Return whether a mere constant does all that some names of a set do."""
     rest = tuple(one for one in best if one not in names)
     parts = (np.full((len(contest.known), 1), LAW_M),)
-    lead = contest.nats(best) - _nats_with(contest, rest, "a constant", parts)
+    lead = contest.nats(best) - nats_with(contest, rest, "a constant", parts)
     return bool(lead < FORM_NATS)
 
 
-def _nats_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> float:
+def nats_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> float:
     """Return the log evidence of a set with one more block."""
+    return weighed_with(contest, rest, name, parts).nats / contest.crowding
+
+
+def weighed_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> Weighed:
+    """Return a set with one more block."""
     blocks = {one: contest.evidence.blocks[one] for one in rest}
     other = contest.evidence.with_blocks({**blocks, name: parts})
     other.widest = {**contest.evidence.widest, name: LAW_SIZE}
-    return other.of((*rest, name)).nats / contest.crowding
+    return other.of((*rest, name))
 
 
 def about(kind: type[Effect]) -> frozenset[str]:
