@@ -20,6 +20,19 @@ Moment = Literal["mean", "spread", "link", "slope"]
 OWN = ("rx_power_dbm", "first_path_power_dbm")  # observables that others are searched against
 
 
+def between(low: float, high: float) -> str:
+    """Return an interval in words, with as many digits as tell its ends apart.
+
+    >>> between(0.5, 2.0), between(0.00112801, 0.00112834)
+    ('0.5 to 2', '0.001128 to 0.0011283')
+    """
+    for digits in range(4, 12):
+        words = f"{low:.{digits}g}", f"{high:.{digits}g}"
+        if words[0] != words[1]:
+            break
+    return " to ".join(words)
+
+
 @dataclass(frozen=True)
 class Place:
     """Rows to look at: all, a group, an interval of a number, or the trend over a number."""
@@ -37,7 +50,7 @@ class Place:
             return f"as a trend over {self.covariate}"
         if self.low is None or self.high is None:
             return f"where {self.covariate}"
-        return f"where {self.covariate} is {self.low:.4g} to {self.high:.4g}"
+        return f"where {self.covariate} is {between(self.low, self.high)}"
 
     def weight(self, value: Floats | NDArray[np.bool_]) -> Floats:
         """Return the weight of each row, 0/1 or the standardised trend; same shape as `value`."""

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
-from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import widened
 from bench.discrepancy.fit.sandwich import parameter_intervals
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents, nearly_as_good
+from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
@@ -31,20 +27,14 @@ from bench.discrepancy.select.verdict import (
 )
 from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.settings import (
-    CONTROL_QUIET,
-    CONTROL_REACH,
-    CONTROL_ROWS,
     FORM_REACHED,
     MARGIN_NATS,
     OFFSET_NATS,
     REMOVED_SHARE,
     SCORE_FIRST,
     SCORE_MEMBERS,
-    SEARCH_FIRST,
-    SEARCH_MEMBERS,
     SURE_P,
 )
-from bench.physics.base import Base
 from bench.physics.effect import Effect
 
 
@@ -60,7 +50,8 @@ def verdicts(
     `added` may be named; `whole` are all effects beside which they were judged, () for the same.
     """
     last = rounds[-1]
-    struck = tuple(_struck_out(search, turn, turn.strike) for turn in rounds if turn.strike)
+    beside = whole or added
+    struck = tuple(_struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
     if doubts:
         held = verdicts(search, rounds, added, whole=whole) if added else struck
         known = tuple(v for v in held if not isinstance(v, Unknown))
@@ -96,17 +87,25 @@ def _since_struck(rounds: tuple[Round, ...]) -> Explanation:
     return next(turn.explanation for turn in (*rounds[start:], *rounds) if turn.explanation)
 
 
-def _struck_out(search: Search, turn: Round, found: Strike) -> LeftOut:
-    """Return the verdict on an effect that strikes links at random."""
-    control = negative_control(search, (), found.effect, turn.located.findings[0])
-    findings = turn.located.findings
+def _struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Verdict:
+    """Return the verdict on an effect that strikes links at random.
+
+    One that is there too where it must do nothing is no name.
+    """
+    unknown = Control(type(found.effect).control, None)
+    control = Guard().safely("negative control", struck_control, unknown)(
+        search, added, found.effect
+    )
+    if control.passed is False:
+        note = f"{found.effect.physics} gains most, but it is there too in {control.words}"
+        return _refuted(turn, note)
     return LeftOut(
         found.effect,
         found.parameters,
         found.evidence,
         1.0,
         control,
-        findings,
+        turn.located.findings,
         judged="evidence in the offsets of links",
     )
 
@@ -230,10 +229,27 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
     name = option.names[0]
     if option.control.passed is False:
         return f"{name} gains most, but it is there too in {option.control.words}"
+    if untold(option):
+        return f"looks most like {name}, but none of its values is told from zero"
     if option.effect is effect:
         return ""
     found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
     return "" if found.adequate else f"looks most like {name}, but {found}"
+
+
+def untold(option: LeftOut) -> bool:
+    """Return whether nothing of an effect is told from zero: no value, nor its gain.
+
+    What bears a mark of its own needs neither.
+    """
+    if type(option.effect).marked or option.gain.likely_above_zero:
+        return False
+    known = {p.name: p.null for p in option.effect.parameters()}
+    nulls = [(one, known.get(one.name, 0.0)) for one in option.parameters]
+    sizes = [(one, null) for one, null in nulls if null is not None]
+    return bool(sizes) and not any(
+        one.determined and not one.low <= null <= one.high for one, null in sizes
+    )
 
 
 def _refuted(turn: Round, note: str) -> Unknown:
@@ -257,49 +273,6 @@ def _left_out(
     top = turn.located.findings[:1]  # none where a mark alone speaks for it
     control = test(search, others, effect, top[0]) if top else unknown
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
-
-
-def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
-    """Return what is left where the effect must vanish (a wall delay where there is no wall).
-
-    Of a set of causes, beyond what is left everywhere: that is another cause.
-    """
-    words = type(effect).control
-    inert = effect.inert(Base().paths(search.discover.scene))
-    if inert.sum() < CONTROL_ROWS or inert.all():
-        return Control(words, None)
-    ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
-    of_range = effect.stage == "ranging" or effect.physics in search.choice.names
-    name = RANGE if of_range else top.cell.observable
-    if name not in ensemble.names:
-        return Control(words, None)
-    residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
-    residual = residual - _everywhere(search, others, effect, name, ~inert)
-    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
-    loud = float(np.nanmean(np.abs(residual[~inert])))
-    return Control(words, control_passed(quiet, loud), int(inert.sum()), quiet)
-
-
-def control_passed(quiet: Estimate, loud: float) -> bool | None:
-    """Return whether nothing is left where an effect must vanish; None where chance decides.
-
-    One in twenty 95 % intervals of true names excludes zero: that alone refuses none.
-    """
-    if quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud:
-        return True
-    reach = quiet.value - quiet.low if quiet.value > 0 else quiet.high - quiet.value
-    return None if abs(quiet.value) < CONTROL_REACH * reach else False
-
-
-def _everywhere(
-    search: Search, others: Added, effect: Effect, name: str, acts: NDArray[np.bool_]
-) -> float:
-    """Return what an effect of a set leaves where it acts [n]; 0 for other effects."""
-    if effect.physics not in search.choice.names:
-        return 0.0
-    with_it = (*others, effect)
-    made = search.comparison.ensemble(search.discover, with_it, SEARCH_MEMBERS, SEARCH_FIRST)
-    return float(np.nanmedian(made.residual_of(name)[acts]))
 
 
 def separating(options: tuple[LeftOut, ...]) -> str:

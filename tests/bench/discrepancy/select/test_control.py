@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.select.conclude import control_passed
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select import controls
+from bench.discrepancy.select.conclude import untold
+from bench.discrepancy.select.controls import control_passed, struck_control
+from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_rounding import RangeRounding
+
+ROWS = 60
+SIGHT = np.arange(ROWS) % 2 == 0
 
 
 @pytest.mark.parametrize(
@@ -20,3 +34,62 @@ from bench.discrepancy.select.conclude import control_passed
 )
 def test_chance_alone_refuses_no_name(quiet: Estimate, loud: float, passed: bool | None) -> None:
     assert control_passed(quiet, loud) is passed
+
+
+class _Strike:
+    """Something that strikes rows without sight by half a metre in the mean."""
+
+    control = "rows with line of sight"
+
+    def inert(self, _: object) -> np.ndarray:
+        return SIGHT
+
+
+def _search(left_m: np.ndarray) -> Any:
+    """Return a search in whose ranges `left_m` [n] is left."""
+
+    def ensemble(_: object, added: tuple[object, ...], members: int, __: int) -> Ensemble:
+        noise = np.random.default_rng(len(added)).normal(0, 0.01, (1 + members, ROWS, 1))
+        noise[0, :, 0] += left_m
+        noise[1:, ~SIGHT] += 0.5 * len(added)
+        return Ensemble(("error_m",), ("m",), noise, np.arange(ROWS) // 3)
+
+    return SimpleNamespace(
+        discover=SimpleNamespace(scene=None),
+        comparison=SimpleNamespace(ensemble=ensemble),
+        seed=0,
+    )
+
+
+@pytest.mark.parametrize(
+    ("left_m", "passed"),
+    [
+        (np.full(ROWS, 0.3), True),  # all rows: another cause
+        (np.where(SIGHT, 0.5, 0.0), False),
+    ],
+)
+def test_what_strikes_links_is_not_there_in_sight(
+    monkeypatch: pytest.MonkeyPatch, left_m: np.ndarray, passed: bool
+) -> None:
+    monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
+    found = struck_control(_search(left_m), (), _Strike())  # type: ignore[arg-type]
+    assert found.passed is passed
+    assert found.left is not None
+    assert found.left.unit == "m"
+
+
+def test_a_name_of_which_nothing_is_told_from_zero_is_none() -> None:
+    none, some = Estimate(0.06, -0.02, 0.15, "nats"), Estimate(0.06, 0.02, 0.1, "nats")
+    wide = ParameterEstimate("delay_ns[tag]", -0.4, -0.9, 0.03, "ns")
+    sharp = ParameterEstimate("delay_ns[tag]", -0.4, -0.6, -0.2, "ns")
+    open_ = ParameterEstimate("delay_ns[7]", 3.0, 1.0, 20.0, "ns", determined=False)
+
+    def named(gain: Estimate, *sizes: ParameterEstimate) -> LeftOut:
+        return LeftOut(AntennaDelay(), sizes, gain, 1.0, Control("", None))
+
+    assert untold(named(none, wide, open_))
+    assert not untold(named(some, wide, open_))
+    assert not untold(named(none, wide, sharp))
+    assert not untold(named(none))
+    rounded = LeftOut(RangeRounding(), (wide,), none, 1.0, Control("", None))
+    assert not untold(rounded)

@@ -1,0 +1,91 @@
+"""The negative control of a name: what is left where its effect must do nothing.
+
+A wall delay is zero where there is no wall. What is left there in the observable that the effect
+acts on, with its unit, must be nothing, or little beside what is left elsewhere.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.verdict import Control
+from bench.discrepancy.settings import (
+    CONTROL_QUIET,
+    CONTROL_REACH,
+    CONTROL_ROWS,
+    SEARCH_FIRST,
+    SEARCH_MEMBERS,
+)
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+
+
+def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
+    """Return what is left where the effect must vanish (a wall delay where there is no wall).
+
+    Of a set of causes, beyond what is left everywhere: that is another cause.
+    """
+    words = type(effect).control
+    inert = effect.inert(Base().paths(search.discover.scene))
+    if inert.sum() < CONTROL_ROWS or inert.all():
+        return Control(words, None)
+    ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
+    of_range = effect.stage == "ranging" or effect.physics in search.choice.names
+    name = RANGE if of_range else top.cell.observable
+    if name not in ensemble.names:
+        return Control(words, None)
+    residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
+    residual = residual - everywhere_left(search, others, effect, name, ~inert)
+    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
+    loud = float(np.nanmean(np.abs(residual[~inert])))
+    return Control(words, control_passed(quiet, loud), int(inert.sum()), quiet)
+
+
+def control_passed(quiet: Estimate, loud: float) -> bool | None:
+    """Return whether nothing is left where an effect must vanish; None where chance decides.
+
+    One in twenty 95 % intervals of true names excludes zero: that alone refuses none.
+    """
+    if quiet.low <= 0 <= quiet.high or abs(quiet.value) < CONTROL_QUIET * loud:
+        return True
+    reach = quiet.value - quiet.low if quiet.value > 0 else quiet.high - quiet.value
+    return None if abs(quiet.value) < CONTROL_REACH * reach else False
+
+
+def everywhere_left(
+    search: Search, others: Added, effect: Effect, name: str, acts: NDArray[np.bool_]
+) -> float:
+    """Return what an effect of a set leaves where it acts [n]; 0 for other effects."""
+    if effect.physics not in search.choice.names:
+        return 0.0
+    with_it = (*others, effect)
+    made = search.comparison.ensemble(search.discover, with_it, SEARCH_MEMBERS, SEARCH_FIRST)
+    return float(np.nanmedian(made.residual_of(name)[acts]))
+
+
+def struck_control(search: Search, others: Added, effect: Effect) -> Control:
+    """Return what is left in ranges where an effect that strikes links at random strikes none.
+
+    Of the links it spared, beyond what is left where it might have struck: that is another cause.
+    It must be little beside what the effect does to ranges there.
+    """
+    words, rows = type(effect).control, search.discover
+    inert = effect.inert(Base().paths(rows.scene))
+    if inert.sum() < CONTROL_ROWS or inert.all():
+        return Control(words, None)
+    left, struck = (
+        search.comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
+        for added in (others, (*others, effect))
+    )
+    residual = left.residual_of(RANGE)
+    residual = residual - float(np.nanmedian(residual[~inert]))
+    quiet = cluster_bootstrap(residual[inert], left.links[inert], search.seed, "m")
+    moved = struck.simulated_of(RANGE).mean(axis=0) - left.simulated_of(RANGE).mean(axis=0)
+    loud = float(np.nanmean(np.abs(moved[~inert])))
+    return Control(words, control_passed(quiet, loud), int(inert.sum()), quiet)
