@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added
@@ -35,8 +36,10 @@ def marked(search: Search, added: Added = ()) -> Added:
 
 def _simulated(search: Search, kind: type[Effect]) -> bool:
     """Return whether the simulated side bears the mark as well."""
-    table = search.comparison
-    return isinstance(table, TableComparison) and bool(kind.by_mark(table.frame))
+    other = search.comparison
+    if isinstance(other, Resimulation):
+        return any(effect.physics == kind.name for effect in other.simulator.effects)
+    return isinstance(other, TableComparison) and bool(kind.by_mark(other.frame))
 
 
 def _best(search: Search, added: Added, forms: tuple[Effect, ...]) -> Effect:

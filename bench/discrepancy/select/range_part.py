@@ -56,9 +56,8 @@ def with_range_part(state: State, journal: Journal) -> State:
     ranged = replace(search, work=joined(search.fit, search.discover))
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
-    have = {effect.physics for effect in state.added} & names
     found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside)
-    if not (found.names or found.others) or set(found.names) == have:
+    if not found.names:
         return state
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])

@@ -5,15 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.physics.batch import SPECULAR, Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.propagation.mirrored import mirrored
 from bench.physics.images import image_paths
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
+
+MARKED_DB = (-18.0, -12.0, -6.0, 0.0, 6.0)  # tried where reflections are seen
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,13 @@ class SpecularReflections(Effect):
         super().__post_init__()
         for name in (self.walls, self.floor, self.ceiling):
             material(name)
+
+    @classmethod
+    def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:
+        """Return several strengths where rows have power at the delays of their own walls."""
+        if not mirrored(frame):
+            return ()
+        return tuple(cls(db, highest_order=order) for db in MARKED_DB for order in (1, 2))
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the reflected paths of every row."""
