@@ -190,6 +190,11 @@ class Effect(ABC):
         return ()
 
     @classmethod
+    def hinted(cls, frame: pd.DataFrame) -> bool:
+        """Return whether rows may bear the mark, if faintly: then another table's is no news."""
+        return bool(cls.by_mark(frame))
+
+    @classmethod
     def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:  # noqa: ARG003
         """Return the effect with values per device (or level, or place) that fit recorded rows.
 

@@ -39,7 +39,7 @@ def _simulated(search: Search, kind: type[Effect]) -> bool:
     other = search.comparison
     if isinstance(other, Resimulation):
         return any(effect.physics == kind.name for effect in other.simulator.effects)
-    return isinstance(other, TableComparison) and bool(kind.by_mark(other.frame))
+    return isinstance(other, TableComparison) and kind.hinted(other.frame)
 
 
 def _best(search: Search, added: Added, forms: tuple[Effect, ...]) -> Effect:

@@ -179,8 +179,12 @@ def with_contender(added: Added, best: Contender) -> Added:
 def prune(search: Search, added: Added, least: float, newcomer: Effect, located: Located) -> Added:
     """Return the effects that held-out links miss.
 
-    A newcomer that both working views have shown, beyond doubt, is not pruned on one of them.
+    A newcomer that both working views have shown, beyond doubt, is not pruned on one of them. Nor
+    is what bears its mark, whatever scores say: something else would have to stand for it.
     """
     sure = search.work is not None and located.p <= SURE_P
     crossed = newcomer.name if sure else ""
-    return pruned(search.comparison, search.discover, added, search.seed, least, crossed)
+    kept = pruned(search.comparison, search.discover, added, search.seed, least, crossed)
+    missed = {effect.name for effect in added} - {effect.name for effect in kept}
+    frame = search.fit.frame
+    return tuple(e for e in added if e.name not in missed or type(e).by_mark(frame))

@@ -57,6 +57,13 @@ def test_only_echoes_of_a_links_own_walls_are_a_mark(
     assert bool(SpecularReflections.by_mark(frame)) is seen
 
 
+def test_a_faint_hint_of_reflections_in_another_table_is_enough_to_make_no_news_of_them() -> None:
+    faint = rooms(0.008, 0.0)
+    assert not mirrored(faint)
+    assert SpecularReflections.hinted(faint)
+    assert not SpecularReflections.hinted(rooms(0.0, 0.1))
+
+
 def test_without_rooms_nothing_is_said() -> None:
     assert not mirrored(rooms(0.15, 0.0).drop(columns="room_x_m"))
     assert not mirrored(rooms(0.15, 0.0).iloc[:6])

@@ -21,13 +21,15 @@ AFTER = 5  # samples after the first path, in which its peak lies
 OTHERS = 8  # links whose delays are tried for each row [cost]
 MOST_ROWS = 2000  # that are looked at [cost]
 FEWEST_LINKS = 12  # below which nothing is said [convention]
-MARK_DB, MARK_Z = 2.0, 6.0  # [convention]
+MARK_DB, MARK_Z = 2.0, 6.0  # that recordings must reach [convention]
+HINT_DB, HINT_Z = 0.5, 2.0  # by which a simulated table has reflections too [convention]
 
 
-def mirrored(frame: pd.DataFrame) -> bool:
+def mirrored(frame: pd.DataFrame, least_db: float = MARK_DB, least_z: float = MARK_Z) -> bool:
     """Return whether rows have power where their own walls mirror it.
 
-    Needs positions, room, `cir` of one length and `first_path_index`; False without.
+    By `least_db` and `least_z` standard errors. Needs positions, room, `cir` of one length and
+    `first_path_index`; False without.
     """
     frame = frame.iloc[:: len(frame) // MOST_ROWS + 1]
     if not {*COLUMNS, "cir", "first_path_index", "link"} <= set(frame):
@@ -37,7 +39,7 @@ def mirrored(frame: pd.DataFrame) -> bool:
     if len(lengths) != 1 or max(lengths) < 10 * ASIDE or not np.isfinite(delays).any():
         return False
     above, error = standing_out_db(frame, delays)
-    return bool(above > max(MARK_DB, MARK_Z * error))
+    return bool(above > max(least_db, least_z * error))
 
 
 def wall_delays_ns(frame: pd.DataFrame) -> Floats:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import SPECULAR, Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.effects.propagation.mirrored import mirrored
+from bench.physics.effects.propagation.mirrored import HINT_DB, HINT_Z, mirrored
 from bench.physics.images import image_paths
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
@@ -55,6 +55,11 @@ class SpecularReflections(Effect):
         if not mirrored(frame):
             return ()
         return tuple(cls(db, highest_order=order) for db in MARKED_DB for order in (1, 2))
+
+    @classmethod
+    def hinted(cls, frame: pd.DataFrame) -> bool:
+        """Return whether rows may have power at the delays of their own walls."""
+        return mirrored(frame, HINT_DB, HINT_Z)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the reflected paths of every row."""

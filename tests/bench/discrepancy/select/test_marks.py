@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select import marks
+from bench.discrepancy.select import marks, stepwise
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.refute import Checked, Doubt
@@ -44,3 +46,13 @@ def test_what_helps_no_link_is_named_but_not_added() -> None:
     for gained, useless in ((1.0, set()), (0.0, {ROUNDED.name})):
         held = Checked((NOISE, ROUNDED), (_round(gained), Round(NOTHING, None, None)))
         assert marks.idle(held) == useless
+
+
+def test_what_bears_its_mark_is_not_pruned(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stepwise, "pruned", lambda *_: (NOISE,))
+    monkeypatch.setattr(Quantisation, "by_mark", classmethod(lambda _, frame: frame))
+    for frame, kept in (((ROUNDED,), (ROUNDED, NOISE)), ((), (NOISE,))):
+        view = SimpleNamespace(frame=frame)
+        search = SimpleNamespace(comparison=None, discover=view, fit=view, seed=0, work=None)
+        made = stepwise.prune(search, (ROUNDED, NOISE), 0.0, NOISE, NOTHING)  # type: ignore[arg-type]
+        assert made == kept
