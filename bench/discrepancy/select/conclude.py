@@ -67,10 +67,19 @@ def verdicts(
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and _real(search, last))
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
-        return (*struck, _unknown(last, "the best known effects remove too little of it"))
+        seen = _marked(search, _named(search, rounds, added, whole or added, share))
+        return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, whole or added, share))
     worth = worth and not (added and _within_forms(search, share))
     return (*named, _unknown(last, "left after the named effects")) if worth else named
+
+
+def _marked(search: Search, named: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
+    """Return the names whose mark recorded rows bear: they are there, whatever they remove."""
+    frame = search.fit.frame
+    each = ((v, v.options if isinstance(v, Ambiguous) else (v,)) for v in named)
+    able = ((v, o) for v, some in each for o in some[:1] if isinstance(o, LeftOut))
+    return tuple(verdict for verdict, first in able if type(first.effect).by_mark(frame))
 
 
 def _within_forms(search: Search, share: float) -> bool:

@@ -1,0 +1,29 @@
+"""Names that bear their mark are kept where all names together remove too little."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.select.conclude import _marked
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.specular import SpecularReflections
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+
+def _named(effect: Effect) -> LeftOut:
+    return LeftOut(effect, (), Estimate(1, 0, 2), 0.1, Control("", None))
+
+
+def test_only_what_bears_its_mark_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    bears = classmethod(lambda _, frame: frame)
+    monkeypatch.setattr(SpecularReflections, "by_mark", bears)
+    seen, other = _named(SpecularReflections()), _named(NoiseFloor())
+    both = Ambiguous((seen, other), "")
+    said = (seen, other, both, Unknown((), Estimate(1, 0, 2)))
+    for frame, kept in (((SpecularReflections(),), (seen, both)), ((), ())):
+        search = SimpleNamespace(fit=SimpleNamespace(frame=frame))
+        assert _marked(search, said) == kept  # type: ignore[arg-type]
