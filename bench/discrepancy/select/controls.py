@@ -29,7 +29,8 @@ from bench.physics.effect import Effect
 def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
     """Return what is left where the effect must vanish (a wall delay where there is no wall).
 
-    Of a set of causes, beyond what is left everywhere: that is another cause.
+    Of a set of causes, beyond what is left everywhere: that is another cause. Beside waveform
+    effects, whose forms leave more, either may be.
     """
     words = type(effect).control
     inert = effect.inert(Base().paths(search.discover.scene))
@@ -41,10 +42,14 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     if name not in ensemble.names:
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
-    residual = residual - everywhere_left(search, others, effect, name, ~inert)
-    quiet = cluster_bootstrap(residual[inert], ensemble.links[inert], search.seed, unit)
-    loud = float(np.nanmean(np.abs(residual[~inert])))
-    return Control(words, control_passed(quiet, loud), int(inert.sum()), quiet)
+    beyond = everywhere_left(search, others, effect, name, ~inert)
+    for less in (0.0, beyond) if search.fit.waveform else (beyond,):
+        left = residual - less
+        quiet = cluster_bootstrap(left[inert], ensemble.links[inert], search.seed, unit)
+        passed = control_passed(quiet, float(np.nanmean(np.abs(left[~inert]))))
+        if passed:
+            break
+    return Control(words, passed, int(inert.sum()), quiet)
 
 
 def control_passed(quiet: Estimate, loud: float) -> bool | None:
