@@ -9,6 +9,7 @@ responses, and small shifts over everything known, take part as what has no name
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +40,7 @@ from bench.discrepancy.settings import (
     MAD_TO_STD,
     RESIDUAL_MEMBERS,
 )
+from bench.physics.effect import Effect
 from bench.physics.units import Floats
 
 Turns = tuple[Round, ...]
@@ -48,7 +50,8 @@ NONE: tuple[Added, Turns] = (), ()
 def with_range_part(state: State, journal: Journal) -> State:
     """Return the state with the set of causes that ranges speak for beside waveform effects.
 
-    Where nothing differed, nothing is asked; what held-out links lose by is not taken.
+    Where nothing differed, nothing is asked; names of ranges that scores gave are only added to,
+    and what held-out links lose by is not taken.
     """
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
@@ -57,7 +60,8 @@ def with_range_part(state: State, journal: Journal) -> State:
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
     found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside)
-    if not found.names:
+    have = {effect.physics for effect in state.added} & names
+    if not found.names or not have <= set(found.names):
         return state
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
@@ -94,14 +98,40 @@ def chosen_beside(ranged: Search, beside: Added) -> Choice:
     known = np.flatnonzero(np.isfinite(left))
     forms = receiver_forms(ranged, rows, ensemble, beside)[known]
     flat = whitening(forms, left[known])
-    library = _kept(of_library(ranged.kinds, rows), known, flat)
-    laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known, flat)
-    widest = dict.fromkeys(laws, LAW_SIZE)
-    evidence = Evidence(flat @ left[known], rows.links[known], library | laws, widest)
+    library = _kept(of_library(ranged.kinds, rows), known)
+    laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known)
+    raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
+    blocks = {name: tuple(flat @ part for part in block) for name, block in raw.items()}
+    evidence = Evidence(flat @ left[known], rows.links[known], blocks, widest)
     every = named_kinds(ranged.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = ranged.comparison.crowding(rows) ** 2
-    return Contest(evidence, kinds, crowding, rows, known).settled()
+    return Flattened(evidence, kinds, crowding, rows, known, raw).settled()
+
+
+class Flattened(Contest):
+    """A contest on flattened rows, that says what causes do to ranges as they are (`raw`)."""
+
+    def __init__(
+        self,
+        evidence: Evidence,
+        kinds: Mapping[str, type[Effect]],
+        crowding: float,
+        rows: View,
+        known: NDArray[np.intp],
+        raw: Blocks,
+    ) -> None:
+        super().__init__(evidence, kinds, crowding, rows, known)
+        self.raw = {name: np.hstack(block) for name, block in raw.items()}
+
+    def _shifts(self, causes: tuple[str, ...]) -> dict[str, Floats]:
+        """Return what every cause of a set does to the range of every row [n], in metres."""
+        made, out = self.evidence.of(causes), {}
+        for one in causes:
+            mine = np.isin(made.places, self.evidence.places[one])
+            out[one] = np.zeros(len(self.rows.rows))
+            out[one][self.known] = self.raw[one] @ made.factors[mine]
+        return out
 
 
 def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -> Floats:
@@ -109,15 +139,14 @@ def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -
 
     Smooth deformations of what every effect does to ranges, and small shifts over what is known.
     """
-    if not beside:
+    if all(effect.stage == "ranging" for effect in beside):
         return np.zeros((len(rows.rows), 0))
-    sizes, parts = [DETECTION_M], []
-    for effect in beside:
+    parts = [DETECTION_M * known_columns_of(rows)]
+    for effect in (one for one in beside if one.stage != "ranging"):
         rest = search.comparison.ensemble(rows, without(beside, effect), RESIDUAL_MEMBERS)
         response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))
-        sizes.append(DETECTION_SHARE * float(np.sqrt(np.mean(response**2))))
         parts += [deformed(response, rows), DETECTION_SHARE * response[:, None]]
-    return np.hstack([max(sizes) * known_columns_of(rows), *parts])
+    return np.hstack(parts)
 
 
 def known_columns_of(rows: View) -> Floats:
@@ -155,8 +184,7 @@ def joined(one: View, two: View) -> View:
     return View(frame, recorded, links, rows, one.waveform)
 
 
-def _kept(blocks: Blocks, known: NDArray[np.intp], flat: Floats) -> Blocks:
-    """Return the blocks of the known rows, made flat, those that do anything there."""
+def _kept(blocks: Blocks, known: NDArray[np.intp]) -> Blocks:
+    """Return the blocks of the known rows, those that do anything there."""
     made = {name: tuple(part[known] for part in block) for name, block in blocks.items()}
-    some = {name: block for name, block in made.items() if any(part.any() for part in block)}
-    return {name: tuple(flat @ part for part in block) for name, block in some.items()}
+    return {name: block for name, block in made.items() if any(part.any() for part in block)}
