@@ -129,8 +129,9 @@ class Flattened(Contest):
         made, out = self.evidence.of(causes), {}
         for one in causes:
             mine = np.isin(made.places, self.evidence.places[one])
+            flat = self.evidence.columns[:, made.places[mine]]  # all there is of a law made here
             out[one] = np.zeros(len(self.rows.rows))
-            out[one][self.known] = self.raw[one] @ made.factors[mine]
+            out[one][self.known] = self.raw.get(one, flat) @ made.factors[mine]
         return out
 
 

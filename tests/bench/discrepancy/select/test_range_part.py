@@ -20,6 +20,7 @@ from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.range_part import chosen_beside, joined, whitening, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
+from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.numpy_tables import tables
 
@@ -43,7 +44,7 @@ def search_of(constant_m: float) -> tuple[Search, Search]:
 def test_a_delay_is_found_beside_an_effect_and_a_receivers_shift_is_not(
     constant_m: float, names: tuple[str, ...]
 ) -> None:
-    beside: Added = (TemperatureDrift(0.0),)  # does nothing: receivers differ about it all the same
+    beside: Added = (PathLoss(),)  # does nothing: receivers differ about it all the same
     search = search_of(constant_m)[1]
     assert chosen_beside(search, beside).names == names
     assert chosen_beside(search, ()).names == ("antenna-delay",)
