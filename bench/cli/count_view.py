@@ -64,9 +64,14 @@ def _cells(one: Counted) -> tuple[str, ...]:
         _span(figure.cycles, 1e-6),
         _span(figure.latency_us, 1e-3),
         _span(figure.energy_mj, 1.0) if figure.energy_mj else "-",
-        f"{count.flash_bytes / 1024:.1f}",
-        f"{count.ram_bytes / 1024:.1f}",
+        _kb(count.flash_bytes),
+        _kb(count.ram_bytes),
     )
+
+
+def _kb(size_bytes: int) -> str:
+    """Return kilobytes with one digit; what would read as none at all says so."""
+    return "<0.1" if 0 < size_bytes < 51.2 else f"{size_bytes / 1024:.1f}"
 
 
 def _board_cells(one: Counted, board: Measured) -> tuple[str, ...]:

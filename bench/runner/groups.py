@@ -19,7 +19,8 @@ from bench.runner.evaluate import evaluate
 from bench.runner.failure import DeclinedError, Failure, said
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
-from bench.runner.inputs import missing
+from bench.runner.graph_check import graph_remark
+from bench.runner.inputs import missing, rows_for
 from bench.runner.keys import run_key
 from bench.runner.material import Material
 from bench.runner.observer import Observer
@@ -81,7 +82,11 @@ def _fit(job: Job, material: Material, watch: Observer) -> Fitted | BenchError:
             watch.progress(what, 0.0)
             tell = partial(watch.progress, what)
             models.append(fit_fold(job.model, material, fold, job.key.seed, tell))
-        return Fitted(models, perf_counter() - start)
+        fitted = Fitted(models, perf_counter() - start)
+        rows = rows_for(material, models[0].reads)[material.split.folds[0].train]
+        if remark := graph_remark(job.model.name, models[0], rows):
+            watch.note(remark)
+        return fitted
     except (WriteError, KeyboardInterrupt):
         raise
     except BaseException as problem:  # a plug-in must not end the harness
