@@ -9,13 +9,13 @@ any moment.
 
 Every round holds a reference loop too, the same work each time, just before and just after the
 samples, and how much of the machine others used. What these show to be disturbed is dropped
-(`undisturbed` says when); more is taken while there is patience, until `FIRST_ROUNDS` are left;
-where fewer than six are there is no figure, and `withheld` says why. A figure also stands as a
-ratio to the reference loop.
+(`undisturbed` says when); more is taken while there is patience, until six rounds are left; where
+fewer are there is no figure, and `withheld` says why. A figure also stands as a ratio to the
+reference loop. Throughput is taken in every third round.
 
 A target is done as soon as the intervals of its medians are narrow (`NARROW`), after `FIRST_ROUNDS`
 at least and `ROUNDS` at most: the others go on. An interval that was looked at until it was narrow
-errs a little towards narrow; it is 96 % at the first look.
+errs a little towards narrow; it is 96 % at the first look of nine rounds.
 """
 
 from __future__ import annotations
@@ -47,10 +47,11 @@ Progress = Callable[[float], None]
 BATCHES = (1, 4)
 THROUGHPUT_ROWS = 256
 SAMPLE_S = 0.002
-ROUNDS = 21
+ROUNDS = 15
 FIRST_ROUNDS = 9  # the interval is then from the second smallest to the second largest: 96 %
 MORE_ROUNDS = 3  # between two looks
-NARROW = 0.05  # of the median
+NARROW = 0.06  # of the median
+THROUGHPUT_EVERY = 3  # rounds: a large batch takes as long as all else
 SAMPLES_PER_ROUND = 3
 TIMEOUT_S = 120.0
 MOST = 3  # times the rounds asked for, before it is given up
@@ -219,16 +220,17 @@ class _Run:
     def sample(self) -> None:
         """Take one round of samples of every batch."""
         counts = dict.fromkeys(self.batches, SAMPLES_PER_ROUND)
-        counts[THROUGHPUT_ROWS] = 1  # one lasts long enough
+        if (self.taken + len(self._fresh)) % THROUGHPUT_EVERY == 0:
+            counts[THROUGHPUT_ROWS] = 1  # one lasts long enough
         self._fresh.append(self.worker.ask(do="round", samples=counts))
 
     def beside(self, excess: float) -> None:
         """Note how many cores too many others used during the rounds since the last note."""
         for answer in self._fresh:
-            for batch, rounds in self.rounds.items():
-                one = answer[str(batch)]
+            for batch, one in answer.items():
                 flanks = (one["reference_us"][0], one["reference_us"][1])
-                rounds.append(Round(one["samples_us"], flanks, one["core_share"], excess))
+                taken = Round(one["samples_us"], flanks, one["core_share"], excess)
+                self.rounds[int(batch)].append(taken)
         self._fresh.clear()
 
     def kept(self) -> dict[int, list[Round]]:
@@ -237,13 +239,14 @@ class _Run:
         return {batch: undisturbed(some, level_us) for batch, some in self.rounds.items()}
 
     def undisturbed(self) -> int:
-        """Return the number of undisturbed rounds of the batch that has the fewest."""
-        return min(map(len, self.kept().values()))
+        """Return the number of undisturbed rounds of the latency batch that has the fewest."""
+        kept = self.kept()
+        return min(len(kept[batch]) for batch in self.batches)
 
     @property
     def taken(self) -> int:
         """The rounds taken."""
-        return len(self.rounds[THROUGHPUT_ROWS])
+        return len(self.rounds[self.batches[0]])
 
     def wants(self, rounds: int, patient: bool) -> bool:
         """Tell whether more rounds would help: up to `rounds`, thrice as many while `patient`.
@@ -252,15 +255,13 @@ class _Run:
         """
         if self.error is not None:
             return False
-        enough = self.undisturbed() >= min(rounds, FIRST_ROUNDS)
+        enough = self.undisturbed() >= FEWEST_ROUNDS
         if enough and (self.taken >= rounds or self._narrow()):
             return False
         return self.taken < (MOST * rounds if patient else rounds)
 
     def _narrow(self) -> bool:
         kept = self.kept()
-        if self.undisturbed() < FIRST_ROUNDS:
-            return False
         return all(width(kept[batch]) <= NARROW for batch in self.batches)
 
     def _level_us(self) -> float:
@@ -301,7 +302,9 @@ class _Run:
         self.energy_mj = energy_per_call(meter, burst)
 
 
-def _throughput(rounds: Sequence[Round]) -> float:
-    """Return rows per second from the median time of the large batch."""
+def _throughput(rounds: Sequence[Round]) -> float | None:
+    """Return rows per second from the median time of the large batch; None without one."""
+    if not rounds:
+        return None
     bulk_us = float(np.median([one.samples_us for one in rounds]))
     return THROUGHPUT_ROWS * 1e6 / bulk_us

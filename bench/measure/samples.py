@@ -14,7 +14,8 @@ from bench.results import Latency
 FEWEST_ROUNDS = 6  # fewer give no 95 % interval: 1 - 2 x 0.5^5 = 94 %
 WIDE, DRIFTED = 0.10, 0.05
 SHARED = 0.97  # of its core's time; the rest went to other processes
-SLOWED = 1.10  # times the quiet level; a virtual machine's own speed wanders by half of that
+SLOWED = 1.10  # a figure, times its quiet level
+REFERENCE_SLOWED = 1.05  # a core beside that is busy slows it a third as much as a network
 LEVEL = 25  # percentile taken for quiet: not the luckiest moment, not a slow one
 
 
@@ -52,11 +53,11 @@ def undisturbed(rounds: Sequence[Round], level_us: float) -> list[Round]:
     """Return the rounds that nothing else disturbed.
 
     Dropped are those in which the loop had less than 97 % of its core, or other work used too
-    much of the machine; and of the others those that were visibly slowed, by more than 10 %: the
-    reference loop before or after against its level `level_us`, and the round's own figure against
-    the lower quartile of all. A reference that is slow beside a figure as usual says nothing of the
-    figure, and a slow figure beside a quick reference is the model's own; both stay, and widen the
-    interval.
+    much of the machine; and of the others those that were visibly slowed in both: the reference
+    loop before or after by more than 5 % of its level `level_us`, and the round's own figure by
+    more than 10 % of the lower quartile of all. A reference that is slow beside a figure as usual
+    says nothing of the figure, and a slow figure beside a quick reference is the model's own; both
+    stay, and widen the interval.
     """
     alone = [one for one in rounds if one.core_share >= SHARED and one.others <= 0]
     if not alone:
@@ -66,7 +67,8 @@ def undisturbed(rounds: Sequence[Round], level_us: float) -> list[Round]:
 
 
 def _slowed(one: Round, level_us: float, usual_us: float) -> bool:
-    return max(one.reference_us) > SLOWED * level_us and one.figure_us > SLOWED * usual_us
+    slow = max(one.reference_us) > REFERENCE_SLOWED * level_us
+    return slow and one.figure_us > SLOWED * usual_us
 
 
 def summarise(batch: int, rounds: Sequence[Round]) -> Latency:

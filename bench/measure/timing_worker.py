@@ -35,8 +35,8 @@ from bench.measure.memory import PeakMemory
 Floats = NDArray[np.float32]
 Runner = Callable[[Floats], Floats]
 THREADS = 1
-WARM_UP_S = 0.02  # each sample settles again before it is taken
-SETTLE_S = 0.003  # re-warms caches after other workers, or the reference, had the core
+WARM_UP_S = 0.01  # each sample settles again before it is taken
+SETTLE_S = 0.002  # re-warms caches after other workers, or the reference, had the core
 REFERENCE_SHARE = 0.5  # of a sample's time
 REFERENCE_SIZE = 96  # the reference loop multiplies two such matrices: 108 kB, 1.8 million flops
 

@@ -101,12 +101,13 @@ def test_throughput_is_rows_over_the_median_time_of_a_large_batch(toy, monkeypat
     def ask(self, **request):
         answer = honest(self, **request)
         if request["do"] == "round":
-            times_us.extend(answer[str(THROUGHPUT_ROWS)]["samples_us"])
+            times_us.extend(answer.get(str(THROUGHPUT_ROWS), {"samples_us": []})["samples_us"])
         return answer
 
     honest = latency.WorkerProcess.ask
     monkeypatch.setattr(latency.WorkerProcess, "ask", ask)
     [found] = measure([toy("per_row", "1e-5")], rounds=6)
+    assert len(times_us) == 2  # every third round
     expected = THROUGHPUT_ROWS / (statistics.median(times_us) * 1e-6)
     assert found.throughput_rows_per_s == pytest.approx(expected, rel=1e-9)
 
@@ -138,7 +139,7 @@ def test_on_a_busy_machine_there_is_no_figure_and_a_reason(toy, monkeypatch) -> 
 
 
 def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> None:
-    # Others come back for the first three rounds: those are dropped, and three more taken.
+    # Others come back for the first three rounds: those are dropped, and more taken.
     monkeypatch.setattr(
         latency, "undisturbed", lambda rounds, _: [r for r in rounds if r.others <= 0]
     )
@@ -146,8 +147,7 @@ def test_with_patience_disturbed_rounds_are_taken_again(toy, monkeypatch) -> Non
     monkeypatch.setattr(quiet, "POLL_S", 0.01)
     [found] = measure([toy("per_row", "1e-5")], rounds=8, patience=Patience(60))
     assert found.withheld is None
-    assert found.rounds - found.dropped >= 8
-    assert found.rounds == 11
+    assert (found.rounds, found.dropped) == (11, 3)
 
 
 def test_a_target_with_narrow_intervals_is_done_before_the_others(toy, monkeypatch) -> None:
@@ -164,7 +164,8 @@ def test_a_target_with_narrow_intervals_is_done_before_the_others(toy, monkeypat
 def test_a_figure_has_a_ratio_to_the_reference_loop(toy) -> None:
     [found] = measure([toy("per_row", "3e-4")], rounds=6)
     one = found.latency[0]
-    assert one.reference_ratio == pytest.approx(one.median_us / found.reference_us, rel=0.5)
+    apart = one.reference_ratio * found.reference_us / one.median_us
+    assert 0.2 < apart < 5  # the reference beside a sample may be slowed on its own
 
 
 def test_quick_calls_are_looped_and_slow_ones_are_not(toy) -> None:
