@@ -30,6 +30,7 @@ STACK_TOP = RAM + SIZE
 STACK_BYTES = 0x00100000
 FILL = 0xA5
 SHORTEST = 2  # bytes of an instruction
+TRIES = 3  # at watching memory
 _BITS = 16  # of an entry of the trace that hold the block's bytes
 Words = NDArray[np.int64]
 Segments = list[tuple[int, bytes]]
@@ -118,9 +119,9 @@ def first_flash_reads(settings: dict[str, Any], segments: Segments, rows: list[b
     """Return how often a call reads data from flash, for the first row that can be watched.
 
     Unicorn 2.1 loses its way on some rows when memory is watched, and then alone; -1 where it
-    does on every row.
+    does on the first few: each try takes a gigabyte of address space, which is limited.
     """
-    for cir in rows:
+    for cir in rows[:TRIES]:
         with suppress(unicorn.UcError):
             return count_flash_reads(settings, segments, cir)
     return -1

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from bench.measure.counting.compile import Image
 from bench.measure.counting.core import Core
 from bench.measure.counting.count import Count, count_image
-from bench.provenance import file_sha256, keep, kept, package_version, packages_code_hash
+from bench.measure.counting.elf import read_elf
+from bench.provenance import keep, kept, package_version, packages_code_hash
 
 TOOLS = ("unicorn", "capstone", "pyelftools")
 Floats = NDArray[np.float32]
@@ -39,7 +40,7 @@ def _question(image: Image, core: Core, rows: Floats) -> list[Any]:
     """Return all that decides a count: image, inputs, the counter with its tables, its tools."""
     inputs = np.ascontiguousarray(rows, "<f4")
     return [
-        file_sha256(image.path),
+        _digest(image),
         image.compiler,
         core.name,
         repr(core),
@@ -47,6 +48,12 @@ def _question(image: Image, core: Core, rows: Floats) -> list[Any]:
         packages_code_hash(_package()),
         [package_version(name) for name in TOOLS],
     ]
+
+
+def _digest(image: Image) -> str:
+    """Hash what an image holds, but not its notes for debuggers: those name a folder of the day."""
+    contents = repr(read_elf(image.path))
+    return hashlib.sha256(contents.encode()).hexdigest()
 
 
 def _package() -> str:
