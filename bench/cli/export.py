@@ -13,6 +13,7 @@ from bench.text import named
 
 if TYPE_CHECKING:
     from bench.export import Chosen, Exported
+    from bench.runner.counting import Counted
 
 EPILOG = """\b
 Examples:
@@ -107,7 +108,10 @@ def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
     if as_json:
         told = found and {"rows": found.rows, "equal": found.equal, "largest_m": found.largest_m}
         names = {"folder": str(exported.folder), "files": list(exported.files)}
-        print_json({**names, "arena_bytes": exported.arena_bytes, "agreement": told})
+        counted = [_facts(one) for one in exported.counted]
+        print_json(
+            {**names, "arena_bytes": exported.arena_bytes, "agreement": told, "counted": counted}
+        )
         return
     say(f"{chosen.model} on {chosen.backend}, trained on {named(chosen.data)}")
     say(f"{named(exported.folder)}: {', '.join(exported.files)}")
@@ -121,6 +125,23 @@ def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
         from bench.export.report import NOT_CHECKED
 
         say(f"agreement with ONNX Runtime {NOT_CHECKED}")
+    for one in exported.counted:
+        facts = _facts(one)
+        say(
+            f"{facts['device']}, counted: {facts['cycles']:,} cycles, "
+            f"{facts['latency_ms']:.3g} ms; {facts['fits']}"
+        )
+
+
+def _facts(one: Counted) -> dict[str, Any]:
+    """Return what a part takes for a call: its cycles with wait states, ms, whether it fits."""
+    figure = one.figure
+    return {
+        "device": figure.device,
+        "cycles": round(figure.cycles.value),
+        "latency_ms": figure.latency_us.value / 1e3,
+        "fits": figure.fits,
+    }
 
 
 def _integer(chosen: Chosen) -> bool:

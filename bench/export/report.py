@@ -87,14 +87,18 @@ def _counted(counted: Sequence[Counted]) -> list[str]:
     """Return a row for each part; without parts, how to get one."""
     lines = []
     for one in counted:
-        cycles, figure = one.count.cycles, one.figure
+        figure = one.figure
         how = f"counted: emulated {one.count.core}, {one.count.compiler}"
-        span = f"{cycles.typical:.0f} [{cycles.low:.0f}, {cycles.high:.0f}]"
-        lines.append(f"| {figure.device}: cycles of a call | {span} | {how} |")
+        lines.append(f"| {figure.device}: cycles of a call | {_cycles(figure.cycles)} | {how} |")
         lines.append(f"| {figure.device}: latency | {_ms(figure.latency_us)} | {how} |")
         lines.append(f"| {figure.device}: size | {figure.fits} | {how} |")
     pointer = "| code size, cycles | not counted: `--device` names parts to count them for | – |"
     return lines or [pointer]
+
+
+def _cycles(cycles: Interval) -> str:
+    low, high = cycles.low or cycles.value, cycles.high or cycles.value
+    return f"{cycles.value:.0f} [{low:.0f}, {high:.0f}], the part's wait states included"
 
 
 def _ms(latency_us: Interval) -> str:

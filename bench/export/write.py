@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -20,7 +20,7 @@ from bench.export.report import Figures, report
 from bench.export.selftest import chosen_rows, selftest
 from bench.files import write_atomically
 from bench.measure.profile import Profile
-from bench.runner.counting import count_artifact
+from bench.runner.counting import Counted, count_artifact
 
 if TYPE_CHECKING:
     from backends.c.emit import CSource, Requantise
@@ -32,12 +32,16 @@ _WIDTHS = {"float": 4, "int32_t": 4, "uint16_t": 2, "int8_t": 1, "uint8_t": 1}
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written where. `agreement` is None where nothing could be compiled."""
+    """What was written where. `agreement` is None where nothing could be compiled.
+
+    `counted` has an entry for every part that was asked for.
+    """
 
     folder: Path
     files: tuple[str, ...]
     agreement: Agreement | None
     arena_bytes: int | None
+    counted: tuple[Counted, ...] = ()
 
 
 def export(
@@ -102,7 +106,8 @@ def _export_c(
         "LICENCE": licence(),
         "REPORT.md": report(chosen, figures),
     }
-    return _put(folder, files, agreement, source.arena_bytes)
+    written = _put(folder, files, agreement, source.arena_bytes)
+    return replace(written, counted=tuple(figures.counted))
 
 
 def _runtime(chosen: Chosen) -> Floats:

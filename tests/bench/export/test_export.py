@@ -179,6 +179,25 @@ def test_a_report_names_every_input_in_the_order_of_the_call(tmp_path) -> None:
     assert "`range`, in this order: range_m (as measured). NaN" in told
 
 
+@needs_compiler
+def test_counted_cycles_are_those_of_the_latency_and_are_printed(
+    recordings, tmp_path, monkeypatch
+) -> None:
+    from bench.runner import run
+
+    monkeypatch.setattr("bench.runner.api.time_artifacts", lambda *_: ([], []))
+    results, out = tmp_path / "results", tmp_path / "out"
+    [record] = run("mlp", "int8", str(recordings), out=results).runs
+    words = ("--run", record.digest()[:8], "--results", results, "-o", out)
+    told = json.loads(_export(*words, "--device", "nrf52832", "--json"))["counted"]
+    clock_khz = 64_000
+    assert told[0]["cycles"] == pytest.approx(told[0]["latency_ms"] * clock_khz, rel=1e-4)
+    assert f"| nrf52832: cycles of a call | {told[0]['cycles']} [" in (out / "REPORT.md").read_text()
+    assert f"nrf52832, counted: {told[0]['cycles']:,} cycles" in _export(
+        *words, "--device", "nrf52832"
+    )
+
+
 def test_without_a_compiler_c_is_written_and_says_that_nothing_was_compared(
     chosen, tmp_path, monkeypatch
 ) -> None:
