@@ -77,15 +77,18 @@ def summarise(batch: int, rounds: Sequence[Round]) -> Latency:
     Median, p95 and p99 are over all samples. The interval of the median is between two order
     statistics of the ROUND medians (`median_ranks`), because samples of one round share what the
     machine was doing then. `unstable` is set where that interval is wider than 10 % of the median
-    (spread), or where the medians of the first and the last half of the rounds differ by more
-    than 5 % (drift). `reference_ratio` is the median over rounds of sample over reference.
+    (spread), where the medians of the first and the last half of the rounds differ by more
+    than 5 % (drift), or where the quickest tenth of the samples is more than 10 % below the median
+    (most rounds were slowed alike, as by a neighbour on the same core).
+    `reference_ratio` is the median over rounds of sample over reference.
     """
     samples = np.asarray([one.samples_us for one in rounds], np.float64)
     median = float(np.median(samples))
     low, high = median_interval(np.median(samples, axis=1))
     half = len(samples) // 2
     drift = abs(float(np.median(samples[-half:]) - np.median(samples[:half])))
-    p95, p99 = np.percentile(samples, [95, 99])
+    p10, p95, p99 = np.percentile(samples, [10, 95, 99])
+    slowed = median - p10 > WIDE * median
     return Latency(
         batch=batch,
         median_us=median,
@@ -93,7 +96,7 @@ def summarise(batch: int, rounds: Sequence[Round]) -> Latency:
         high_us=max(high, median),
         p95_us=float(p95),
         p99_us=float(p99),
-        unstable=bool(high - low > WIDE * median or drift > DRIFTED * median),
+        unstable=bool(slowed or high - low > WIDE * median or drift > DRIFTED * median),
         samples_us=[round(float(sample), 4) for sample in samples.ravel()],
         reference_ratio=float(np.median([one.ratio for one in rounds])),
     )

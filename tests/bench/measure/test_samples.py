@@ -74,6 +74,12 @@ def test_two_speeds_are_unstable() -> None:
     assert (found.low_us, found.high_us) == (100, 130)
 
 
+def test_a_figure_that_most_rounds_share_is_unstable_where_some_were_much_quicker() -> None:
+    found = summarise(1, np.repeat([4.2, 2.7], [12, 2])[:, None] + np.zeros((14, 3)))
+    assert found.high_us - found.low_us < 0.1 * found.median_us
+    assert found.unstable
+
+
 def test_samples_of_one_round_are_not_taken_for_independent() -> None:
     rng = np.random.default_rng(5)
     shared = 100 + rng.normal(0, 3, (20, 1)) + np.zeros((20, 50))
