@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri, stdtrit
 
 from bench.errors import BenchError
 from bench.results import Interval, Score
@@ -154,6 +153,8 @@ def _resampled(sums: Floats, rng: np.random.Generator, resamples: int) -> Floats
 
 def _bca(value: float, draws: Floats, without_one: Floats) -> Interval:
     """Return the bias-corrected and accelerated interval of one figure."""
+    from scipy.special import ndtr, ndtri  # a quarter of a second, and exports need no interval
+
     below = np.clip((np.mean(draws < value) + np.mean(draws <= value)) / 2, 1e-3, 1 - 1e-3)
     gaps = without_one.mean() - without_one
     scale = float(np.sum(gaps**2)) ** 1.5
@@ -167,6 +168,8 @@ def _bca(value: float, draws: Floats, without_one: Floats) -> Interval:
 
 def _t_interval(values: Floats) -> tuple[float, float]:
     """Return the mean and the half width of its 95 % t interval."""
+    from scipy.special import stdtrit
+
     quantile = float(stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2))
     return float(values.mean()), quantile * float(values.std(ddof=1)) / len(values) ** 0.5
 
