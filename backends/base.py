@@ -117,6 +117,8 @@ class Backend(ABC):
     opener: ClassVar[str]
     rests_on: ClassVar[tuple[str, ...]] = ()
     bits_depend_on_threads: ClassVar[bool] = True
+    exports_as: ClassVar[str | None] = None
+    """The backend whose file this one runs, where that is another: exported without its tools."""
 
     def cache_key(self) -> str:
         """Return text that changes with whatever else decides a result.

@@ -31,6 +31,7 @@ SEAL = "content_sha256"
 _PATIENCE_S = 10
 _SAYS, _THREADS = "says", "threads"
 _THREAD_PREFIXES = ("OMP_", "MKL_", "KMP_", "GOMP_", "OPENBLAS_", "BENCH_THREADS")
+_SET_BY_LIBRARIES = ("KMP_DUPLICATE_LIB_OK", "KMP_INIT_AT_FORK")  # when imported; no thread more
 _SCORING = (
     *("bench/measure/metrics.py", "bench/recordings/window.py", "bench/recordings/splits.py"),
     *("bench/runner/evaluate.py", "bench/runner/material.py", "bench/runner/further.py"),
@@ -132,8 +133,15 @@ def _source_of(plugin: Plugin) -> list[str]:
 
 def _threads() -> int:
     """Return the number of threads that arithmetic is done with in this process."""
-    if "torch" not in sys.modules and (found := kept(_THREADS, _thread_settings())):
+    if "torch" in sys.modules:
+        return _torch_threads()
+    if found := kept(_THREADS, _thread_settings()):
         return int(found)
+    keep(_THREADS, _thread_settings(), answer := _torch_threads())
+    return answer
+
+
+def _torch_threads() -> int:
     import torch
 
     return torch.get_num_threads()
@@ -141,10 +149,11 @@ def _threads() -> int:
 
 def _thread_settings() -> list[Any]:
     """Return all that torch chooses its number of threads by when it is imported."""
-    said = {name: value for name, value in os.environ.items() if name.startswith(_THREAD_PREFIXES)}
+    ours = {name for name in os.environ if name.startswith(_THREAD_PREFIXES)}
+    said = {name: os.environ[name] for name in ours - set(_SET_BY_LIBRARIES)}
     me = psutil.Process()
-    ours = list(me.cpu_affinity()) if hasattr(me, "cpu_affinity") else []
-    return [sorted(said.items()), ours, psutil.cpu_count(), package_version("torch")]
+    cores = list(me.cpu_affinity()) if hasattr(me, "cpu_affinity") else []
+    return [sorted(said.items()), cores, psutil.cpu_count(), package_version("torch")]
 
 
 def keep(kind: str, question: Any, answer: Any) -> None:

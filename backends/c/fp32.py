@@ -19,6 +19,7 @@ class CFp32Backend(Backend):
     """
 
     name: ClassVar[str] = "c-fp32"
+    exports_as: ClassVar[str | None] = "fp32"
     precision: ClassVar[Precision] = "fp32"
     opener: ClassVar[str] = "backends.c.run:open_float"
     bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained

@@ -22,6 +22,7 @@ class CInt8Backend(Backend):
     """
 
     name: ClassVar[str] = "c-int8"
+    exports_as: ClassVar[str | None] = "int8"
     precision: ClassVar[Precision] = "int8"
     opener: ClassVar[str] = "backends.c.run:open_integer"
     bits_depend_on_threads: ClassVar[bool] = False  # nothing is trained
@@ -59,5 +60,6 @@ class CQatBackend(CInt8Backend):
     """8-bit C99 of the graph that ONNX Runtime executes for `qat`, compiled for this processor."""
 
     name: ClassVar[str] = "c-qat"
+    exports_as: ClassVar[str | None] = "qat"
     bits_depend_on_threads: ClassVar[bool] = True
     source: ClassVar[type[Backend]] = QatBackend

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from bench.errors import BenchError
-from bench.text import named
 
 if TYPE_CHECKING:
-    from bench.export import Chosen, Exported
-    from bench.runner.counting import Counted
+    from bench.export import Chosen
+    from bench.measure.profile import Profile
+    from bench.runner.observer import Observer
 
 EPILOG = """\b
 Examples:
@@ -21,6 +22,39 @@ Examples:
   bench export --run 3f2a91 --to c -o firmware
   bench export --model mlp --backend fp32 --data mine.parquet --to onnx -o out
 """
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks for."""
+
+    model: str | None
+    backend: str | None
+    data: str | None
+    run: str | None
+    results: Path
+    to: Literal["c", "onnx"]
+    requantise: Literal["float", "fixed"]
+    device: str | None
+
+    def check(self) -> None:
+        """Raise BenchError where options are missing, or contradict each other."""
+        if self.run is None and (self.model is None or self.backend is None):
+            raise BenchError("name a --model and a --backend, or a finished --run")
+        if self.run is not None and (self.model or self.backend):
+            raise BenchError("--run says which model and backend: leave --model and --backend out")
+        if self.to == "onnx" and self.device is not None:
+            raise BenchError("--device counts C: leave it out with --to onnx")
+        if self.to == "onnx" and self.requantise == "fixed":
+            raise BenchError("--requantise is of C: leave it out with --to onnx")
+
+    def parts(self) -> tuple[Profile, ...]:
+        """Return the parts to count on. Raises BenchError like `countable`."""
+        if self.device is None:
+            return ()
+        from bench.runner.parts import countable
+
+        return countable(self.device)
 
 
 @click.command(epilog=EPILOG, no_args_is_help=True)
@@ -66,83 +100,38 @@ def command(
     arena, no library but memcpy. With it come a self-test of ten recorded rows, a Makefile and
     REPORT.md: agreement with ONNX Runtime (mm), flash and RAM (bytes), how to call it.
     """
+    _export(Wanted(model, backend, data, run, results, to, requantise, device), out, as_json)
+
+
+def _export(wanted: Wanted, out: Path, as_json: bool) -> None:
+    """Check everything that can be before any work, then choose, write and show."""
+    from bench.cli.export_view import as_json as shown_as_json
+    from bench.cli.export_view import show
     from bench.cli.run_view import RunView
     from bench.export import check_folder, export
-    from bench.runner.plan import resolve
 
-    if run is None and (model is None or backend is None):
-        raise BenchError("name a --model and a --backend, or a finished --run")
-    if run is not None and (model or backend):
-        raise BenchError("--run says which model and backend: leave --model and --backend out")
+    wanted.check()
     check_folder(out)
-    parts = [one.load() for one in resolve("devices", device)] if device else []
+    parts = wanted.parts()
     with tempfile.TemporaryDirectory() as scratch, RunView(quiet=as_json) as view:
-        chosen = _choose(model, backend, data, run, results, Path(scratch), view)
-        view.stage("writing C and comparing it with ONNX Runtime")
-        exported = export(chosen, to, out, requantise, parts)
-    _show(chosen, exported, as_json)
+        chosen = _choose(wanted, Path(scratch), view)
+        view.stage(_writing(wanted))
+        exported = export(chosen, wanted.to, out, wanted.requantise, parts)
+    (shown_as_json if as_json else show)(chosen, exported)
 
 
-def _choose(
-    model: str | None,
-    backend: str | None,
-    data: str | None,
-    run: str | None,
-    results: Path,
-    scratch: Path,
-    view: Any,
-) -> Chosen:
+def _writing(wanted: Wanted) -> str:
+    if wanted.to == "onnx":
+        return "writing the ONNX file"
+    counting = f", counting it on {wanted.device}" if wanted.device else ""
+    return f"writing C and comparing it with ONNX Runtime{counting}"
+
+
+def _choose(wanted: Wanted, scratch: Path, view: Observer) -> Chosen:
     from bench.export import from_fit, from_run
 
-    if run is not None:
+    if wanted.run is not None:
         view.stage("reading the run")
-        return from_run(run, results, data)
-    return from_fit(str(model), str(backend), data or "rooms", results, scratch, view.stage)
-
-
-def _show(chosen: Chosen, exported: Exported, as_json: bool) -> None:
-    from bench.cli.console import print_json, say
-    from bench.export.agreement import at_most
-
-    found = exported.agreement
-    if as_json:
-        told = found and {"rows": found.rows, "equal": found.equal, "largest_m": found.largest_m}
-        names = {"folder": str(exported.folder), "files": list(exported.files)}
-        counted = [_facts(one) for one in exported.counted]
-        print_json(
-            {**names, "arena_bytes": exported.arena_bytes, "agreement": told, "counted": counted}
-        )
-        return
-    say(f"{chosen.model} on {chosen.backend}, trained on {named(chosen.data)}")
-    say(f"{named(exported.folder)}: {', '.join(exported.files)}")
-    if exported.arena_bytes is not None:
-        say(f"RAM for activations: {exported.arena_bytes} bytes")
-    if found:
-        same = f", {100 * found.equal:.2f} % equal bit by bit" if _integer(chosen) else ""
-        gap = at_most(found.largest_m)
-        say(f"{found.rows} held-out rows: {gap} from ONNX Runtime{same}")
-    elif exported.arena_bytes is not None:
-        from bench.export.report import NOT_CHECKED
-
-        say(f"agreement with ONNX Runtime {NOT_CHECKED}")
-    for one in exported.counted:
-        facts = _facts(one)
-        say(
-            f"{facts['device']}, counted: {facts['cycles']:,} cycles, "
-            f"{facts['latency_ms']:.3g} ms; {facts['fits']}"
-        )
-
-
-def _facts(one: Counted) -> dict[str, Any]:
-    """Return what a part takes for a call: its cycles with wait states, ms, whether it fits."""
-    figure = one.figure
-    return {
-        "device": figure.device,
-        "cycles": round(figure.cycles.value),
-        "latency_ms": figure.latency_us.value / 1e3,
-        "fits": figure.fits,
-    }
-
-
-def _integer(chosen: Chosen) -> bool:
-    return chosen.artifact.precision == "int8"
+        return from_run(wanted.run, wanted.results, wanted.data)
+    model, backend, data = str(wanted.model), str(wanted.backend), wanted.data or "rooms"
+    return from_fit(model, backend, data, wanted.results, scratch, view.stage)

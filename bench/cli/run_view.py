@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class RunView(Observer):
-    """Shows stages, runs done and the current fit's fraction on stderr."""
+    """Shows stages, runs done and the current fit's fraction on stderr; in a log, a line a step."""
 
     def __init__(self, quiet: bool) -> None:
         shown = console(stderr=True, quiet=quiet)
@@ -38,6 +38,7 @@ class RunView(Observer):
         )
         self._overall: TaskID | None = None
         self._current: TaskID | None = None
+        self._logged = "" if not quiet and self._bars.disable else None
 
     def __enter__(self) -> Self:
         self._bars.start()
@@ -65,6 +66,9 @@ class RunView(Observer):
         self._bars.console.print(line)
 
     def _show_current(self, what: str, fraction: float | None) -> None:
+        if self._logged is not None and what != self._logged:
+            say(what, err=True)
+            self._logged = what
         figure = "" if fraction is None else f"{100 * fraction:3.0f} %"
         total = None if fraction is None else 1.0
         if self._current is None:

@@ -5,26 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.base import Artifact, TrainingData
+from backends.base import Artifact
 from backends.graph_file import load_graph
 from backends.inputs import graph_inputs
 from bench.errors import BenchError
+from bench.export.built import kept_built
 from bench.files import read_json
-from bench.plugins import find
+from bench.plugins import Plugin, find
 from bench.results import RunRecord, from_json
 from bench.runner.finished import artifact_of
-from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
-from bench.runner.inputs import rows_for
-from bench.runner.keys import run_key
-from bench.runner.material import Material, load_material
+from bench.runner.held_out import held_out, keep_held_out, kept_held_out
+from bench.runner.keys import Head, head_of, run_key
+from bench.runner.repeated import question_of, recalled, remember
+
+if TYPE_CHECKING:
+    from bench.runner.material import Material
 
 Tell = Callable[[str], None]
-MOST_ROWS = 4096  # held-out rows that agreement is checked on
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,21 @@ class Chosen:
     cirs: NDArray[np.float32]
 
 
+@dataclass(frozen=True)
+class Asked:
+    """A model and a backend to export; `results` of finished runs, a `scratch` folder for files."""
+
+    model: Plugin
+    backend: Plugin
+    results: Path
+    scratch: Path
+
+    @property
+    def file(self) -> Path:
+        """Where the model's file is put when it is made."""
+        return self.scratch / "model.onnx"
+
+
 def from_run(run: str, results: Path, data: str | None = None) -> Chosen:
     """Return the first fold's artifact of a finished run, named by its id or the start of it.
 
@@ -47,8 +65,12 @@ def from_run(run: str, results: Path, data: str | None = None) -> Chosen:
     """
     record = _record(run, results)
     artifact, key = artifact_of(record, results), record.key
-    material = load_material(data or key.data, key.split, key.data_fingerprint)
-    return _chosen(artifact, key.model, key.backend, material)
+    head = Head(key.data, key.data_fingerprint, key.split, record.simulated)
+    if data is None and (found := _unread(artifact, key.model, key.backend, head)):
+        return found
+    from bench.runner.material import load_material
+
+    return _chosen(artifact, key.model, key.backend, load_material(data or key.data, key.split))
 
 
 def _record(run: str, results: Path) -> RunRecord:
@@ -71,32 +93,60 @@ def from_fit(
     Trained on the first fold of the data's own split, seed 0, as `bench run` does; `scratch` is a
     folder for what is made. Raises BenchError for unknown names and what the backend declines.
     """
-    one, other = find("models", model), find("backends", backend)
+    asked = Asked(find("models", model), find("backends", backend), results, scratch)
+    head = recalled(question_of(data, None))
+    artifact = None if head is None else _there(asked, head)
+    if head and artifact and (found := _unread(artifact, model, backend, head)):
+        return found
+    material = _read(data, tell)
+    artifact = _there(asked, head_of(material)) or _made(asked, material, tell)
+    return _chosen(artifact, model, backend, material)
+
+
+def _read(data: str, tell: Tell) -> Material:
+    """Read recordings, and keep what they are so that the next export need not."""
+    from bench.runner.material import load_material
+
     tell(f"reading {data}")
+    question = question_of(data, None)
     material = load_material(data, None)
-    key = run_key(one, other, material, 0)
-    record = ResultFolder(results).find_run(key)
+    remember(question or question_of(data, None), data, None, head_of(material))
+    return material
+
+
+def _there(asked: Asked, head: Head) -> Artifact | None:
+    """Return the artifact of a finished run, or what an earlier export built; None without one."""
+    key = run_key(asked.model, asked.backend, head, 0)
+    record = ResultFolder(asked.results).find_run(key)
     if record is not None and record.status == "ok":
-        path = results / "artifacts" / f"{record.digest()}-0.onnx"
-        found = Artifact(path, record.precision, other.load().opener)  # type: ignore[arg-type]
-        return _chosen(found, model, backend, material)
-    tell(f"fitting {model}")
-    fitted = fit_fold(one, material, 0, 0)
-    made = other.make()
-    if reason := made.supports(fitted):
-        raise BenchError(f"{backend} does not take {model}: {reason}")
-    tell(f"building {backend}")
-    train = material.split.folds[0].train
-    X = rows_for(material, fitted.reads)
-    rows = TrainingData(X[train], material.errors_m[train], 0)
-    return _chosen(made.build(fitted, rows, scratch / "model.onnx"), model, backend, material)
+        return artifact_of(record, asked.results)
+    return kept_built(key, asked.file)
+
+
+def _made(asked: Asked, material: Material, tell: Tell) -> Artifact:
+    from bench.export.making import made
+
+    return made(asked.model, asked.backend, material, asked.file, tell)
+
+
+def _unread(artifact: Artifact, model: str, backend: str, head: Head) -> Chosen | None:
+    """Return the choice with the rows that were kept of these recordings, None without them."""
+    rows = kept_held_out(head, _reads(artifact))
+    if rows is None:
+        return None
+    return Chosen(artifact, model, backend, head.name, head.simulated, rows)
 
 
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
-    fold = material.split.folds[0]
-    rows = np.sort(np.concatenate([fold.test_nlos, fold.test_los]))
-    X = rows_for(material, [one.name for one in graph_inputs(load_graph(artifact.path))])
-    spread = np.linspace(0, len(rows) - 1, min(len(rows), MOST_ROWS)).astype(int)
+    reads = _reads(artifact)
+    keep_held_out(material, reads)
     simulated = bool(material.recordings.simulated)
-    cirs = np.ascontiguousarray(X[rows[spread]])
-    return Chosen(artifact, model, backend, material.name, simulated, cirs)
+    return Chosen(artifact, model, backend, material.name, simulated, held_out(material, reads))
+
+
+def _reads(artifact: Artifact) -> list[str]:
+    """Return the names of a file's inputs. Raises BenchError where it is no model of the bench."""
+    try:
+        return [one.name for one in graph_inputs(load_graph(artifact.path))]
+    except ValueError as problem:
+        raise BenchError(str(problem)) from problem

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from bench.export.agreement import Agreement, at_most
 from bench.export.chosen import Chosen
 from bench.results import Interval
-from bench.runner.counting import Counted
 from zoo.inputs import COLUMNS
+
+if TYPE_CHECKING:
+    from bench.runner.counting import Counted
 
 CIR = "cir"
 FROM = {
@@ -33,7 +36,7 @@ class Figures:
     """What is known of the C: `constant_bytes` of tables; agreement None where not compiled.
 
     `samples` of the first input; `inputs` in order: the macro of each one's size by its name.
-    `counted` is what it takes on parts, emulated.
+    `counted` is what it takes on parts, emulated; `kept` are rows of counts made before of this C.
     """
 
     integer: bool
@@ -43,6 +46,7 @@ class Figures:
     samples: int
     inputs: Mapping[str, str]
     counted: Sequence[Counted] = ()
+    kept: Sequence[str] = ()
 
 
 def report(chosen: Chosen, figures: Figures | None) -> str:
@@ -76,24 +80,24 @@ def _c_parts(figures: Figures) -> Iterable[str]:
         *_agreement(figures),
         f"| flash for constants | {figures.constant_bytes} bytes | counted in the source |",
         f"| RAM for activations | {figures.arena_bytes} bytes, static | counted in the source |",
-        *_counted(figures.counted),
+        *_counted(figures),
         "",
         *_calling(figures),
         *_inputs(),
     ]
 
 
-def _counted(counted: Sequence[Counted]) -> list[str]:
-    """Return a row for each part; without parts, how to get one."""
+def _counted(figures: Figures) -> list[str]:
+    """Return rows for each part; without parts, how to get them."""
     lines = []
-    for one in counted:
+    for one in figures.counted:
         figure = one.figure
         how = f"counted: emulated {one.count.core}, {one.count.compiler}"
         lines.append(f"| {figure.device}: cycles of a call | {_cycles(figure.cycles)} | {how} |")
         lines.append(f"| {figure.device}: latency | {_ms(figure.latency_us)} | {how} |")
         lines.append(f"| {figure.device}: size | {figure.fits} | {how} |")
     pointer = "| code size, cycles | not counted: `--device` names parts to count them for | – |"
-    return lines or [pointer]
+    return [*lines, *figures.kept] or [pointer]
 
 
 def _cycles(cycles: Interval) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from bench.errors import BenchError
 from bench.files import cache_dir
 from bench.physics.room_plan import LICENCE
+from bench.provenance import decisive_versions, keep, kept, packages_code_hash
 from bench.recordings.sources.base import Source
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
     from bench.physics.rooms import Rooms
     from bench.recordings.table import Recordings
+
+_KIND = "rooms"
 
 
 class RoomsSource(Source):
@@ -42,7 +45,7 @@ class RoomsSource(Source):
         from bench.recordings.io import read_recordings, write_recordings
 
         rooms = self._rooms()
-        target = self._target(rooms)
+        target = self._place(rooms.key())
         if target.exists():
             try:
                 return read_recordings(target)
@@ -56,11 +59,14 @@ class RoomsSource(Source):
         return read_recordings(target)
 
     def kept(self) -> Path:
-        """Return where the rows are kept once made."""
-        return self._target(self._rooms())
+        """Return where the rows are kept once made; known unmade where nothing has changed."""
+        question = [self.name, packages_code_hash("bench/physics"), decisive_versions()]
+        if (key := kept(_KIND, question)) is None:
+            keep(_KIND, question, key := self._rooms().key())
+        return self._place(str(key))
 
-    def _target(self, rooms: Rooms) -> Path:
-        return cache_dir() / "simulated" / f"{self.name}-{rooms.key()}.parquet"
+    def _place(self, key: str) -> Path:
+        return cache_dir() / "simulated" / f"{self.name}-{key}.parquet"
 
     def _rooms(self) -> Rooms:
         """Return the simulator with its rows."""

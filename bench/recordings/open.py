@@ -10,10 +10,10 @@ import pandas as pd
 from bench.errors import BenchError, foreign
 from bench.recordings.clean import clean
 from bench.recordings.io import read_recordings
-from bench.recordings.sources.base import Source, open_source
+from bench.recordings.sources.base import Source, is_path, open_source
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
-__all__ = ["Table", "open_recordings", "open_source", "read"]
+__all__ = ["Table", "is_path", "open_recordings", "open_source", "read"]
 Table = str | Path | pd.DataFrame | Recordings
 """A data set name, a file, rows with units in the column names, or recordings."""
 
@@ -87,9 +87,3 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
         if missing is not None:
             raise BenchError(f"data set {source.name!r} is not here: {missing}")
         return source.load(), source
-
-
-def is_path(name_or_path: str | Path) -> bool:
-    """Return whether it is a path: a Path, or anything but a bare word without a dot."""
-    path = Path(name_or_path)
-    return isinstance(name_or_path, Path) or len(path.parts) != 1 or "." in str(name_or_path)

@@ -14,11 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.measure.counting import find_compiler, load_core
 from bench.measure.counting.compile import Which
-from bench.measure.counting.emulate import check_tools
-from bench.measure.profile import Profile, load_profile
-from bench.plugins import Plugin, find, plugins
+from bench.measure.profile import Profile
+from bench.plugins import Plugin
 from bench.results import Cost, RunRecord
 from bench.runner.counting import ROWS, Counted, Floats, count_artifact, recorded_rows
 from bench.runner.finished import artifact_of, finished_runs, newest
@@ -26,6 +24,7 @@ from bench.runner.fits import fit_fold
 from bench.runner.inputs import missing, rows_for
 from bench.runner.material import Material, load_material
 from bench.runner.observer import Observer
+from bench.runner.parts import countable
 from bench.runner.plan import resolve
 from bench.runner.records import cost_record
 
@@ -81,10 +80,7 @@ def make_count_plan(
     """
     if rows < 1:
         raise BenchError(f"--rows {rows}: expected a whole number of at least 1")
-    profiles = tuple(_profiles(device))
-    check_tools()
-    for core in dict.fromkeys(profile.core for profile in profiles):
-        find_compiler(load_core(core), which)
+    profiles = countable(device, which)
     return CountPlan(resolve("models", model), resolve("backends", backend), profiles, which, rows)
 
 
@@ -226,21 +222,3 @@ def _build(
         except (ValueError, RuntimeError) as problem:
             raise BenchError(str(problem).splitlines()[0]) from problem
     return artifact
-
-
-def _profiles(names: str) -> Iterator[Profile]:
-    """Yield the parts named ("all": those with a core). Raises BenchError where one has none."""
-    if names.strip() == "all":
-        loaded = [one.load() for one in plugins("devices") if one.problem() is None]
-        yield from (one for one in loaded if isinstance(one, Profile) and one.core)
-        return
-    wanted = [name.strip() for name in names.split(",") if name.strip()]
-    if not wanted:
-        raise BenchError("--device names no part: expected a name, or several with commas")
-    for name in dict.fromkeys(wanted):
-        profile = (
-            load_profile(Path(name)) if name.endswith(".toml") else find("devices", name).load()
-        )
-        if not profile.core:
-            raise BenchError(f"device {name} has no core to count on; its figures are estimates")
-        yield profile

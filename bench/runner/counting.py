@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -54,9 +54,15 @@ def recorded_rows(inputs: Floats, test: NDArray[np.intp], rows: int = ROWS) -> F
 
 
 def count_artifact(
-    artifact: Artifact, profiles: Sequence[Profile], rows: Floats, which: Which = "auto"
+    artifact: Artifact,
+    profiles: Sequence[Profile],
+    rows: Floats,
+    which: Which = "auto",
+    files: Mapping[str, str] | None = None,
 ) -> list[Counted]:
     """Count an artifact on parts; those with the same core are counted once.
+
+    `files`: C of the artifact as it is to be counted; None takes what suits each core.
 
     Raises BenchError where a part has no core, tools are missing, C cannot be written for the
     file, or an answer differs from this machine's by more than a millimetre.
@@ -66,7 +72,7 @@ def count_artifact(
     found = []
     for profile in profiles:
         if profile.core not in counts:
-            counts[profile.core] = _checked(artifact, profile, rows, expected_m, which)
+            counts[profile.core] = _checked(artifact, profile, rows, expected_m, which, files)
         count, agreement = counts[profile.core]
         found.append(Counted(count, figure_of(count, profile), agreement))
     return found
@@ -115,12 +121,17 @@ def c_files(artifact: Artifact, float_unit: bool) -> dict[str, str]:
 
 
 def _checked(
-    artifact: Artifact, profile: Profile, rows: Floats, expected_m: Floats, which: Which
+    artifact: Artifact,
+    profile: Profile,
+    rows: Floats,
+    expected_m: Floats,
+    which: Which,
+    files: Mapping[str, str] | None,
 ) -> tuple[Count, Agreement]:
     if not profile.core:
         raise BenchError(f"device {profile.name} has no core to count on: it is only estimated")
     core = load_core(profile.core)
-    image = build_image(c_files(artifact, core.float_unit), core, which)
+    image = build_image(files or c_files(artifact, core.float_unit), core, which)
     count = count_kept(image, core, rows)
     return count, _agreement(count, expected_m, profile.core)
 

@@ -10,10 +10,10 @@ from bench.files import read_json
 from bench.plugins import find
 from bench.provenance import file_sha256
 from bench.results import RunRecord, from_json
-from bench.runner.material import Material
 
 if TYPE_CHECKING:
     from backends.base import Artifact
+    from bench.runner.material import Material
 
 
 def finished_runs(results: Path) -> list[RunRecord]:

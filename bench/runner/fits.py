@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-import io
 import json
-import zipfile
-import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.files import atomic_path, cache_dir, in_turn, read_bytes
+from bench.files import cache_dir, in_turn
 from bench.plugins import Plugin, named
 from bench.provenance import decisive_versions, declared, json_digest, model_code_hash
 from bench.recordings.splits import Fold, labelled_los
 from bench.results import Training
 from bench.runner.further import PACE, PASSES, STEPS, train_further
 from bench.runner.inputs import rows_for
+from bench.runner.kept_arrays import read_arrays, write_arrays
 from bench.runner.material import Material
 from bench.runner.training import told, training_of
 
@@ -31,8 +28,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 State = dict[str, Any]
-MOST_BYTES = 2_000_000_000
-_KEY, _SUM, _TRAINING = "bench.key", "bench.sha256", "bench.training"
+_TRAINING = "bench.training"
 
 
 def new_model(plugin: Plugin, seed: int) -> MitigationModel:
@@ -64,13 +60,13 @@ def fit_fold(
         if not _taken(model, path, key):
             fit_on(model, material, fold, progress)
             if (state := state_of(model)) is not None:
-                write_state(path, key, state)
+                write_arrays(path, key, state)
     return model
 
 
 def _taken(model: MitigationModel, path: Path, key: Mapping[str, Any]) -> bool:
     """Make a model what an earlier fit made it; False where there is none, or it cannot."""
-    state = _read_state(path, key)
+    state = read_arrays(path, key)
     return state is not None and _restored(model, state)
 
 
@@ -130,7 +126,7 @@ def _place(
 
 def is_kept(path: Path, key: Mapping[str, Any]) -> bool:
     """Return True where a fit is kept that can be believed."""
-    return _read_state(path, key) is not None
+    return read_arrays(path, key) is not None
 
 
 def state_of(model: MitigationModel) -> State | None:
@@ -171,30 +167,3 @@ def _rows_hash(fold: Fold) -> str:
     return hashlib.sha256(
         f"{STEPS} {PASSES} {PACE}".encode().join(rows) if rows[1] else rows[0]
     ).hexdigest()[:16]
-
-
-def write_state(path: Path, key: Mapping[str, Any], state: State) -> None:
-    """Keep a fit."""
-    seals = {_KEY: json.dumps(key, sort_keys=True), _SUM: _sum(state)}
-    with atomic_path(path) as scratch, scratch.open("wb") as stream:
-        np.savez(stream, **state, **seals)  # type: ignore[arg-type]
-
-
-def _sum(state: Mapping[str, Any]) -> str:
-    """Return the hash of every array with its name, shape and type."""
-    digest = hashlib.sha256()
-    for name in sorted(state):
-        value = np.ascontiguousarray(state[name])
-        digest.update(f"{name}{value.shape}{value.dtype.str}".encode() + value.tobytes())
-    return digest.hexdigest()
-
-
-def _read_state(path: Path, key: Mapping[str, Any]) -> State | None:
-    """Return the arrays of an earlier fit; None where there is none that can be believed."""
-    try:
-        with np.load(io.BytesIO(read_bytes(path, MOST_BYTES)), allow_pickle=False) as archive:
-            state = {name: archive[name] for name in archive.files}
-    except (BenchError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError):
-        return None
-    believed = str(state.pop(_KEY, "")) == json.dumps(key, sort_keys=True)
-    return state if believed and str(state.pop(_SUM, "")) == _sum(state) else None

@@ -20,6 +20,7 @@ from bench.runner.failure import DeclinedError, Failure, said
 from bench.runner.fits import fit_fold
 from bench.runner.folder import ResultFolder
 from bench.runner.graph_check import graph_remark
+from bench.runner.held_out import keep_held_out
 from bench.runner.inputs import missing, rows_for
 from bench.runner.keys import run_key
 from bench.runner.material import Material
@@ -160,6 +161,7 @@ def _evaluate(
         done = evaluate(fitted.models, backend, material, job.key.seed, paths, tell)
         record = finished_record(job.key, material, done, fitted.models, fitted.fit_s)
         record = replace(record, artifacts_sha256=tuple(map(file_sha256, paths)))
+    keep_held_out(material, fitted.models[0].reads)
     predictions = folder.predictions_path(digest)
     write_predictions(predictions, material, done)
     return replace(record, predictions_sha256=file_sha256(predictions))

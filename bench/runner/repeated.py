@@ -70,7 +70,7 @@ def finished_runs(plan: Plan, head: Head, folder: ResultFolder) -> list[RunRecor
 
 def _file_of(data: Any) -> Path | None:
     """Return the one file that recordings are read from, None where it is not one."""
-    from bench.recordings.open import is_path, open_source
+    from bench.recordings.sources.base import is_path, open_source
 
     if not isinstance(data, str | Path):
         return None

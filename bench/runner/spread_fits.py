@@ -14,7 +14,8 @@ from typing import Any
 
 from bench.parallel import Spread, threads
 from bench.plugins import Plugin
-from bench.runner.fits import fit_on, is_kept, new_model, place_of, state_of, write_state
+from bench.runner.fits import fit_on, is_kept, new_model, place_of, state_of
+from bench.runner.kept_arrays import write_arrays
 from bench.runner.material import Material
 from bench.runner.observer import Observer
 
@@ -50,7 +51,7 @@ class FitsAhead:
             at, state = next(self._done)
             _, place = self._waiting.pop(at)
             if state is not None:
-                write_state(*place, state)
+                write_arrays(*place, state)
             self._watch.progress(f"fitting: {total} fits", 1 - len(self._waiting) / total)
 
 

@@ -91,6 +91,12 @@ def open_source(name: str) -> Source:
     return source
 
 
+def is_path(name_or_path: str | Path) -> bool:
+    """Return whether it is a path: a Path, or anything but a bare word without a dot."""
+    path = Path(name_or_path)
+    return isinstance(name_or_path, Path) or len(path.parts) != 1 or "." in str(name_or_path)
+
+
 def data_root() -> Path | None:
     """Return the folder of $BENCH_DATA, or None where it is not set."""
     named = os.environ.get("BENCH_DATA")

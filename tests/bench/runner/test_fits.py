@@ -14,7 +14,8 @@ from recordings_factory import make_recordings
 
 from bench.plugins import Plugin
 from bench.recordings.splits import Split
-from bench.runner.fits import fit_fold, is_kept, new_model, place_of, state_of, write_state
+from bench.runner.fits import fit_fold, is_kept, new_model, place_of, state_of
+from bench.runner.kept_arrays import write_arrays
 from bench.runner.material import Material, load_material
 from zoo.none import NoMitigation
 
@@ -291,7 +292,7 @@ def test_no_pickle_in_a_fit_is_ever_run(material: Material, tmp_path: Path) -> N
 def test_the_seal_covers_shape_type_and_values(material: Material, other) -> None:
     path, key = _kept(material)
     state = state_of(fit_fold(plugin(), material, 0, 0))
-    write_state(path, key, {**state, "mean_m": np.array([9.0, 0.0])})
+    write_arrays(path, key, {**state, "mean_m": np.array([9.0, 0.0])})
     assert is_kept(path, key)
     with np.load(path) as archive:
         arrays = dict(archive)
