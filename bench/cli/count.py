@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
 
 from bench.errors import BenchError
+from bench.files import check_output
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from bench.measure.counting.measured import Measured
     from bench.measure.profile import Profile
-    from bench.runner.count_models import CountRow
+    from bench.runner.count_models import CountPlan, CountRow
+    from bench.runner.observer import Observer
 
 EPILOG = """\b
 Examples:
@@ -21,6 +26,21 @@ Examples:
   bench count --model all --backend c-fp32 --device nrf52832 --results results
   bench count --model remnet --backend c-int8 --device nrf52832 --measured board.txt
 """
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks to be counted, and on which rows."""
+
+    model: str
+    backend: str
+    device: str
+    compiler: Literal["auto", "gcc", "zig"]
+    rows: int
+    data: str
+    results: Path | None
+    split: str | None
+    measured: Path | None
 
 
 @click.command(epilog=EPILOG, no_args_is_help=True)
@@ -93,30 +113,61 @@ def command(
     Reports cycles, latency (ms), energy (mJ), flash and RAM (KB) with low and high ends. Counts
     are kept in the cache: a command that was stopped goes on when it is given again.
     """
-    from bench.cli.count_table import markdown_table, write_markdown
-    from bench.cli.count_view import print_rows, rows_as_json
-    from bench.cli.run_view import RunView
-    from bench.runner.count_models import count_finished, count_models, make_count_plan
+    for target in (markdown, profile_out):
+        if target is not None:
+            check_output(target)
+    wanted = Wanted(model, backend, device, compiler, rows, data, results, split, measured)
+    found, board = _counted(wanted, profile_out, as_json)
+    _written(found, board, markdown, as_json)
+    if not any(row.counted for row in found):
+        raise BenchError(f"nothing was counted: {found[0].reason}")
 
-    board = _board(measured, profile_out)
-    with RunView(quiet=as_json) as view:
-        plan = make_count_plan(model, backend, device, compiler, rows)
-        sizes = {len(plan.models), len(plan.backends), len(plan.profiles)}
-        if board is not None and sizes != {1}:
-            raise BenchError("--measured is of one model, one backend and one part: name one each")
-        made = (
-            count_models(plan, data, split, view)
-            if results is None
-            else count_finished(plan, results, data, split, view)
-        )
-        found = list(made)
+
+def _counted(
+    wanted: Wanted, profile_out: Path | None, quiet: bool
+) -> tuple[list[CountRow], Measured | None]:
+    """Return every row and what a board measured; the part's profile is written if asked for."""
+    from bench.cli.run_view import RunView
+
+    board = _board(wanted.measured, profile_out)
+    with RunView(quiet=quiet) as view:
+        plan = _plan(wanted, board)
+        found = list(_rows(plan, wanted, view))
     if board is not None and profile_out is not None:
         _write_profile(found[0], plan.profiles[0], board, profile_out)
+    return found, board
+
+
+def _plan(wanted: Wanted, board: Measured | None) -> CountPlan:
+    """Return what is to be counted. Raises BenchError where a board's figures would be of many."""
+    from bench.runner.count_models import make_count_plan
+
+    plan = make_count_plan(
+        wanted.model, wanted.backend, wanted.device, wanted.compiler, wanted.rows
+    )
+    sizes = {len(plan.models), len(plan.backends), len(plan.profiles)}
+    if board is not None and sizes != {1}:
+        raise BenchError("--measured is of one model, one backend and one part: name one each")
+    return plan
+
+
+def _rows(plan: CountPlan, wanted: Wanted, watch: Observer) -> Iterator[CountRow]:
+    from bench.runner.count_models import count_finished, count_models
+
+    if wanted.results is None:
+        return count_models(plan, wanted.data, wanted.split, watch)
+    return count_finished(plan, wanted.results, wanted.data, wanted.split, watch)
+
+
+def _written(
+    found: list[CountRow], board: Measured | None, markdown: Path | None, as_json: bool
+) -> None:
+    from bench.cli.count_table import markdown_table, write_markdown
+    from bench.cli.count_view import print_rows, rows_as_json
+
     if markdown is not None:
         write_markdown(markdown, markdown_table(found, board))
     (rows_as_json if as_json else print_rows)(found, board)
-    if not any(row.counted for row in found):
-        raise BenchError(f"nothing was counted: {found[0].reason}")
 
 
 def _board(measured: Path | None, profile_out: Path | None) -> Measured | None:

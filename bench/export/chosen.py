@@ -23,6 +23,7 @@ from bench.runner.folder import ResultFolder
 from bench.runner.held_out import held_out, keep_held_out, kept_held_out
 from bench.runner.keys import Head, head_of, run_key
 from bench.runner.repeated import question_of, recalled, remember
+from zoo.inputs import blocks_of
 
 if TYPE_CHECKING:
     from bench.runner.material import Material
@@ -139,7 +140,7 @@ def _unread(artifact: Artifact, model: str, backend: str, head: Head) -> Chosen 
 
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
     reads = _reads(artifact)
-    keep_held_out(material, reads)
+    keep_held_out(material, reads, again=True)
     simulated = bool(material.recordings.simulated)
     return Chosen(artifact, model, backend, material.name, simulated, held_out(material, reads))
 
@@ -147,6 +148,8 @@ def _chosen(artifact: Artifact, model: str, backend: str, material: Material) ->
 def _reads(artifact: Artifact) -> list[str]:
     """Return the names of a file's inputs. Raises BenchError where it is no model of the bench."""
     try:
-        return [one.name for one in graph_inputs(load_graph(artifact.path))]
-    except ValueError as problem:
-        raise BenchError(str(problem)) from problem
+        names = [one.name for one in graph_inputs(load_graph(artifact.path))]
+        blocks_of(names)
+    except (ValueError, IndexError) as problem:
+        raise BenchError(f"{artifact.path}: no model of the bench: {problem}") from problem
+    return names

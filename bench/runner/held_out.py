@@ -39,11 +39,14 @@ def held_out(material: Material, reads: Collection[str]) -> Floats:
     return np.ascontiguousarray(rows_for(material, reads)[rows[spread]])
 
 
-def keep_held_out(material: Material, reads: Collection[str]) -> None:
-    """Keep a material's held-out rows in the cache, where it can be written."""
+def keep_held_out(material: Material, reads: Collection[str], again: bool = False) -> None:
+    """Keep a material's held-out rows in the cache, where it can be written.
+
+    A file that is there is taken to be good, unless they are to be kept `again`.
+    """
     key = _key(head_of(material), reads)
     path = _place(key)
-    if path.exists():
+    if path.exists() and not again:
         return
     with suppress(BenchError):
         write_arrays(path, key, {"rows": held_out(material, reads)})

@@ -23,7 +23,9 @@ from bench.measure.profile import UNITS, Coefficient, Profile
 from bench.results import Interval
 
 MAX_BYTES = 10_000_000
-_LINE = re.compile(r"(?:\b(\d{1,15})\s*cycles\b|\bcycles\b\s*[:=]?\s*(\d{1,15})\b)")
+_NUMBER = r"(?<!\d)([-+]?\d(?:[\d.,'_]{0,30}\d)?(?:[eE][-+]?\d{1,5})?)"
+_LINE = re.compile(rf"{_NUMBER}\s{{0,20}}cycles\b|\bcycles\s{{0,20}}[:=]?\s{{0,20}}{_NUMBER}")
+_WHOLE = re.compile(r"\d{1,15}")
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,18 @@ def read_measured(path: Path) -> Measured:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as problem:
         raise BenchError(f"cannot read {path}: {problem.strerror or problem}") from problem
-    found = tuple(int(before or after) for before, after in _LINE.findall(text))
-    if not found or not all(found):
-        raise BenchError(f"{path}: no line like 'row 0: 1012345 cycles' with cycles above 0")
-    return Measured(path.name, found)
+    found = [(path, *said.groups()) for said in _LINE.finditer(text)]
+    if not found:
+        raise BenchError(f"{path}: no line like 'row 0: 1012345 cycles' in it")
+    return Measured(path.name, tuple(_cycles(*one) for one in found))
+
+
+def _cycles(path: Path, before: str | None, after: str | None) -> int:
+    """Return cycles as a number. Raises BenchError where they are no whole number above 0."""
+    said = before or after or ""
+    if not _WHOLE.fullmatch(said) or int(said) == 0:
+        raise BenchError(f"{path}: {said!r} cycles: expected a whole number above 0, as 1012345")
+    return int(said)
 
 
 def recalibrated(profile: Profile, count: Count, measured: Measured) -> Profile:
