@@ -53,15 +53,14 @@ def read_measured(path: Path) -> Measured:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as problem:
         raise BenchError(f"cannot read {path}: {problem.strerror or problem}") from problem
-    found = [(path, *said.groups()) for said in _LINE.finditer(text)]
+    found = [said[1] or said[2] for said in _LINE.finditer(text)]
     if not found:
         raise BenchError(f"{path}: no line like 'row 0: 1012345 cycles' in it")
-    return Measured(path.name, tuple(_cycles(*one) for one in found))
+    return Measured(path.name, tuple(_cycles(path, said) for said in found))
 
 
-def _cycles(path: Path, before: str | None, after: str | None) -> int:
+def _cycles(path: Path, said: str) -> int:
     """Return cycles as a number. Raises BenchError where they are no whole number above 0."""
-    said = before or after or ""
     if not _WHOLE.fullmatch(said) or int(said) == 0:
         raise BenchError(f"{path}: {said!r} cycles: expected a whole number above 0, as 1012345")
     return int(said)
