@@ -57,6 +57,7 @@ from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.discrepancy.working import WorkingRows
 from bench.physics.base import Base
 from bench.physics.effect import Effect, describe
+from bench.physics.memory import keep_freed
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
 
@@ -138,6 +139,7 @@ def diagnose(
     `kinds` restricts the library. Deterministic from `options.seed`. What a `journal` keeps of an
     earlier, unfinished diagnosis of the same input is not done again.
     """
+    keep_freed()
     check_recorded(recorded)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
     frame = hidden(recorded.frame, asked.hide)

@@ -8,6 +8,7 @@ Sources: Friis for the link budget, -41.3 dBm/MHz over 500 MHz for the transmit 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch
 from bench.physics.detection import edge_offset, first_path
 from bench.physics.effect import check_bounds, parameter
+from bench.physics.loops import compiled, crop_rows, magnitude_rows, parts
 from bench.physics.randomness import Draws
 from bench.physics.sampling import sampled
 from bench.physics.scene import Scene
@@ -27,12 +29,12 @@ from bench.physics.units import (
     Complexes,
     Floats,
     Reals,
-    absolute,
     amplitude,
     decibel,
     wavelength_m,
 )
 
+T = TypeVar("T", bound=np.generic)
 LEAD_SAMPLES = 16  # simulated before the straight path, so that an early edge can be found
 LATE_SAMPLES = 36  # after it, so that an edge 10 m late still has its whole CIR
 RAYLEIGH_STD = float(np.sqrt(2 - np.pi / 2))  # std of |n| per std of its real part
@@ -129,20 +131,19 @@ class Base:
         """Return the batch with first path, range and what the chip reports."""
         if batch.waveform is None or batch.noise is None or batch.start_ns is None:
             return self._detected_paths(batch)
-        magnitude = absolute(batch.waveform + batch.noise)
-        noise_std, noise_power = _noise(batch)
+        magnitude, energy, highest, noise_std, noise_power = _measured(batch)
         # The threshold follows the noise's power: a tone in it raises it too.
         noise_level = RAYLEIGH_STD * np.sqrt(noise_power / 2)
         threshold = there(batch.threshold) * np.maximum(noise_level, 1e-9)
-        threshold = np.maximum(threshold, batch.peak_fraction * np.max(magnitude, axis=1))
+        threshold = np.maximum(threshold, batch.peak_fraction * highest)
         found = first_path(magnitude, threshold)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = there(batch.symbols)
-        energy = np.einsum("ns,ns->n", magnitude, magnitude).astype(np.float64)
         energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)
         more_db = 0.0 if batch.reported_db is None else batch.reported_db
         return replace(
             batch,
+            magnitude=magnitude,
             first_path=found,
             noise_std=noise_std,
             range_m=batch.rows.true_range_m + C_M_PER_NS * late,
@@ -180,10 +181,12 @@ class Base:
 
     def cropped(self, batch: Batch) -> tuple[Reals, Floats] | None:
         """Return the CIR's magnitude [n, K] around the detected path and its index in it [n]."""
-        whole = self.cropped_complex(batch)
-        if whole is None:
+        if batch.magnitude is None:
             return None
-        return absolute(whole), there(batch.first_path) - self._crop(batch)
+        start = self._crop(batch)
+        whole = np.empty((len(batch), self.cir_samples), np.float32)
+        compiled(crop_rows)(whole, batch.magnitude, start)
+        return whole, there(batch.first_path) - start
 
     def cropped_complex(self, batch: Batch) -> Complexes | None:
         """Return the complex CIR [n, K] around the detected path, None without a waveform."""
@@ -199,25 +202,32 @@ class Base:
         return np.clip(first, 0, self.samples - self.cir_samples)
 
 
-def there(values: Floats | None) -> Floats:
+def there(values: NDArray[T] | None) -> NDArray[T]:
     """Return `values`, which some stage must have set. Raises ValueError where none did."""
     if values is None:
         raise ValueError("the batch has not reached that stage yet")
     return values
 
 
+def _measured(batch: Batch) -> tuple[Reals, Floats, Floats, Floats, Floats]:
+    """Return the magnitude [n, S] with its energy and highest sample [n], and `_noise` [n] each."""
+    signal, noise = parts(there(batch.waveform)), parts(there(batch.noise))
+    magnitude = np.empty((len(batch), signal.shape[1] // 2), np.float32)
+    sums = np.empty((len(batch), 4))
+    compiled(magnitude_rows)(magnitude, signal, noise, sums)
+    energy, highest, total, power = sums.T
+    if batch.as_given:
+        return magnitude, energy, highest, *_noise(batch)
+    mean, power = total / magnitude.shape[1], power / magnitude.shape[1]
+    return magnitude, energy, highest, np.sqrt(np.maximum(power - mean**2, 0)), power
+
+
 def _noise(batch: Batch) -> tuple[Floats, Floats]:
-    """Return std of |noise| [n] in counts and mean |noise|^2 [n], as the chip would measure."""
-    if batch.as_given or batch.noise is None:
-        power = there(batch.noise_power)
-        steady = batch.steady_power
-        if steady is None:
-            return RAYLEIGH_STD * np.sqrt(power / 2), power
-        return _rice_std(power, steady), power
-    size = absolute(batch.noise)
-    mean = np.mean(size, axis=1, dtype=np.float64)
-    power = np.einsum("ns,ns->n", size, size).astype(np.float64) / size.shape[1]
-    return np.sqrt(np.maximum(power - mean**2, 0)), power
+    """Return std of |noise| [n] in counts and mean |noise|^2 [n], as its power says."""
+    power = there(batch.noise_power)
+    if batch.steady_power is None:
+        return RAYLEIGH_STD * np.sqrt(power / 2), power
+    return _rice_std(power, batch.steady_power), power
 
 
 def _rice_std(power: Floats, steady: Floats) -> Floats:

@@ -36,8 +36,9 @@ class Batch:
     `noise_power` [n] is the mean |noise|^2 of one sample, `steady_power` [n] what tones and offsets
     hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
     table, with its noise in it; `noise` holds only what effects add.
-    Ranging: `first_path` [n] (samples from sample 0), `range_m` [n], the chip's `rx_power_dbm`
-    and `first_path_power_dbm` [n], `noise_std` [n] counts. `clock_offset_ppm` [n] where known.
+    Ranging: `magnitude` [n, S] of signal and noise, `first_path` [n] (samples from sample 0),
+    `range_m` [n], the chip's `rx_power_dbm` and `first_path_power_dbm` [n], `noise_std` [n] counts.
+    `clock_offset_ppm` [n] where known.
     """
 
     rows: Scene
@@ -63,6 +64,7 @@ class Batch:
     steady_power: Floats | None = None
     as_given: bool = False
     level_dbm: Floats | None = None
+    magnitude: Reals | None = None
     first_path: Floats | None = None
     range_m: Floats | None = None
     rx_power_dbm: Floats | None = None

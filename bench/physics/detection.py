@@ -10,8 +10,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bench.physics.loops import compiled, edge_rows
 from bench.physics.pulse import HALF_WIDTH, shape
 from bench.physics.units import Floats, Reals
 
@@ -21,37 +21,12 @@ _CLIMB = 4  # samples from the first crossing to the peak of its edge, at most
 def first_path(magnitude: Reals, threshold: Floats) -> Floats:
     """Return the first-path index [n] in samples of `magnitude` [n, S], `threshold` [n] counts.
 
-    Where nothing exceeds the threshold, the strongest sample's edge is taken.
+    Where nothing exceeds the threshold, the strongest sample's edge is taken. Resolved to 1/64.
     """
-    above = magnitude > threshold[:, None]
-    crossing = np.where(above.any(axis=1), above.argmax(axis=1), magnitude.argmax(axis=1))
-    return half_height(magnitude, peak_after(magnitude, crossing))
-
-
-def peak_after(magnitude: Reals, crossing: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the index [n] of the first local maximum at or after `crossing` [n]."""
-    rows = np.arange(len(magnitude))
-    last = magnitude.shape[1] - 1
-    top = crossing.copy()
-    for _ in range(_CLIMB):
-        ahead = np.minimum(top + 1, last)
-        top = np.where(magnitude[rows, ahead] > magnitude[rows, top], ahead, top)
-    return top
-
-
-def half_height(magnitude: Reals, top: NDArray[np.intp]) -> Floats:
-    """Return where [n] the rising edge before `top` [n] crosses half its height, in 1/64."""
-    rows = np.arange(len(magnitude))
-    half = magnitude[rows, top] * np.float32(0.5)
-    upper = top.copy()
-    for _ in range(_CLIMB):
-        before = np.maximum(upper - 1, 0)
-        upper = np.where(magnitude[rows, before] > half, before, upper)
-    lower = np.maximum(upper - 1, 0)
-    low, high = magnitude[rows, lower], magnitude[rows, upper]
-    rise = np.maximum(high - low, np.float32(1e-20))
-    place = lower + np.clip((half - low) / rise, 0, 1)
-    return np.rint(np.asarray(place, np.float64) * 64) / 64
+    found = np.empty(len(magnitude))
+    limit = np.asarray(threshold, np.float64)
+    compiled(edge_rows)(found, np.asarray(magnitude, np.float32), limit, _CLIMB)
+    return np.rint(found * 64) / 64
 
 
 @lru_cache(maxsize=32)

@@ -214,7 +214,7 @@ class ForeignTable:
             - there(plain.first_path_power_dbm),
             noise_std=noise * there(changed.noise_std) / there(plain.noise_std),
             preamble_count=there(changed.symbols),
-            cir=None if whole is None else absolute(whole),
+            cir=None if whole is None else changed.magnitude,
             cir_complex=whole,
             first_path_index=self._moved_index(changed, plain),
             clock_offset_ppm=changed.clock_offset_ppm,

@@ -65,8 +65,13 @@ def add_tail(made: Parts, first: Reals, taps: Parts, pulses: Reals) -> None:
             weight = pulses[step, lag]
             low = max(0, -(at + lag))
             high = min(taps.shape[1] // 2, samples - at - lag)
-            for part in range(2 * low, 2 * high):
-                made[row, part + 2 * (at + lag)] += weight * taps[row, part]
+            if high <= low:
+                continue
+            # Slices from zero on: an index that may be negative keeps the loop from vector code.
+            source = taps[row, 2 * low : 2 * high]
+            target = made[row, 2 * (low + at + lag) : 2 * (high + at + lag)]
+            for part in range(source.shape[0]):
+                target[part] += weight * source[part]
 
 
 def filter_rows(made: Parts, values: Parts, lags: Ints, real: Reals, imag: Reals) -> None:
@@ -76,10 +81,18 @@ def filter_rows(made: Parts, values: Parts, lags: Ints, real: Reals, imag: Reals
         made[row] = 0
         for tap in range(lags.shape[0]):
             lag, a, b = lags[tap], real[tap], imag[tap]
-            for at in range(max(0, lag), min(samples, samples + lag)):
-                x, y = values[row, 2 * (at - lag)], values[row, 2 * (at - lag) + 1]
-                made[row, 2 * at] += a * x - b * y
-                made[row, 2 * at + 1] += a * y + b * x
+            low, high = max(0, lag), min(samples, samples + lag)
+            if high <= low:
+                continue
+            source, target = values[row, 2 * (low - lag) : 2 * (high - lag)], made[row, 2 * low :]
+            if b == 0:
+                for part in range(source.shape[0]):
+                    target[part] += a * source[part]
+                continue
+            for at in range(high - low):
+                x, y = source[2 * at], source[2 * at + 1]
+                target[2 * at] += a * x - b * y
+                target[2 * at + 1] += a * y + b * x
 
 
 def quantise_rows(
@@ -100,11 +113,64 @@ def quantise_rows(
     for row in range(waveform.shape[0]):
         for part in range(waveform.shape[1]):
             low = added[row, part] / step
-            low = step * (np.floor(low + half) if low >= 0 else np.ceil(low - half))
+            low = step * np.copysign(np.floor(abs(low) + half), low)
             whole = (waveform[row, part] + low) / step
-            whole = step * (np.floor(whole + half) if whole >= 0 else np.ceil(whole - half))
+            whole = step * np.copysign(np.floor(abs(whole) + half), whole)
             noise[row, part] = low
             signal[row, part] = min(max(whole, -limit), limit) - low
+
+
+def magnitude_rows(made: Reals, signal: Parts, noise: Parts, sums: Floats) -> None:
+    """Write to `made` [n, S] the magnitude of signal + noise [n, 2 S], and what it sums up to.
+
+    `sums` [n, 4]: energy and largest of the magnitude, sum and energy of the noise's magnitude.
+    """
+    for row in range(made.shape[0]):
+        energy = top = total = power = np.float32(0)
+        for at in range(made.shape[1]):
+            x, y = noise[row, 2 * at], noise[row, 2 * at + 1]
+            square = x * x + y * y
+            power += square
+            total += np.sqrt(square)
+            x, y = x + signal[row, 2 * at], y + signal[row, 2 * at + 1]
+            square = x * x + y * y
+            energy += square
+            top = max(top, square)
+            made[row, at] = np.sqrt(square)
+        sums[row, 0], sums[row, 1], sums[row, 2], sums[row, 3] = energy, np.sqrt(top), total, power
+
+
+def edge_rows(found: Floats, magnitude: Reals, limit: Floats, climb: int) -> None:
+    """Write to `found` [n] where the first edge of `magnitude` [n, S] above `limit` [n] rises.
+
+    In samples: at half of its peak, which lies at most `climb` samples behind the crossing; of the
+    strongest sample where nothing is above.
+    """
+    last = magnitude.shape[1] - 1
+    for row in range(magnitude.shape[0]):
+        size, top = magnitude[row], -1
+        for at in range(last + 1):
+            if size[at] > limit[row]:
+                top = at
+                break
+        if top < 0:
+            top = int(np.argmax(size))
+        for _ in range(climb):
+            ahead = min(top + 1, last)
+            top = ahead if size[ahead] > size[top] else top
+        half, upper = size[top] * np.float32(0.5), top
+        for _ in range(climb):
+            before = max(upper - 1, 0)
+            upper = before if size[before] > half else upper
+        lower = max(upper - 1, 0)
+        rise = max(size[upper] - size[lower], np.float32(1e-20))
+        found[row] = lower + min(max((half - size[lower]) / rise, np.float32(0)), np.float32(1))
+
+
+def crop_rows(made: Reals, values: Reals, start: Ints) -> None:
+    """Write to `made` [n, K] the samples of `values` [n, S] from `start` [n] on."""
+    for row in range(made.shape[0]):
+        made[row] = values[row, start[row] : start[row] + made.shape[1]]
 
 
 def image_rows(

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from functools import cache
 from threading import Lock
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
+_TRIM, _FROM_SYSTEM = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of malloc.h
+_LARGEST = 32 << 20  # bytes: larger arrays come from the system, as glibc allows no more
+_TRIMMED = 512 << 20  # bytes of free memory at the end of the heap, that go back
 
 
 class Memory(Generic[T]):
@@ -45,3 +50,18 @@ class Memory(Generic[T]):
         """Return what is remembered, else what `make` gives, remembered from now on."""
         found = self.find(key)
         return self.keep(key, make()) if found is None else found
+
+
+@cache
+def keep_freed() -> bool:
+    """Have the C library keep memory that arrays gave back; return whether it could be told.
+
+    A simulation makes and drops arrays of some hundred kilobytes all the time. By default glibc
+    returns such memory to the system, whose fresh pages cost more than the arithmetic. The peak
+    stays as it is. Elsewhere than on glibc nothing is changed.
+    """
+    try:
+        tell = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError):
+        return False
+    return bool(tell(_FROM_SYSTEM, _LARGEST) and tell(_TRIM, _TRIMMED))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.physics.memory import Memory
 from bench.physics.units import Floats
 from bench.recordings.motion import with_radial_speed
 
@@ -22,6 +24,7 @@ _LISTS = (
     "obstacle_incidence_deg",
 )
 _SEQUENCES = (list, tuple, np.ndarray)
+KEPT_PARTS, KEPT_FIGURES = 4, 6
 _HASHED = ("link", "tx", "rx", "environment")
 
 
@@ -32,6 +35,8 @@ class Scene:
     `numbers` holds float64 [n] (NaN = unknown), `lists` float64 [n, M] padded with NaN for the
     obstacle columns, `kinds` the obstacles [n, M] as positions in `kind_names` (-1 = padding),
     `hashes` uint64 [n] of the string columns, for draws that are equal within a link or device.
+    `parts` and `known` remember slices and what follows from the rows alone, such as image paths:
+    the same rows are simulated again and again.
     """
 
     numbers: Mapping[str, Floats]
@@ -40,12 +45,25 @@ class Scene:
     kind_names: tuple[str, ...]
     hashes: Mapping[str, NDArray[np.uint64]]
     true_range_m: Floats
+    parts: Memory[Any] = field(
+        default_factory=lambda: Memory(KEPT_PARTS), compare=False, repr=False
+    )
+    known: Memory[Any] = field(
+        default_factory=lambda: Memory(KEPT_FIGURES), compare=False, repr=False
+    )
 
     def __len__(self) -> int:
         return len(self.true_range_m)
 
     def slice(self, start: int, stop: int) -> Scene:
-        """Return rows `start` to `stop`."""
+        """Return rows `start` to `stop`; the same object for the same rows, while remembered."""
+        if start == 0 and stop >= len(self):
+            return self
+        found: Scene = self.parts.get((start, stop), lambda: self._part(start, stop))
+        return found
+
+    def _part(self, start: int, stop: int) -> Scene:
+        """Return rows `start` to `stop` as an object of their own."""
         part = slice(start, stop)
         return Scene(
             {name: column[part] for name, column in self.numbers.items()},

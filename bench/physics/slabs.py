@@ -11,7 +11,19 @@ from bench.physics.units import Floats
 
 
 def slabs(rows: Scene, centre_ghz: float, thickness_scale: float = 1.0) -> tuple[Floats, Floats]:
-    """Return excess path in metres and loss in dB of every obstacle [n, M], 0 where none."""
+    """Return excess path in metres and loss in dB of every obstacle [n, M], 0 where none.
+
+    Remembered: not to be written into.
+    """
+    key = ("slabs", centre_ghz, thickness_scale)
+    found: tuple[Floats, Floats] = rows.known.get(
+        key, lambda: _slabs(rows, centre_ghz, thickness_scale)
+    )
+    return found
+
+
+def _slabs(rows: Scene, centre_ghz: float, thickness_scale: float) -> tuple[Floats, Floats]:
+    """Return `slabs`, worked out."""
     angle = np.radians(np.clip(rows.obstacle("obstacle_incidence_deg", 0.0), 0, 85))
     delay, loss = np.zeros(rows.kinds.shape), np.zeros(rows.kinds.shape)
     for code, kind in enumerate(rows.kind_names):

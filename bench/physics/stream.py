@@ -14,6 +14,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.files import atomic_path
+from bench.physics.memory import keep_freed
 from bench.physics.randomness import BLOCK
 from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import ROW_TOTAL, Plan
@@ -69,6 +70,7 @@ def simulate_to(
     Row i gets the same numbers however the geometry is cut into frames. Memory holds one chunk.
     Raises BenchError naming `source` where it has no rows or no true range, or writing fails.
     """
+    keep_freed()
     tally = Tally()
     with atomic_path(target) as scratch, ExitStack() as opened:
         writer: pq.ParquetWriter | None = None

@@ -29,7 +29,7 @@ from bench.discrepancy.settings import (
 )
 from bench.errors import BenchError
 from bench.physics.batch import Batch
-from bench.physics.memory import Memory
+from bench.physics.memory import Memory, keep_freed
 from bench.physics.pipeline import EffectError, Pipeline
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
@@ -52,6 +52,7 @@ class Stages:
     """
 
     def __init__(self, window: Window) -> None:
+        keep_freed()
         self.window = window
         self._detections: dict[bool, Memory[Detected]] = {
             True: Memory(KEPT_REPLICATES),
@@ -90,7 +91,7 @@ class Stages:
             part = rows.slice(start, start + BLOCK)
             batch = self._received(simulator, part, draws, cir, self._place(rows))
             shapes.append(self._shape(simulator, batch))
-            blocks.append(replace(batch, waveform=None, noise=None))
+            blocks.append(replace(batch, waveform=None, noise=None, magnitude=None))
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
         return Detected(tuple(blocks), shape)
@@ -152,7 +153,7 @@ class Stages:
             return {}
         whole, index = crop
         period = np.full(len(batch), batch.sample_period_ns)
-        magnitude, delay = around(np.abs(whole), index, period, self.window)
+        magnitude, delay = around(whole, index, period, self.window)
         return shape_observables(
             magnitude, delay, _column(batch, "preamble_count"), _column(batch, "noise_std")
         )

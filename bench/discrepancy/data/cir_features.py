@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 COLUMNS = ("total", "peak", "rise", "excess", "spread", "kurtosis", "lead")
+ANY_ORDER = {"reassoc", "contract", "nsz"}  # of sums; NaN keeps its meaning
 Levels = tuple[float, float, float]
 
 
@@ -28,7 +29,8 @@ def shape_figures(
     """
     out = np.full((len(magnitude), len(COLUMNS)), np.nan)
     bins = np.full((len(magnitude), len(edges) - 1), np.nan)
-    compiled(powers)(magnitude, delay, np.array(edges), out, bins)
+    compiled(powers)(magnitude, delay, out)
+    compiled(profile)(magnitude, delay, np.array(edges), out, bins)
     compiled(moments)(magnitude, delay, out)
     compiled(crossings)(magnitude, delay, noise, np.array(levels), out)
     return dict(zip(COLUMNS, out.T, strict=True)), bins
@@ -41,55 +43,85 @@ def compiled(loop: Callable[..., None]) -> Callable[..., None]:
 
     made: Callable[..., None]
     try:
-        made = numba.njit(nogil=True, cache=True)(loop)
+        made = numba.njit(nogil=True, cache=True, fastmath=ANY_ORDER)(loop)
     except RuntimeError:  # nowhere to keep the machine code: compile it in every process
-        made = numba.njit(nogil=True)(loop)
+        made = numba.njit(nogil=True, fastmath=ANY_ORDER)(loop)
     return made
 
 
-def powers(magnitude: Floats, delay: Floats, edges: Floats, out: Floats, bins: Floats) -> None:
-    """Write total, peak and excess of every row to `out` [n, 7], mean powers to `bins` [n, B]."""
-    inside = np.empty(bins.shape[1])
+def cut(
+    cir: Floats, first: Floats, period: Floats, before: int, made: Floats, delay: Floats
+) -> None:
+    """Write to `made` [n, K] samples of `cir` [n, S] from `before` ahead of `first` [n] on.
+
+    NaN where there are none; `delay` [n, K] is how far they lie behind `first`, by the `period`.
+    """
+    samples = cir.shape[1]
+    for row in range(made.shape[0]):
+        known = not np.isnan(first[row])
+        start = (int(np.floor(first[row])) if known else 0) - before
+        low = min(max(0, -start), made.shape[1]) if known else made.shape[1]
+        high = max(low, min(made.shape[1], samples - start))
+        made[row, :low] = np.nan
+        made[row, high:] = np.nan
+        for k in range(high - low):
+            made[row, low + k] = cir[row, start + low + k]
+        for k in range(made.shape[1]):
+            delay[row, k] = (start + k - first[row]) * period[row]
+
+
+def powers(magnitude: Floats, delay: Floats, out: Floats) -> None:
+    """Write total and excess of every row to `out` [n, 7]."""
     for row in range(magnitude.shape[0]):
-        total = peak = tilt = 0.0
-        bins[row] = 0.0
-        inside[:] = 0.0
-        for k in range(magnitude.shape[1]):
-            power = float(magnitude[row, k]) ** 2
-            if np.isnan(power):
-                continue
+        sizes, delays = magnitude[row], delay[row]
+        total = tilt = 0.0
+        for k in range(len(sizes)):
+            power = 0.0 if np.isnan(sizes[k]) else float(sizes[k]) ** 2
             total += power
-            tilt += power * delay[row, k]
-            peak = max(peak, magnitude[row, k])
-            for b in range(bins.shape[1]):
-                if edges[b] <= delay[row, k] < edges[b + 1]:
-                    bins[row, b] += power
-                    inside[b] += 1.0
-        for b in range(bins.shape[1]):
-            bins[row, b] = bins[row, b] / inside[b] if inside[b] > 0 else np.nan
+            tilt += power * delays[k]
         out[row, 0] = total
-        out[row, 1] = peak
         if total > 0:
             out[row, 3] = tilt / total
+
+
+def profile(magnitude: Floats, delay: Floats, edges: Floats, out: Floats, bins: Floats) -> None:
+    """Write the peak of every row to `out` [n, 7], its mean power in each bin to `bins` [n, B]."""
+    count, last = np.empty(bins.shape[1]), bins.shape[1] - 1
+    for row in range(magnitude.shape[0]):
+        peak, b = 0.0, 0
+        count[:] = bins[row] = 0.0
+        for k in range(magnitude.shape[1]):
+            size, at = float(magnitude[row, k]), delay[row, k]
+            while b > 0 and at < edges[b]:  # delays mostly grow, so the bin is a step away
+                b -= 1
+            while b < last and at >= edges[b + 1]:
+                b += 1
+            if not np.isnan(size):
+                peak = max(peak, size)
+                if edges[b] <= at < edges[b + 1]:
+                    bins[row, b] += size**2
+                    count[b] += 1.0
+        out[row, 1] = peak
+        for b in range(last + 1):
+            bins[row, b] = bins[row, b] / count[b] if count[b] > 0 else np.nan
 
 
 def moments(magnitude: Floats, delay: Floats, out: Floats) -> None:
     """Write spread and kurtosis of every row to `out` [n, 7], whose total and excess are there."""
     for row in range(magnitude.shape[0]):
+        sizes, delays, excess = magnitude[row], delay[row], out[row, 3]
         known, mean = 0, 0.0
-        for k in range(magnitude.shape[1]):
-            if not np.isnan(magnitude[row, k]):
-                known += 1
-                mean += magnitude[row, k]
+        for k in range(len(sizes)):
+            known += not np.isnan(sizes[k])
+            mean += 0.0 if np.isnan(sizes[k]) else sizes[k]
         mean /= max(known, 1)
         second = fourth = wide = 0.0
-        for k in range(magnitude.shape[1]):
-            value = float(magnitude[row, k])
-            if not np.isnan(value):
-                step = (value - mean) ** 2
-                second += step
-                fourth += step * step
-                wide += value**2 * (delay[row, k] - out[row, 3]) ** 2
+        for k in range(len(sizes)):
+            size = mean if np.isnan(sizes[k]) else float(sizes[k])
+            step = (size - mean) ** 2
+            second += step
+            fourth += step * step
+            wide += 0.0 if np.isnan(sizes[k]) else size**2 * (delays[k] - excess) ** 2
         if second > 0:
             out[row, 4] = np.sqrt(wide / out[row, 0])
             out[row, 5] = fourth * known / second**2
@@ -97,16 +129,14 @@ def moments(magnitude: Floats, delay: Floats, out: Floats) -> None:
 
 def crossings(magnitude: Floats, delay: Floats, noise: Floats, levels: Floats, out: Floats) -> None:
     """Write rise and lead of every row to `out` [n, 7], whose peak is there."""
+    limits, at = np.empty(3), np.empty(3)
     for row in range(magnitude.shape[0]):
-        high = low = early = np.nan
-        for k in range(magnitude.shape[1]):
-            value = magnitude[row, k]
-            value = 0.0 if np.isnan(value) else value
-            if np.isnan(high) and value >= levels[0] * out[row, 1]:
-                high = delay[row, k]
-            if np.isnan(low) and value >= levels[1] * noise[row]:
-                low = delay[row, k]
-            if np.isnan(early) and value >= levels[2] * noise[row]:
-                early = delay[row, k]
-        out[row, 2] = high - low
-        out[row, 6] = -early
+        limits[0], at[:] = levels[0] * out[row, 1], np.nan
+        limits[1:] = levels[1:] * noise[row]
+        for which in range(3):
+            for k in range(magnitude.shape[1]):
+                if (0.0 if np.isnan(magnitude[row, k]) else magnitude[row, k]) >= limits[which]:
+                    at[which] = delay[row, k]
+                    break
+        out[row, 2] = at[0] - at[1]
+        out[row, 6] = -at[2]

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.discrepancy.data.cir_features import shape_figures
+from bench.discrepancy.data.cir_features import compiled, cut, shape_figures
 from bench.discrepancy.settings import (
     LEAD_LEVEL,
     NOISE_BEFORE_NS,
@@ -169,11 +169,10 @@ def around(
     cir: NDArray[Any], first: Floats, period_ns: Floats, window: Window
 ) -> tuple[Floats, Floats]:
     """Return `cir` [n, K] around `first` [n] and the delays in ns (see `aligned`)."""
-    start = np.floor(np.nan_to_num(first)).astype(np.intp) - window.before
-    index = start[:, None] + np.arange(window.before + window.after)
-    inside = (index >= 0) & (index < cir.shape[1]) & np.isfinite(first)[:, None]
-    taken = np.take_along_axis(cir, np.clip(index, 0, cir.shape[1] - 1), axis=1)
-    return np.where(inside, taken, np.nan), (index - first[:, None]) * period_ns[:, None]
+    shape = len(cir), window.before + window.after
+    magnitude, delay = np.empty(shape, cir.dtype), np.empty(shape)
+    compiled(cut)(cir, np.asarray(first, np.float64), period_ns, window.before, magnitude, delay)
+    return magnitude, delay
 
 
 def _period_ns(frame: pd.DataFrame) -> Floats:

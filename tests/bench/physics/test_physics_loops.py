@@ -50,6 +50,34 @@ def test_tails_are_pulses_on_every_tap(run) -> None:
 
 
 @pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
+def test_magnitudes_and_their_sums(run) -> None:
+    signal, noise = complex_rows(3, 20), complex_rows(3, 20)
+    made, sums = np.empty((3, 20), np.float32), np.empty((3, 4))
+    run(loops.magnitude_rows)(made, loops.parts(signal), loops.parts(noise), sums)
+    whole, size = np.abs(signal + noise), np.abs(noise)
+    np.testing.assert_allclose(made, whole, rtol=1e-5)
+    expected = [(whole**2).sum(1), whole.max(1), size.sum(1), (size**2).sum(1)]
+    np.testing.assert_allclose(sums, np.stack(expected, axis=1), rtol=1e-5)
+
+
+@pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
+def test_the_first_edge_rises_at_half_its_peak(run) -> None:
+    magnitude = np.array(
+        [[0, 0, 1, 4, 8, 2, 9, 0], [0, 0, 1, 4, 8, 2, 9, 0], [6, 5, 0, 0, 0, 0, 0, 0]], np.float32
+    )
+    found = np.empty(3)
+    run(loops.edge_rows)(found, magnitude, np.array([3.0, 99.0, 1.0]), 4)
+    np.testing.assert_allclose(found, [3.0, 5 + 2.5 / 7, 0.0])
+
+
+@pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
+def test_crops_begin_where_they_are_told(run) -> None:
+    values, made = np.arange(20, dtype=np.float32).reshape(2, 10), np.empty((2, 4), np.float32)
+    run(loops.crop_rows)(made, values, np.array([0, 6]))
+    np.testing.assert_array_equal(made, [[0, 1, 2, 3], [16, 17, 18, 19]])
+
+
+@pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
 def test_filters_shift_and_weigh(run) -> None:
     values = complex_rows(3, 20)
     made = np.empty((3, 40), np.float32)

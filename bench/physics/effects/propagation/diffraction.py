@@ -16,6 +16,20 @@ from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavele
 
 
 @dataclass(frozen=True)
+class Bent:
+    """Paths around edges [n, Q]: which are `none`, excess in metres, the edge's loss in dB.
+
+    `others_db` is the loss of the obstacles beside it, `turn` the carrier's.
+    """
+
+    none: NDArray[np.bool_]
+    excess_m: Floats
+    loss_db: Floats
+    others_db: Floats
+    turn: NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
 class Diffraction(Effect):
     """Adds a path around the two edges of every obstacle; bodies and metal block the straight one.
 
@@ -45,16 +59,28 @@ class Diffraction(Effect):
         blocked = batch.direct_changed(
             np.where(opaque, self.blocking_db, 0.0), np.zeros(len(batch))
         )
-        edges, at, others_db, others_m = self._edges(batch)
-        excess, loss = knife_edge(batch.rows.true_range_m[:, None], edges, at, batch.centre_ghz)
-        turns = (excess + others_m) / wavelength_m(batch.centre_ghz)
-        level = amplitude(np.where(np.isnan(edges), -300, self.strength_db - loss - others_db))
-        gain = reference[:, None] * level * np.exp(-2j * np.pi * (turns + 0.125))
-        return blocked.with_paths((excess + others_m) / C_M_PER_NS, _cleaned(gain), DIFFRACTED)
+        bent = self._bent(batch)
+        level_db = self.strength_db - bent.loss_db - bent.others_db
+        gain = reference[:, None] * amplitude(np.where(bent.none, -300, level_db)) * bent.turn
+        return blocked.with_paths(bent.excess_m / C_M_PER_NS, _cleaned(gain), DIFFRACTED)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows with nothing in the straight line."""
         return batch.rows.clear()
+
+    def _bent(self, batch: Batch) -> Bent:
+        """Return the paths around all edges, remembered with the rows."""
+        key = ("bent", self.clearance_scale, self.body_half_width_m, self.body_at, batch.centre_ghz)
+
+        def made() -> Bent:
+            edges, at, others_db, others_m = self._edges(batch)
+            excess, loss = knife_edge(batch.rows.true_range_m[:, None], edges, at, batch.centre_ghz)
+            turns = (excess + others_m) / wavelength_m(batch.centre_ghz)
+            turn = np.exp(-2j * np.pi * (turns + 0.125))
+            return Bent(np.isnan(edges), excess + others_m, loss, others_db, turn)
+
+        found: Bent = batch.rows.known.get(key, made)
+        return found
 
     def _edges(self, batch: Batch) -> tuple[Floats, Floats, Floats, Floats]:
         """Return the edges [n, 2M + 2]: distance (m, NaN = none), fraction, others' dB and m."""

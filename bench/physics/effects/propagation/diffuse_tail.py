@@ -60,15 +60,13 @@ class DiffuseTail(Effect):
             return batch
         taps = max(2, int(self.length_ns / batch.sample_period_ns))
         scale = self._room_scale(batch.rows)
-        profile = self._profile(batch, draws, taps, scale)
-        profile /= np.sum(profile, axis=1, keepdims=True)
+        profile = self._amplitudes(batch, draws, taps, scale)
         made = draws.complex_normal(len(batch), taps)
         if self.static > 0:
             kept = draws.group_complex(batch.rows.group("link"), taps)
             kept *= np.float32(np.sqrt(self.static))
             made *= np.float32(np.sqrt(1 - self.static))
             made += kept
-        np.sqrt(profile, out=profile)
         profile *= self._total(batch)[:, None]
         made *= profile
         return batch.with_tail(made, np.zeros(len(batch)))
@@ -89,8 +87,8 @@ class DiffuseTail(Effect):
         known = np.isfinite(free_ns) & bool(self.room_scaling)
         return np.where(known, free_ns / _MEAN_FREE_NS, 1.0)
 
-    def _profile(self, batch: Batch, draws: Draws, taps: int, scale: Floats) -> Reals:
-        """Return the mean power of each tap [n, taps], up to a factor per row."""
+    def _amplitudes(self, batch: Batch, draws: Draws, taps: int, scale: Floats) -> Reals:
+        """Return the root of each tap's mean share of the power [n, taps]; alike within a link."""
         links, place = np.unique(batch.rows.group("link"), return_inverse=True)
         first = np.zeros(len(links), np.intp)
         first[place[::-1]] = np.arange(len(place))[::-1]
@@ -104,7 +102,9 @@ class DiffuseTail(Effect):
             starts[np.arange(len(links)), at] += power * 10 ** (level / 10)
             gap = -np.log(draws.group_uniform(links, 2 * cluster + 1)) / self.cluster_rate
             arrival = arrival + gap
-        return _decayed(starts, self.ray_decay_ns * scale[first] / period)[place]
+        power = _decayed(starts, self.ray_decay_ns * scale[first] / period)
+        power /= np.sum(power, axis=1, keepdims=True)
+        return np.sqrt(power, out=power)[place]
 
 
 def in_the_open(rows: Scene) -> NDArray[np.bool_]:

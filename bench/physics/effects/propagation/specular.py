@@ -21,6 +21,27 @@ MARKED_DB = (-18.0, -12.0, -6.0, 0.0, 6.0)  # tried where reflections are seen
 
 
 @dataclass(frozen=True)
+class Images:
+    """Image paths [n, Q]: `factor` of the walls, how much longer than the straight line in metres.
+
+    `spread` is the free-space field over that of the straight line, `turn` the carrier's.
+    """
+
+    factor: Complexes
+    extra_m: Floats
+    spread: Floats
+    turn: NDArray[np.complex128]
+
+    @classmethod
+    def of(cls, batch: Batch, length: Floats, factor: Complexes) -> Images:
+        """Return images by their `length` [n, Q] in metres."""
+        truth = batch.rows.true_range_m[:, None]
+        extra = np.maximum(length - truth, 0)
+        turn = np.exp(-2j * np.pi * ((extra / wavelength_m(batch.centre_ghz)) % 1.0))
+        return cls(factor, extra, truth / np.maximum(length, 1e-3), turn)
+
+
+@dataclass(frozen=True)
 class SpecularReflections(Effect):
     """Adds the mirror images of the transmitter, each with its Fresnel coefficient.
 
@@ -65,37 +86,42 @@ class SpecularReflections(Effect):
         """Add the reflected paths of every row."""
         inside = in_room(batch.rows)
         if inside.any():
-            batch = self._added(batch, *self._images(batch, inside))
+            batch = self._added(batch, self._images(batch, inside))
         if self.wall_m > 0 and not inside.all():
-            batch = self._added(batch, *self._side_walls(batch, ~inside))
+            batch = self._added(batch, self._side_walls(batch, ~inside))
         return batch
 
-    def _added(self, batch: Batch, length: Floats, factor: Complexes) -> Batch:
-        """Add paths of `length` [n, Q] metres, `factor` [n, Q] times the free-space field."""
-        truth = batch.rows.true_range_m[:, None]
-        extra = np.maximum(length - truth, 0)
-        turn = np.exp(-2j * np.pi * ((extra / wavelength_m(batch.centre_ghz)) % 1.0))
+    def _added(self, batch: Batch, seen: Images) -> Batch:
+        """Add image paths, each `factor` times the free-space field as it would arrive."""
         reference = np.zeros(len(batch)) if batch.free_gain is None else batch.free_gain
-        spread = truth / np.maximum(length, 1e-3) * amplitude(self.strength_db)
-        gain = reference[:, None] * factor * spread * turn
-        return batch.with_paths(extra / C_M_PER_NS, gain.astype(np.complex64), SPECULAR)
+        spread = seen.spread * amplitude(self.strength_db)
+        gain = reference[:, None] * seen.factor * spread * seen.turn
+        return batch.with_paths(seen.extra_m / C_M_PER_NS, gain.astype(np.complex64), SPECULAR)
 
-    def _images(self, batch: Batch, inside: NDArray[np.bool_]) -> tuple[Floats, Complexes]:
-        """Return lengths and factors [n, Q] of a room's images; factor 0 outside of rooms."""
-        ends = [positions(batch.rows, end) for end in ("tx", "rx", "room")]
+    def _images(self, batch: Batch, inside: NDArray[np.bool_]) -> Images:
+        """Return a room's images; factor 0 outside of rooms. Remembered with the rows."""
         walls = (self.walls, self.floor, self.ceiling)
-        tx, rx, room = (np.where(inside[:, None], end, 1.0) for end in ends)
         order = int(self.highest_order)
-        length, factor = image_paths(tx, rx, room, order, walls, batch.centre_ghz)
-        return length, np.where(inside[:, None], factor, 0).astype(np.complex64)
 
-    def _side_walls(self, batch: Batch, outside: NDArray[np.bool_]) -> tuple[Floats, Complexes]:
-        """Return lengths and factors [n, 2] of two walls parallel to the link."""
+        def made() -> Images:
+            ends = [positions(batch.rows, end) for end in ("tx", "rx", "room")]
+            tx, rx, room = (np.where(inside[:, None], end, 1.0) for end in ends)
+            length, factor = image_paths(tx, rx, room, order, walls, batch.centre_ghz)
+            shown = np.where(inside[:, None], factor, 0).astype(np.complex64)
+            return Images.of(batch, length, shown)
+
+        key = ("images", order, walls, batch.centre_ghz)
+        found: Images = batch.rows.known.get(key, made)
+        return found
+
+    def _side_walls(self, batch: Batch, outside: NDArray[np.bool_]) -> Images:
+        """Return the images in two walls parallel to the link [n, 2]."""
         truth = batch.rows.true_range_m[:, None]
         length = np.hypot(truth, 2 * self.wall_m * np.array([1.0, 1.7]))
         permittivity = material(self.walls).permittivity(batch.centre_ghz)
         factor = reflection(permittivity, np.arcsin(np.clip(truth / length, 0, 1)))
-        return length, np.where(outside[:, None], factor, 0).astype(np.complex64)
+        shown = np.where(outside[:, None], factor, 0).astype(np.complex64)
+        return Images.of(batch, length, shown)
 
 
 def positions(rows: Scene, what: str) -> Floats:

@@ -41,5 +41,7 @@ class AntennaDelay(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by half the sum of both delays."""
+        if self.device_spread_ns == 0:
+            return batch.later(self.delay_ns / 2)
         own = sum(draws.group_normal(batch.rows.group(end)) for end in ("tx", "rx"))
         return batch.later((self.delay_ns + self.device_spread_ns * own) / 2)

@@ -38,8 +38,7 @@ class NoiseFloor(Effect):
         """Scale and filter the noise of every row."""
         if batch.noise_power is None:
             return batch
-        spread = self.device_spread_db * draws.group_normal(batch.rows.group("rx"))
-        ratio = amplitude(self.level_db + spread)
+        ratio = amplitude(self.level_db + self._spread(batch, draws))
         if batch.as_given:  # a table's own noise cannot be taken away: neither from its samples
             ratio = np.maximum(ratio, 1.0)  # nor from what is reported of them
         made = replace(batch, noise_power=batch.noise_power * ratio**2)
@@ -50,6 +49,12 @@ class NoiseFloor(Effect):
         noise = self._coloured(batch.noise)
         noise *= ratio.astype(np.float32)[:, None]
         return replace(made, noise=noise)
+
+    def _spread(self, batch: Batch, draws: Draws) -> Floats:
+        """Return how much louder each row's device is than others [n] in dB."""
+        if self.device_spread_db == 0:
+            return np.zeros(len(batch))
+        return self.device_spread_db * draws.group_normal(batch.rows.group("rx"))
 
     def _missing(self, batch: Batch, ratio: Floats, draws: Draws) -> Complexes:
         """Return the noise that a table's own, of known power, lacks; it cannot be taken away."""

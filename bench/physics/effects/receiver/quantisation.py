@@ -82,6 +82,8 @@ class Quantisation(Effect):
         settings = (np.float32(v) for v in (self.step_counts, self.limit_counts, self.dropped))
         arrays = (parts(each) for each in (signal, noise, waveform, added))
         compiled(quantise_rows)(*arrays, *settings)
+        if self.read_out == 0:
+            return replace(batch, waveform=signal, noise=noise)
         unseen = np.complex64(self.read_out) * (added - noise)
         return replace(batch, waveform=signal - unseen, noise=noise + unseen)
 

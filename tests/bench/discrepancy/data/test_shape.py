@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bench.discrepancy.data.cir_features import COLUMNS, crossings, moments, powers, shape_figures
+from bench.discrepancy.data.cir_features import (
+    COLUMNS,
+    compiled,
+    crossings,
+    cut,
+    moments,
+    powers,
+    profile,
+    shape_figures,
+)
 
 EDGES = (-4.0, 1.0, 6.0, 40.0)
 LEVELS = (0.6, 6.0, 5.0)
@@ -58,9 +67,32 @@ def test_what_is_not_known_takes_no_part():
 def test_the_compiled_loop_is_the_written_one():
     magnitude, delay, noise = _cirs(4)
     out, bins = np.full((4, len(COLUMNS)), np.nan), np.empty((4, len(EDGES) - 1))
-    powers(magnitude, delay, np.array(EDGES), out, bins)
+    powers(magnitude, delay, out)
+    profile(magnitude, delay, np.array(EDGES), out, bins)
     moments(magnitude, delay, out)
     crossings(magnitude, delay, noise, np.array(LEVELS), out)
     figures, fast = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
     assert np.stack(list(figures.values()), axis=1) == pytest.approx(out)
     assert fast == pytest.approx(bins)
+
+
+def test_a_bin_is_found_whatever_way_delays_run():
+    magnitude, delay, noise = _cirs(3)
+    _, forward = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
+    turned = (np.ascontiguousarray(each[:, ::-1]) for each in (magnitude, delay))
+    _, backward = shape_figures(*turned, noise, EDGES, LEVELS)
+    assert backward == pytest.approx(forward)
+
+
+def test_a_cut_reaches_from_before_the_first_path_and_leaves_the_rest_unknown():
+    cir = np.arange(30.0).reshape(3, 10)
+    first, period = np.array([2.5, np.nan, 8.0]), np.array([1.0, 1.0, 2.0])
+    for run in (cut, compiled(cut)):
+        made, delay = np.empty((3, 5)), np.empty((3, 5))
+        run(cir, first, period, 3, made, delay)
+        nan = np.nan
+        assert made[0] == pytest.approx([nan, 0, 1, 2, 3], nan_ok=True)
+        assert np.isnan(made[1]).all()
+        assert made[2] == pytest.approx([25, 26, 27, 28, 29])
+        assert delay[0] == pytest.approx(np.arange(-1, 4) - 2.5)
+        assert delay[2] == pytest.approx(np.arange(-3, 2) * 2.0)
