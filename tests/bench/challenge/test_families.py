@@ -26,7 +26,8 @@ from bench.challenge.families.case import (
 from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
-NEW = ("mill", "mill_waves", "depot", "depot_waves")
+WITH_BOTH = ("mill", "depot", "harbour", "attic")  # of ranges, and with waveforms
+NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
 OWN = ("hall", "box", "yard", "loft", "quay", "stage", "abbey", "clinic", *NEW)  # own simulators
 LATER = ("quay", "stage", "abbey", "clinic", *NEW)
 
@@ -39,7 +40,7 @@ def _world(name: str) -> Any:
 
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
-        ValueError, match="unknown family 'x'; known: abbey, box, clinic, depot, hall"
+        ValueError, match="unknown family 'x'; known: abbey, attic, box, clinic, depot, hall"
     ):
         world_of("x")
 
@@ -57,7 +58,7 @@ def test_turns_number_every_mode_and_family_by_itself() -> None:
 def test_any_first_part_holds_all_modes_and_two_fifths_are_of_the_kept() -> None:
     turns = [turn_of(number) for number in range(360)]
     assert Counter(turn.mode for turn in turns) == dict.fromkeys(MODES, 90)
-    assert {turn.family for turn in turns[:14]} == {turn.family for turn in turns}
+    assert {turn.family for turn in turns[:16]} == {turn.family for turn in turns}
     assert {turn.mode for turn in turns[:4]} == set(MODES)
     for part in (20, 100, 360):
         kept = [turn for turn in turns[:part] if turn.family in KEPT]
@@ -138,7 +139,7 @@ def test_devices_keep_their_values_in_the_true_table() -> None:
     assert float(means[0].std()) > 0.1
 
 
-RARELY_OF = ("hall", "quay", "abbey", "mill", "depot")
+RARELY_OF = ("hall", "quay", "abbey", *WITH_BOTH)
 RARE = [(family, name) for family in RARELY_OF for name in _world(family).RARELY]
 
 
@@ -182,7 +183,7 @@ def test_nothing_hidden_tables_are_draws_of_one_process(family: str) -> None:
         assert not made.recorded[name].equals(made.simulated[name])
 
 
-@pytest.mark.parametrize("family", ["quay", "abbey", "mill", "depot"])
+@pytest.mark.parametrize("family", ["quay", "abbey", *WITH_BOTH])
 def test_the_radial_speed_that_moves_rows_is_that_of_the_positions(family: str) -> None:
     rows = _world(family).known(Draw(), 5)
     lag = _world(family).tables(Draw(("time-lag",), 1.0, 1), 5)
@@ -194,7 +195,7 @@ def test_the_radial_speed_that_moves_rows_is_that_of_the_positions(family: str) 
     assert abs(np.corrcoef(derived, lag.shifts_m[0][order])[0, 1]) > 0.95
 
 
-@pytest.mark.parametrize("family", ["stage", "clinic", "mill_waves", "depot_waves"])
+@pytest.mark.parametrize("family", ["stage", "clinic", *(f"{name}_waves" for name in WITH_BOTH)])
 @pytest.mark.parametrize("name", ["noise-floor", "narrowband-interference", "quantisation"])
 def test_reported_noise_is_that_of_the_samples(family: str, name: str) -> None:
     made = _world(family).tables(Draw((name,), 2.0, 1), 5)

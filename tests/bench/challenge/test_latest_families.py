@@ -1,0 +1,216 @@
+"""The families kept for the report: a world each, and laws that are what they are said to be."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.challenge import families
+from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, world_of
+
+MODES = [(family, mode) for family in KEPT for mode in ("ranges", "CIR")]
+PERIOD_OF = {"seiche": "time_s", "drum-off-centre": "cable_out_m"}
+WORLD_OF_DEVICE = {"crane": "tx", "beam": "rx"}
+
+
+@cache
+def _tables(family: str, names: tuple[str, ...], mode: str = "ranges", **more: Any) -> Tables:
+    world: Any = world_of(family, mode)
+    made: Tables = world.tables(Draw(names, ratio=1, **more), 9)
+    return made
+
+
+def _laws(form: str) -> list[tuple[str, str, Law]]:
+    worlds: list[tuple[str, Any]] = [(family, world_of(family)) for family in KEPT]
+    return [(f, n, law) for f, w in worlds for n, law in w.LAWS.items() if form in law.forms]
+
+
+def _shift(made: Tables) -> np.ndarray:
+    assert made.shifts_m is not None
+    return made.shifts_m[0]
+
+
+def _there(made: Tables, device: str) -> np.ndarray:
+    end = WORLD_OF_DEVICE[device.rstrip("0123456789")]
+    return (made.recorded[end] == device).to_numpy()
+
+
+def test_no_family_takes_code_from_another() -> None:
+    folder = Path(families.__file__).parent
+    for path in folder.glob("*.py"):
+        own = path.stem.split("_")[0]
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                names = {f"{node.module}.{one.name}" for one in node.names}
+            else:
+                names = {one.name for one in getattr(node, "names", ())}
+            ours = {name.split(".")[3] for name in names if name.startswith(families.__name__)}
+            assert {one.split("_")[0] for one in ours} <= {own, "case"}, path.stem
+
+
+def test_each_has_at_least_eight_laws_of_its_own_and_nearly_all_names() -> None:
+    for family in KEPT:
+        both: list[Any] = [world_of(family, mode) for mode in ("ranges", "CIR")]
+        laws, known = ({*both[0].__dict__[n], *both[1].__dict__[n]} for n in ("LAWS", "KNOWN"))
+        assert family in WITH_WAVES
+        assert len(laws) >= 13
+        assert min(len(one.LAWS) for one in both) >= 8
+        assert len(known) >= 24
+        assert not laws & known
+
+
+def test_their_tables_have_other_columns_and_lengths() -> None:
+    has = {key: {*_tables(key[0], (), key[1]).recorded} for key in MODES}
+    assert {"room_x_m"} <= has["attic", "ranges"] - has["harbour", "ranges"]
+    assert {"channel", "prf_mhz"} <= has["harbour", "ranges"] - has["attic", "ranges"]
+    assert "preamble_count" not in has["harbour", "ranges"]
+    assert "temperature_c" not in has["attic", "CIR"]
+    lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in KEPT}
+    assert lengths == {178, 118}
+
+
+@pytest.mark.parametrize(("family", "mode"), MODES)
+def test_nothing_hidden_is_nothing_added_and_sums_add_up(family: str, mode: str) -> None:
+    made = _tables(family, (), mode)
+    pd.testing.assert_frame_equal(made.recorded, made.clean)
+    assert abs(made.clean["error_m"].median()) < 0.02
+    ends = (made.clean[[f"{end}_{a}_m" for a in "xyz"]].to_numpy() for end in ("tx", "rx"))
+    far = np.linalg.norm(np.subtract(*ends), axis=1)
+    assert np.allclose(far, made.clean["true_range_m"])
+
+
+@pytest.mark.parametrize(("family", "mode"), MODES)
+def test_another_mix_is_nearer_and_farther(family: str, mode: str) -> None:
+    made = _tables(family, (), mode, paired=False, same_mix=False)
+    assert made.simulated is not None
+    near, far = (t["true_range_m"].mean() for t in (made.recorded, made.simulated))
+    assert far > 1.2 * near
+    same = _tables(family, (), mode, paired=False)
+    assert same.simulated is not None
+    assert not {*same.simulated["link"]} & {*same.recorded["link"]}
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_waveforms_are_the_same_from_the_same_seed(family: str) -> None:
+    first, again = (_tables.__wrapped__(family, ("diffuse-tail",), "CIR") for _ in range(2))
+    pd.testing.assert_frame_equal(first.recorded, again.recorded)
+    pd.testing.assert_frame_equal(first.truth, again.truth)
+
+
+@pytest.mark.parametrize(("family", "name", "law"), _laws("position"))
+def test_a_device_elsewhere_is_as_far_off_as_is_said(family: str, name: str, law: Law) -> None:
+    made = _tables(family, (name,), strength=0.05)
+    there = _there(made, law.devices[0])
+    ends = [made.recorded[[f"{end}_{a}_m" for a in "xyz"]].to_numpy() for end in ("tx", "rx")]
+    own = ends[0] - ends[1] if law.devices[0].startswith("crane") else ends[1] - ends[0]
+    toward = own / np.linalg.norm(own, axis=1)[:, None]
+    vector = np.linalg.lstsq(toward[there], _shift(made)[there], rcond=None)[0]
+    assert np.linalg.norm(vector) == pytest.approx(0.05 * law.value, rel=0.03)
+    assert not _shift(made)[~there].any()
+
+
+@pytest.mark.parametrize(("family", "name", "law"), _laws("swap"))
+def test_swapped_devices_have_each_others_ranges(family: str, name: str, law: Law) -> None:
+    made = _tables(family, (name,))
+    one, other = law.devices
+    end, moving = ("tx", "rx") if one.startswith("crane") else ("rx", "tx")
+    rows = made.recorded
+    place = rows[rows[end] == other][[f"{end}_{a}_m" for a in "xyz"]].to_numpy()[0]
+    there = _there(made, one)
+    far = np.linalg.norm(rows.loc[there, [f"{moving}_{a}_m" for a in "xyz"]] - place, axis=1)
+    clean = made.clean["error_m"][there]
+    assert np.allclose(rows["range_m"][there] - clean, far)
+    assert not _shift(made)[~there & ~_there(made, other)].any()
+
+
+@pytest.mark.parametrize(("family", "name", "law"), _laws("unit"))
+def test_another_unit_is_the_factor_that_is_said(family: str, name: str, law: Law) -> None:
+    made = _tables(family, (name,), strength=2.0)
+    ratio = made.recorded["range_m"] / made.clean["range_m"]
+    assert np.allclose(ratio, np.where(_there(made, law.devices[0]), law.value, 1.0))
+
+
+@pytest.mark.parametrize(("family", "name", "law"), _laws("step"))
+def test_a_step_has_two_values_as_far_apart_as_is_said(family: str, name: str, law: Law) -> None:
+    assert np.allclose(np.unique(_shift(_tables(family, (name,)))), [0.0, law.value])
+
+
+@pytest.mark.parametrize(("family", "name", "law"), _laws("periodic"))
+def test_what_is_periodic_has_the_period_that_is_said(family: str, name: str, law: Law) -> None:
+    made = _tables(family, (name,))
+    turn = 2 * np.pi * made.recorded[PERIOD_OF[name]].to_numpy() / law.value
+    waves = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    assert np.linalg.lstsq(waves, _shift(made), rcond=None)[1] < 1e-12
+
+
+LATER = ("antenna-delay", "range-scale", "material-delay", "blocked-path", "diffraction")
+
+
+@pytest.mark.parametrize("family", KEPT)
+@pytest.mark.parametrize("name", LATER)
+def test_what_makes_ways_longer_is_late_and_grows(family: str, name: str) -> None:
+    less, more = (_shift(_tables(family, (name,), strength=s)) for s in (0.5, 2.0))
+    assert more.mean() > 1.2 * less.mean() > 0
+    assert np.quantile(more, 0.02) > -0.1
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_what_needs_motion_leaves_what_rests(family: str) -> None:
+    for name in ("time-lag", "exchange-motion"):
+        made = _tables(family, (name,))
+        moves = made.recorded.groupby("link")["true_range_m"].transform(np.ptp) > 0
+        assert np.abs(_shift(made)[~moves]).max() < 1e-9
+        assert 0.1 < np.mean(~moves) < 0.5
+        assert np.abs(_shift(made)[moves]).mean() > 0.004
+
+
+DARKER = ("path-loss", "material-delay", "diffraction", "level-control")
+
+
+@pytest.mark.parametrize(("family", "mode"), MODES)
+@pytest.mark.parametrize("name", DARKER)
+def test_what_loses_power_lowers_the_first_path(family: str, mode: str, name: str) -> None:
+    made = _tables(family, (name,), mode)
+    lost = made.recorded["first_path_power_dbm"] - made.clean["first_path_power_dbm"]
+    assert -8 < lost.mean() < -0.25
+    assert np.quantile(lost, 0.95) < 0.8
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_the_true_table_has_what_the_recorded_one_has(family: str) -> None:
+    for mode in ("ranges", "CIR"):
+        made = _tables(family, ("antenna-delay",), mode, strength=2.0)
+        means = [t.groupby(["tx", "rx"])["error_m"].mean() for t in (made.recorded, made.truth)]
+        assert float((means[0] - means[1]).abs().median()) < 0.04
+        assert float(means[0].std()) > 0.05
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_tails_and_rings_come_after_the_first_path_alone(family: str) -> None:
+    for name in ("diffuse-tail", "pulse-ringing"):
+        made = _tables(family, (name,), "CIR")
+        sizes = [np.stack(list(t["cir"])) for t in (made.recorded, made.clean)]
+        before, after = (
+            float(sizes[0][:, part].mean() / sizes[1][:, part].mean())
+            for part in (slice(0, 6), slice(20, 36))
+        )
+        assert before == pytest.approx(1, abs=0.12)
+        assert after > 1.03, name
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
+    made = _tables(family, ("obstructed-path",), "CIR")
+    late = made.recorded["error_m"] - made.clean["error_m"]
+    struck = late > 0.2
+    assert 0.1 < struck.mean() < 0.4
+    assert struck.groupby(made.recorded["link"]).nunique().eq(1).mean() > 0.9
+    lost = made.recorded["first_path_power_dbm"] - made.clean["first_path_power_dbm"]
+    assert lost[struck].mean() < -3
+    assert abs(lost[~struck].mean()) < 0.5
