@@ -142,9 +142,10 @@ def _under_slates(rng: np.random.Generator, when: Floats) -> dict[str, Floats]:
     """Return how hot, damp and wet it is on a crawl."""
     sun = rng.beta(0.7, 1.1)
     warm = -4 + 49 * sun + rng.normal(0, 1.5) + 0.08 * when
-    damp = 8 + 17 * rng.beta(2, 2.2) + np.zeros(len(when))
+    damp = 9 + 15 * rng.beta(2, 2.2) + rng.uniform(-1.0, 3.0, len(when))
     rain = rng.choice([0.0, 1.0], p=[0.3, 0.7]) * rng.weibull(0.9) * 4.5
-    return {"temperature_c": warm, "damp_pct": damp, "rain_mm_h": rain + 0 * when}
+    rain = rain * rng.lognormal(0, 0.3, len(when))
+    return {"temperature_c": warm, "damp_pct": damp, "rain_mm_h": rain}
 
 
 def _within(rng: np.random.Generator, links: pd.Series, iron: float) -> pd.Series:

@@ -44,11 +44,12 @@ def _hot(reception: Reception, strength: float) -> None:
 
 
 def _dispersion(reception: Reception, strength: float) -> None:
-    """Let high frequencies be late in the antenna: the pulse swings on, noise stays white."""
+    """Let a part of the signal come late by the antenna's foot, its high frequencies the most."""
     turns = 2 * np.pi * np.fft.fftfreq(WIDE_SAMPLES + 130)
-    late = np.exp(-1j * min(0.8 * strength, 2.4) * turns * np.minimum(np.abs(turns), 1.6) ** 2)
-    spectrum = np.fft.fft(reception.waves, WIDE_SAMPLES + 130, axis=1) * late
-    reception.waves = np.fft.ifft(spectrum, axis=1)[:, :WIDE_SAMPLES]
+    late = 0.42 * min(strength, 2.2) * np.exp(-1j * (2.2 * turns + 1.5 * turns**3))
+    spectrum = np.fft.fft(reception.signal(), WIDE_SAMPLES + 130, axis=1) * late
+    turned = np.exp(2j * np.pi * reception.always(2).random())
+    reception.add(turned * np.fft.ifft(spectrum, axis=1)[:, :WIDE_SAMPLES])
 
 
 def _mirrors(places: Floats) -> list[Floats]:
@@ -160,7 +161,7 @@ def _thick_skinned(reception: Reception, strength: float) -> None:
 
 def _skipped(reception: Reception, strength: float) -> None:
     """Read out a sample too few in every so many, after the first path."""
-    skipped = np.floor(np.maximum(reception.behind - 6, 0) * min(strength, 3) / 5).astype(int)
+    skipped = np.floor(np.maximum(reception.behind + 1, 0) * min(strength, 3) / 4).astype(int)
     source = np.minimum(np.arange(WIDE_SAMPLES) + skipped, WIDE_SAMPLES - 1)
     reception.waves = np.take_along_axis(reception.waves, source, axis=1)
 

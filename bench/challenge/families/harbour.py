@@ -132,7 +132,7 @@ def _weather(rng: np.random.Generator, begin_s: float, when: Floats) -> dict[str
     engine = 16 * np.exp(-rng.exponential(0.8)) * (1 - np.exp(-(when + 20) / 240))
     air = 11 + 9 * np.sin(begin_s / 5200) + rng.normal(0, 5)
     gusts = rng.rayleigh(6.5) * rng.lognormal(0, 0.25, len(when))
-    salt = np.full(len(when), rng.exponential(3.2))
+    salt = rng.exponential(3.0) * rng.lognormal(0, 0.45, len(when))  # each antenna has its own
     return {"temperature_c": air + engine, "wind_m_per_s": gusts, "salt_g_m2": salt}
 
 

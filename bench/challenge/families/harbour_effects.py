@@ -129,7 +129,7 @@ def _heart_shaped(log: Log, strength: float) -> Gained:
 
 def _gompertz(log: Log, strength: float) -> Gained:
     """Double exponential in the level: falls quickly from weak on, slowly to strong."""
-    rise = np.exp(-np.exp(-(log.of("rx_power_dbm") + 81) / 2.8))
+    rise = np.exp(-np.exp(-(log.of("rx_power_dbm") + 86) / 2.8))
     return {"m": strength * (0.05 - 0.14 * rise)}
 
 
@@ -212,8 +212,8 @@ def _containers(log: Log, strength: float) -> Gained:
 
 def _early_stop(log: Log, strength: float) -> Gained:
     """Stop to accumulate the sooner the stronger: by a power, not by a line."""
-    over = np.maximum(log.of("rx_power_dbm") + 85, 0) / 10
-    return {"count_db": -4.2 * strength * over**1.4, "db": -2.2 * min(strength, 2.0) * over**1.4}
+    over = np.maximum(log.of("rx_power_dbm") + 91, 0) / 10
+    return {"count_db": -3.0 * strength * over**1.4, "db": -1.6 * min(strength, 2.0) * over**1.4}
 
 
 def _drives(log: Log, strength: float) -> Gained:
