@@ -107,7 +107,7 @@ class Reception:
 
     def turns(self) -> Complexes:
         """Return a phase for each row [n]."""
-        return np.exp(2j * np.pi * self.rng.random(len(self.table)))
+        return np.asarray(np.exp(2j * np.pi * self.rng.random(len(self.table))))
 
     def hiss(self) -> Complexes:
         """Return white noise of components of deviation 1 [n, k]."""

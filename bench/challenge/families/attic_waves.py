@@ -48,8 +48,10 @@ def tables(drawn: Draw, seed: int) -> Tables:
         drawn_twice.append(pd.concat(parts, ignore_index=True))
     simulated, again = drawn_twice
     found, truth = conceal(clean, drawn, seed), conceal(again, drawn, seed)
-    four = (recorded(one) for one in (found, clean, simulated, truth))
-    return Tables(*(attic.public(one, drawn.listed) for one in four))
+    found, clean, simulated, truth = (
+        attic.public(recorded(one), drawn.listed) for one in (found, clean, simulated, truth)
+    )
+    return Tables(found, clean, simulated, truth)
 
 
 def _crawled(rng: np.random.Generator) -> pd.DataFrame:
@@ -120,4 +122,4 @@ def _ways(rows: pd.DataFrame, start: Floats, rng: np.random.Generator) -> Comple
 
 
 def _phases(rng: np.random.Generator, size: int) -> Complexes:
-    return np.exp(1j * rng.uniform(0, 2 * np.pi, size))
+    return np.asarray(np.exp(1j * rng.uniform(0, 2 * np.pi, size)))

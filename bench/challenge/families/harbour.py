@@ -67,8 +67,10 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     recorded, shifts = _altered(clean, drawn, [412, seed])
     truth, _ = _altered(simulated, drawn, [413, seed], seed)
     gone = [*MOTION, NOT_LOGGED] + ([] if drawn.listed else ["obstacles"])
-    four = (one.drop(columns=gone) for one in (recorded, clean, simulated, truth))
-    return Tables(*four, shifts)
+    recorded, clean, simulated, truth = (
+        one.drop(columns=gone) for one in (recorded, clean, simulated, truth)
+    )
+    return Tables(recorded, clean, simulated, truth, shifts)
 
 
 def shifted(
@@ -77,7 +79,7 @@ def shifted(
     """Return what is known of the rows of a shift: carriers that drive off, brake, or stand."""
     stands = rng.random(runs) < 0.22
     if rare == "exchange-motion":
-        stands = np.arange(runs) % 5 != 2
+        stands = np.arange(runs) % 7 != 3
     begins = np.cumsum(250 + rng.exponential(650, runs))
     parts = [_run(rng, n, turns, begins[n], stands[n]) for n in range(runs)]
     frame = pd.concat(parts, ignore_index=True)
@@ -136,14 +138,14 @@ def _weather(rng: np.random.Generator, begin_s: float, when: Floats) -> dict[str
     return {"temperature_c": air + engine, "wind_m_per_s": gusts, "salt_g_m2": salt}
 
 
-def _between(rng: np.random.Generator, links: pd.Series, share: float) -> list[list[str]]:
+def _between(rng: np.random.Generator, links: pd.Series, share: float) -> pd.Series:
     """Return what stands in the straight path: cargo or walls on a share, else iron or nothing."""
     found: dict[str, list[str]] = {}
     for link in sorted(set(links)):
         drawn, kinds = rng.random(), list(rng.permutation(list(CARGO)))
         some = kinds[: 1 + int(rng.random() < 0.3)]
         found[link] = some if drawn < share else ["metal"] if drawn > 0.83 else []
-    return [found[link] for link in links]
+    return links.map(found)
 
 
 def _measured(rows: pd.DataFrame, rng: np.random.Generator, scatter: float) -> pd.DataFrame:

@@ -80,7 +80,7 @@ class Log:
         gap = carrier - (CRANES_M[self.crane()] if crane is None else crane)
         return np.asarray(np.sqrt((gap**2).sum(axis=1)) - self.of("true_range_m"))
 
-    def once_a_link(self, draw: Callable[[int], Floats]) -> Floats:
+    def once_a_link(self, draw: Callable[[int], NDArray[np.floating]]) -> Floats:
         """Return values [n] that are drawn once for each link."""
         place, names = pd.factorize(self.frame["link"], sort=True)
         return np.asarray(draw(len(names))[place], np.float64)

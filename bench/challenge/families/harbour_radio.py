@@ -103,7 +103,7 @@ class Frames:
 
     def any_phase(self) -> Complexes:
         """Return a turn of each row [n]."""
-        return np.exp(2j * np.pi * self.rng.random(len(self)))
+        return np.asarray(np.exp(2j * np.pi * self.rng.random(len(self))))
 
     def white(self, spread: Floats) -> Complexes:
         """Return white noise with components of a standard deviation [n] or [n, k]."""

@@ -124,7 +124,7 @@ def _off_tarmac(frames: Frames, strength: float) -> None:
 
 def _hard_to_wake(frames: Frames, strength: float) -> None:
     """Notice only what stands out several times more."""
-    frames.harder = 1 + 4.5 * strength
+    frames.harder = 1 + 5.5 * strength
 
 
 def _never_cleared(frames: Frames, strength: float) -> None:

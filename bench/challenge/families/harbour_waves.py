@@ -51,11 +51,11 @@ def tables(drawn: Draw, seed: int) -> Tables:
     )
     found, truth = (conceal(one, drawn, seed) for one in (clean, again))
     gone = [] if drawn.listed else ["obstacles"]
-    four = (
+    found, clean, simulated, truth = (
         recorded(one).drop(columns=gone, errors="ignore")
         for one in (found, clean, simulated, truth)
     )
-    return Tables(*four)
+    return Tables(found, clean, simulated, truth)
 
 
 def _rows(rng: np.random.Generator) -> pd.DataFrame:
@@ -117,11 +117,11 @@ def _arriving(rows: pd.DataFrame, start: Floats, rng: np.random.Generator) -> Co
     places, names = pd.factorize(rows["link"])
     level = -52.6 - 19.2 * np.log10(far) + (0.8 * rng.standard_t(7, len(names)))[places]
     iron = np.array([row == ["metal"] for row in rows["obstacles"]])
-    straight = np.where(iron, rng.uniform(0.2, 0.5, count), 1.0)
+    straight = np.where(iron, rng.uniform(0.14, 0.42, count), 1.0)
     made = (straight * _turns(rng, count))[:, None] * pulses(start)
     for _ in range(FACES):
         late = (5 + rng.gamma(1.3, 16, len(names)))[places]
-        size = (0.32 * rng.beta(2, 3, len(names)))[places] * _turns(rng, count)
+        size = (0.62 * rng.beta(2, 3.6, len(names)))[places] * _turns(rng, count)
         made = made + size[:, None] * pulses(start + np.minimum(late, 170))
     since = np.maximum(np.arange(WIDE_SAMPLES) - start[:, None] - 2, 0)
     rough = (
@@ -131,4 +131,4 @@ def _arriving(rows: pd.DataFrame, start: Floats, rng: np.random.Generator) -> Co
 
 
 def _turns(rng: np.random.Generator, count: int) -> Complexes:
-    return np.exp(2j * np.pi * rng.random(count))
+    return np.asarray(np.exp(2j * np.pi * rng.random(count)))
