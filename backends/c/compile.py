@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,6 +18,7 @@ FLAGS = (
     *("-ftree-vectorize", "-fvect-cost-model=dynamic"),  # -O3 takes twice as long for no more
 )
 NATIVE = "-march=native"
+QUICK = ("-std=c99", "-O1", "-ffp-contract=off")  # the same answers, soon compiled
 PLAIN = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 """As the exported Makefile compiles: the same answers, in a third of the time."""
 MISSING = (
@@ -30,19 +32,38 @@ class CompilerError(ValueError):
 
 @cache
 def compiler() -> tuple[str, ...] | None:
-    """Return the command of a C compiler: $CC, cc, gcc, clang, then zig's; None without any."""
-    for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
-        found = shutil.which(name) if name and " " not in name else None
-        if found:
+    """Return the command of a C compiler: $CC, cc, gcc, clang, then zig's; None without any.
+
+    Raises CompilerError where $CC is set and no program.
+    """
+    if named := os.environ.get("CC", "").strip():
+        return _named(named)
+    for name in ("cc", "gcc", "clang"):
+        if found := shutil.which(name):
             return (found,)
     if find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc")
     return None
 
 
+def _named(command: str) -> tuple[str, ...]:
+    """Return what $CC says as a command, arguments and all."""
+    try:
+        program, *words = shlex.split(command)
+    except ValueError:
+        program, words = "", []
+    found = shutil.which(program)
+    if found is None:
+        raise CompilerError(f"CC={command}: no such program; name a C compiler, or unset it")
+    return (found, *words)
+
+
 def missing_compiler() -> str | None:
-    """Return, in words, what to install where there is no compiler, else None."""
-    return None if compiler() else MISSING
+    """Return, in words, what to install or set where there is no compiler, else None."""
+    try:
+        return None if compiler() else MISSING
+    except CompilerError as problem:
+        return str(problem)
 
 
 def compile_shared(
@@ -55,6 +76,8 @@ def compile_shared(
     library = folder / "uwb_predict.so"
     shared = ("-shared", "-fPIC", "-o", str(library))
     compile_files(files, folder, (*flags, *shared))
+    if not library.is_file():
+        raise CompilerError(f"{_called()} made no library: it is no C compiler")
     return library
 
 
@@ -69,6 +92,11 @@ def compile_files(files: Mapping[str, str], folder: Path, flags: Sequence[str]) 
     _run([*command, *flags, *sources], folder)
 
 
+def _called() -> str:
+    """Return the compiler as messages name it."""
+    return " ".join(Path(word).name for word in compiler() or ())
+
+
 def _run(command: list[str], folder: Path) -> None:
     try:
         done = subprocess.run(  # noqa: S603 - no shell; the files are ours
@@ -79,7 +107,7 @@ def _run(command: list[str], folder: Path) -> None:
     except OSError as problem:
         raise CompilerError(f"{command[0]} cannot be run ({problem.strerror})") from problem
     if done.returncode:
-        raise CompilerError(f"{Path(command[0]).name}: {_complaint(done.stderr)}")
+        raise CompilerError(f"{_called()}: {_complaint(done.stderr)}")
 
 
 def _complaint(text: str) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from backends.base import Floats, Runner
-from backends.c.compile import FLAGS, NATIVE, compile_shared
+from backends.c.compile import FLAGS, NATIVE, CompilerError, compile_shared
 from backends.c.emit import CSource, generate
 
 _ROWS = """#include "uwb_predict.h"
@@ -49,9 +49,17 @@ def load(source: CSource, flags: Sequence[str] = (*FLAGS, NATIVE)) -> Runner:
     """
     with tempfile.TemporaryDirectory(prefix="uwb-bench-") as folder:
         library = compile_shared({**source.files, "rows.c": _ROWS}, Path(folder), flags)
-        rows = ctypes.CDLL(str(library)).uwb_predict_rows  # stays mapped once it is loaded
+        rows = _loaded(library)
     rows.argtypes = (ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
     return _runner(rows, row_width(source))
+
+
+def _loaded(library: Path) -> ctypes._NamedFuncPointer:
+    """Return the function of a library; it stays mapped once it is loaded."""
+    try:
+        return ctypes.CDLL(str(library)).uwb_predict_rows
+    except (OSError, AttributeError) as problem:
+        raise CompilerError(f"what the compiler made cannot be loaded: {problem}") from problem
 
 
 def row_width(source: CSource) -> int:

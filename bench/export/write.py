@@ -150,13 +150,11 @@ def _runtime(chosen: Chosen) -> Floats:
 
 def _predicted(source: CSource, chosen: Chosen) -> Floats | None:
     """Return what the C gives for the held-out rows; None where nothing can be compiled."""
-    from backends.c.compile import PLAIN, CompilerError, missing_compiler
+    from backends.c.compile import PLAIN, CompilerError, compiler
     from backends.c.run import load
 
-    if missing_compiler():
-        return None
     try:
-        return load(source, PLAIN)(chosen.cirs)
+        return None if compiler() is None else load(source, PLAIN)(chosen.cirs)
     except CompilerError as problem:
         raise BenchError(str(problem)) from problem
 
