@@ -18,6 +18,7 @@ from bench.discrepancy.settings import (
     CONFIRM_MEMBERS,
     FARTHER_SHARE,
     HIGH_QUANTILE,
+    NOTICED_SHARE,
 )
 
 
@@ -26,9 +27,9 @@ class Confirmed:
     """Before and after on links that nothing was tuned on.
 
     `gain` in nats (see `skill`); `mae_before_m`, `mae_after_m`: mean |recorded error - ensemble
-    mean| in metres; `auc_before`, `auc_after`: how well a classifier tells recorded from simulated
-    rows (0.5 = not at all); `ranks_before`, `ranks_after`: deviation of ensemble ranks from
-    uniform (Kolmogorov distance, 0 = calibrated). `before` and `after` are the ensembles.
+    median| in metres; `auc_before`, `auc_after`: how well a classifier tells recorded rows from
+    simulated ones (0.5 = not at all); `ranks_before`, `ranks_after`: deviation of ensemble ranks
+    from uniform (Kolmogorov distance, 0 = calibrated). `before` and `after` are the ensembles.
     `median_...`, `high_...`: median and 90th percentile of the same as `mae_...`; `nearer_m`: how
     much smaller it is after, row by row (positive is better).
     """
@@ -58,10 +59,10 @@ class Confirmed:
         So much: in the mean or in the median.
         """
         means, medians = (
-            (getattr(self, f"{one}_before_m"), getattr(self, f"{one}_after_m"))
+            (getattr(self, f"{one}_before_m").value, getattr(self, f"{one}_after_m").value)
             for one in ("mae", "median")
         )
-        return self.nearer_m.high < 0 or much_farther(*means) or much_farther(*medians)
+        return is_farther(self.nearer_m, means, medians)
 
     @property
     def serves(self) -> bool:
@@ -69,9 +70,56 @@ class Confirmed:
         return self.gain.value > 0 and not self.farther
 
 
-def much_farther(before: Estimate, after: Estimate) -> bool:
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Served:
+    """What some effects do for held-out links: gain in nats, and whether ranges are farther.
+
+    `missed_m` is the mean |recorded - simulated| range error with them.
+    """
+
+    gain: float
+    farther: bool
+    missed_m: float
+
+    @property
+    def serves(self) -> bool:
+        """Whether score and typical range error are no worse than without any."""
+        return self.gain > 0 and not self.farther
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """What is better comes later: what serves, then what spares the ranges, then the score."""
+        near = -self.missed_m if self.farther else self.gain
+        return self.serves, not self.farther, near
+
+
+def served(comparison: Comparison, held: View, added: Added, seed: int) -> Served:
+    """Return what effects do for held-out rows."""
+    before, after = (
+        comparison.ensemble(held, some, CONFIRM_MEMBERS, CONFIRM_FIRST) for some in ((), added)
+    )
+    misses = [_misses(one) for one in (before, after)]
+    nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
+    means, medians = (tuple(map(one, misses)) for one in (_mean, _median))
+    gained = gain_interval(tally(before), tally(after), seed).value
+    return Served(gained, is_farther(nearer, means, medians), means[1])
+
+
+def is_farther(nearer_m: Estimate, means_m: Pair, medians_m: Pair) -> bool:
+    """Return whether range errors are larger after, by their means and medians before and after.
+
+    Beyond chance and by a share that anybody would notice, or by so much that chance is no comfort.
+    """
+    noticed = means_m[1] > (1 + NOTICED_SHARE) * means_m[0]
+    return (nearer_m.high < 0 and noticed) or much_farther(*means_m) or much_farther(*medians_m)
+
+
+def much_farther(before_m: float, after_m: float) -> bool:
     """Return whether a range error is larger after by more than a share that chance may excuse."""
-    return after.value > (1 + FARTHER_SHARE) * before.value
+    return after_m > (1 + FARTHER_SHARE) * before_m
 
 
 def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Confirmed:
@@ -113,22 +161,34 @@ def improves(comparison: Comparison, held: View, added: Added, richer: Added, se
     made = [
         comparison.ensemble(held, effects, CONFIRM_MEMBERS, first) for effects in (added, richer)
     ]
-    left, right = (_misses(one) for one in made)
-    for typical in (np.nanmean, np.nanmedian):
-        if np.isfinite(left).any() and typical(right) > (1 + FARTHER_SHARE) * typical(left):
-            return False
+    misses = [_misses(one) for one in made]
+    if any(much_farther(*map(typical, misses)) for typical in (_mean, _median)):
+        return False
     return gain_interval(tally(made[0]), tally(made[1]), seed).above_zero
 
 
 def _misses(ensemble: Ensemble) -> Floats:
-    """Return |recorded range error - ensemble mean| in metres [n], NaN without ranges."""
+    """Return |recorded range error - ensemble median| in metres [n], NaN without ranges.
+
+    The median is the forecast of which absolute errors are smallest (Gneiting 2011): where some
+    links are struck at random, or some rows far off, a mean is of no row.
+    """
     if RANGE not in ensemble.names:
         return np.full(len(ensemble.links), np.nan)
-    return np.abs(ensemble.residual_of(RANGE))
+    middle = np.median(ensemble.simulated_of(RANGE), axis=0)
+    return np.asarray(np.abs(ensemble.recorded[:, ensemble.place(RANGE)] - middle))
+
+
+def _mean(values: Floats) -> float:
+    return float(np.nanmean(values)) if np.isfinite(values).any() else float("nan")
+
+
+def _median(values: Floats) -> float:
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else float("nan")
 
 
 def _mae(ensemble: Ensemble, seed: int) -> Estimate:
-    """Return the mean |recorded range error - ensemble mean| in metres."""
+    """Return the mean |recorded range error - ensemble median| in metres."""
     return cluster_bootstrap(_misses(ensemble), ensemble.links, seed, "m")
 
 
@@ -142,6 +202,7 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: 
     if not names and not unknown:
         return "Nothing found that the simulator leaves out."
     said = "Left out: " + ", ".join(names) if names else "Something is there, without a name"
+    said += "".join(f": {v.cause}" for v in verdicts if isinstance(v, Unknown) and v.cause)
     said += " - and something without a name" if names and unknown else ""
     said += more
     if not added:
@@ -158,8 +219,8 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: 
 
 def _only_median(seen: Confirmed) -> bool:
     """Return whether the median of the range error alone speaks against it."""
-    means = much_farther(seen.mae_before_m, seen.mae_after_m) or seen.nearer_m.high < 0
-    return seen.gain.value > 0 and not means
+    means = seen.mae_before_m.value, seen.mae_after_m.value
+    return seen.gain.value > 0 and not is_farther(seen.nearer_m, means, (0.0, 0.0))
 
 
 def _medians(seen: Confirmed) -> str:

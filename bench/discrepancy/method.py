@@ -31,12 +31,15 @@ from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
+from bench.discrepancy.select.elsewhere import elsewhere_too
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.marks import marked, with_marks
 from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
+from bench.discrepancy.select.scatter_alone import scatter_alone
+from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -166,7 +169,9 @@ def diagnose(
     sealed = rows.confirm()
     said = borne_out(comparison, sealed, weighing, asked.seed)
     found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
-    added = (*found.added, *more)
+    found, kept_more = unrefused(comparison, sealed, found, more, asked.seed)
+    law = said.law if more == kept_more else None
+    added = (*found.added, *kept_more)
     confirmed = confirm(comparison, sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
@@ -175,7 +180,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        said.law, said.fault, kept, measured,
+        law, said.fault, kept, measured,
     )  # fmt: skip
 
 
@@ -265,6 +270,7 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
         return state
     search, added, rest = state.search, state.added, sets.unjudged(state.search)
     explanation = sets.left_to_name(search, kept(explain_left)(rest, added, located))
+    explanation = safely("elsewhere", kept(elsewhere_too), explanation)(rest, added, explanation)
     explanation = safely("order", kept(order), explanation)(rest, added, explanation)
     witness = safely("offsets of links", kept(witnessed_by_links), None)
     best = best_contender(explanation, sets.least_scatter(search))
@@ -276,7 +282,10 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
         again = safely("fitting again", kept(polished), added)  # by what was not struck
         return replace(state, search=search, added=again(search.comparison, search.fit, added))
     if best is None:
-        return state.after(Round(located, explanation, None), finished=True)
+        scatter = safely("scatter alone", kept(scatter_alone), None)
+        found = scatter(search, added, explanation, located)
+        last = struck_round(located, explanation, found) if found else None
+        return state.after(last or Round(located, explanation, None), finished=True)
     return _with_best(state, located, explanation, best, journal)
 
 

@@ -55,6 +55,7 @@ GAIN_DRAWS: Final = 400  # of a gain [cost]
 TWO_SIDED_95: Final = 1.960  # normal quantiles [derived]
 ONE_SIDED_95: Final = 1.645
 CENTRAL_95: Final = (2.5, 97.5)  # percentiles [derived]
+CENTRAL_90: Final = (5.0, 95.0)
 LARGE_ERROR_M: Final = 0.1  # beyond it range errors count by their logarithm: several times the
 # scatter of a range in line of sight [source: DW1000 data sheet, 0.02 m]
 LEAST_CRPS: Final = 1e-9  # keeps the logarithm of a score finite [derived]
@@ -77,6 +78,7 @@ FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
 FARTHER_SHARE: Final = 0.25  # more range error after than before is worse, by chance or not: few
 # sealed links prove nothing [convention]
+NOTICED_SHARE: Final = 0.02  # less of it is worse for nobody, however sure [convention]
 HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
 
 # --- Another simulator's table (compare/table, compare/matching) ---------------------------------
@@ -283,6 +285,8 @@ FOLLOWING_WIDEST: Final = 3.0  # standard deviations beyond which a row is cut [
 FOLLOWING_DRAWS: Final = 200  # of links [cost]
 FOLLOWING_LEAST: Final = 0.5  # of the response, that the interval must reach [convention]
 
+SCATTER_OF_LINKS: Final = 0.5  # of the variance that is missing within links, that may be
+# missing between them: by chance [convention]
 SCATTER_SHAPE_P: Final = 1e-3  # of a distribution, to be another than scatter's [convention]
 
 # --- Links struck at random (select/link_mixture) ------------------------------------------------
@@ -299,6 +303,9 @@ SMALLEST_STRIKE: Final = 0.02  # of the bound
 SHORTEST_DETOUR_M: Final = 0.3  # half a pulse of 500 MHz: a shorter one merges [derived]
 STRIKE_NATS: Final = 6.0  # for two parameters: p = 0.0025 by chi-squared [derived]
 LEAD_NATS: Final = 3.0  # by which the likeliest must lead: 20 to 1 [convention]
+ROWS_BEYOND: Final = 3  # so many rows beyond all simulated ones are no chance: even of a Cauchy
+# distribution, twice its widest of two versions is passed by a quarter of a row [derived]
+STRUCK_LEVEL_LINKS: Final = 2  # that must be struck, to ask for their level [derived]
 OFFSET_NATS: Final = 5.0  # for offsets per link: p = 0.0008 by chi-squared [derived]
 ROWS_STRUCK_SHARE: Final = 0.25  # of the share of struck links: of rows off their link, allowed
 ROW_OFF_STD: Final = 5.0  # standard deviations within links, to be off it [convention]

@@ -124,8 +124,8 @@ class Effect(ABC):
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
     and for how hard, where it does. `setup_fault`: the kind of fault of the set-up that it is, such
     as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
-    without which it is another effect; `essential_with_cir`: more of them, where waveforms are
-    compared.
+    without which it is another effect; `essential_with_cir`, `essential_on_paths`: more of them,
+    where waveforms are compared, and where they are not.
     """
 
     name: ClassVar[str]
@@ -152,6 +152,7 @@ class Effect(ABC):
     setup_fault: ClassVar[str] = ""
     essential: ClassVar[tuple[str, ...]] = ()
     essential_with_cir: ClassVar[tuple[str, ...]] = ()
+    essential_on_paths: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

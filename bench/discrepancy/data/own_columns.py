@@ -28,6 +28,7 @@ WORDS = {
     "noise", "peak", "power", "quality", "rssi", "rsl", "rtd", "rtt", "snr", "residual", "spread",
     "std", "timestamp", "tof", "ts",
 }  # fmt: skip  # in the name of what a receiver reports
+STAMPS = {"ts", "timestamp", "tick", "ticks"}  # of a counter, whichever condition it is named for
 CONDITIONS = {
     "age", "angle", "azimuth", "battery", "channel", "heading", "humidity", "orientation", "pitch",
     "pressure", "rain", "reply", "roll", "speed", "supply", "temp", "temperature", "time", "tx",
@@ -79,6 +80,8 @@ def _looks_measured(frame: pd.DataFrame, name: str) -> bool:
     if not pd.api.types.is_numeric_dtype(frame[name]):
         return False
     words = _words(name)
+    if STAMPS & words:
+        return True
     return not CONDITIONS & words and (bool(WORDS & words) or _scatters(frame, name))
 
 

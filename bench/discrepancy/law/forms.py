@@ -12,7 +12,9 @@ from bench.discrepancy.law.material import Column, Material, base_values
 from bench.discrepancy.law.settings import (
     LAW_CYCLE_STEP,
     LAW_CYCLES,
+    LAW_FEW_TURNS,
     LAW_HARMONICS,
+    LAW_ONE_PHASE,
     LAW_POWER_BOUNDS,
     LAW_POWERS,
     LAW_SATURATION,
@@ -129,7 +131,18 @@ def _periods(column: Column) -> Floats:
     known = np.unique(column.values[np.isfinite(column.values)])
     span = float(known[-1] - known[0])
     most = min(LAW_CYCLES[1], len(known) / 2)
-    return span / np.arange(LAW_CYCLES[0], max(most, LAW_CYCLES[0] + 1), LAW_CYCLE_STEP)
+    every = span / np.arange(LAW_CYCLES[0], max(most, LAW_CYCLES[0] + 1), LAW_CYCLE_STEP)
+    return every[[_goes_round(known, period) for period in every]]
+
+
+def _goes_round(values: Floats, period: float) -> bool:
+    """Return whether sorted values [n] are at several phases of a period.
+
+    Places a metre apart are all at one phase of a metre: what they show of it is something slower.
+    """
+    if values[-1] - values[0] < LAW_FEW_TURNS * period:
+        return True
+    return bool(abs(np.exp(1j * TURN * values / period).mean()) < LAW_ONE_PHASE)
 
 
 def _harmonics(column: Column) -> Floats:

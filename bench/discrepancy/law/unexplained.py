@@ -61,7 +61,10 @@ def weighed(search: Search, found: Selection) -> Weighed:
 
     A law is looked for where the verdict is unknown, and beside names whose values could bend to
     anything (a clock that wanders follows a warm-up). Where it fails, what the library says stands.
+    Where marks say what spoilt the recordings, no law is of the radio.
     """
+    if any(isinstance(verdict, Unknown) and verdict.cause for verdict in found.verdicts):
+        return Weighed(found)
     unknown = any(isinstance(verdict, Unknown) for verdict in found.verdicts)
     if not unknown and not _shifting(found):
         return Weighed(found)

@@ -21,6 +21,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.select.elsewhere import moves_ranges
 from bench.discrepancy.select.predictive_cells import (
     Cells,
     fresh_ensemble,
@@ -97,7 +98,7 @@ def adequacy(
     rest = fresh_ensemble(comparison, views, without(added, effect))
     names = tuple(n for n in whole.names if n in rest.names)
     if RANGE in names and not views[0].waveform:  # from paths alone levels are approximate
-        names = (RANGE,)
+        names = (RANGE,) if moves_ranges(whole, rest) else names
     if not names:
         return Adequacy(True)
     if type(effect).per_link and views[0].waveform and (words := row_by_row(whole, rest)):

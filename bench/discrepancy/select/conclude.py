@@ -7,6 +7,7 @@ from dataclasses import replace
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import widened
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.backfitting import rivals
@@ -17,6 +18,7 @@ from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
 from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -25,12 +27,14 @@ from bench.discrepancy.select.verdict import (
     Unknown,
     Verdict,
 )
+from bench.discrepancy.select.within_links import rows_beyond
 from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.settings import (
     FORM_REACHED,
     MARGIN_NATS,
     OFFSET_NATS,
     REMOVED_SHARE,
+    ROWS_BEYOND,
     SCORE_FIRST,
     SCORE_MEMBERS,
     SURE_P,
@@ -65,7 +69,7 @@ def verdicts(
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
-    worth = worth or (not added and _real(search, last))
+    worth = worth or (not added and not last.strike and _real(search, last))
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         seen = _marked(search, _named(search, rounds, added, whole or added, share))
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
@@ -115,7 +119,7 @@ def _struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Ver
         1.0,
         control,
         turn.located.findings,
-        judged="evidence in the offsets of links",
+        judged=found.judged,
     )
 
 
@@ -123,13 +127,19 @@ def _real(search: Search, last: Round) -> bool:
     """Return whether a located mismatch holds up where nothing was added.
 
     Something can be removed on held-out links, or the search leaves no doubt by itself, or links
-    have offsets of their own (which are there although nothing predicts them).
+    have offsets of their own, or rows lie beyond all simulated ones (which are there although
+    nothing predicts them).
     """
     if not last.located.significant or last.explanation is None:
         return False
     if last.explanation.removable.above_zero or last.located.p <= SURE_P:
         return True
-    return search.work is not None and apart(search.comparison, search.work, ()) > OFFSET_NATS
+    if search.work is None:
+        return False
+    if apart(search.comparison, search.work, ()) > OFFSET_NATS:
+        return True
+    made = versions(search.comparison, search.work, ())
+    return RANGE in made.names and rows_beyond(made) >= ROWS_BEYOND
 
 
 def _unknown(last: Round, note: str) -> Unknown:

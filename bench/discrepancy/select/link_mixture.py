@@ -24,7 +24,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.select.within_links import link_medians, rows_off
+from bench.discrepancy.select.within_links import link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
     BEHIND_M,
     BEND_M,
@@ -59,13 +59,14 @@ class Strike:
     """An effect that strikes links at random, with the evidence for it.
 
     `evidence`: log likelihood over that of the simulator with wild links, in nats; `struck` are
-    the link codes that are outliers.
+    the link codes that are outliers; `judged`: what the evidence is in.
     """
 
     effect: Effect
     evidence: Estimate
     parameters: tuple[ParameterEstimate, ...]
     struck: NDArray[np.intp]
+    judged: str = "evidence in the offsets of links"
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,8 @@ def _one(
     plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
     likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
     outlying = likeliest > 0
-    if mixed.nats - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M:
+    weaker = weakened(bare, outlying)
+    if mixed.nats + weaker - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M:
         return None
     if (likeliest == 2).sum() > STRAY_SHARE * outlying.sum():
         return None

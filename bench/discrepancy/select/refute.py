@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from bench.discrepancy.compare.skill import gain_interval, gains
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.fit.estimate import ParameterEstimate
@@ -20,6 +22,7 @@ from bench.discrepancy.select.stepwise import locate_left, loses, margin, scored
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
     ADEQUACY_TOUCHED,
+    DECADES,
     EQUIVALENT_SHARE,
     ESSENTIAL_SHARE,
     MARGIN_NATS,
@@ -239,7 +242,9 @@ def _idle(search: Search, added: Added, effect: Effect) -> str:
     """Return what is wrong with an essential parameter, in words, "" where nothing is."""
     if search.fit.waveform and (words := unused(effect)):
         return words
-    wanted = {p.name: p for p in effect.parameters() if p.name in type(effect).essential}
+    kind = type(effect)
+    needed = kind.essential + (() if search.fit.waveform else kind.essential_on_paths)
+    wanted = {p.name: p for p in effect.parameters() if p.name in needed}
     if not wanted:
         return ""
     rest = without(added, effect)
@@ -262,12 +267,20 @@ def _close(item: Parameter) -> float:
 
 def idle(item: Parameter, found: ParameterEstimate) -> str:
     """Return in words whether a parameter may do nothing, or would go beyond physics, else ""."""
-    null, close = float(item.null or 0.0), _close(item)
-    if abs(found.value - null) < close or found.low <= null <= found.high:
+    null, close = _along(item, float(item.null or 0.0)), ESSENTIAL_SHARE
+    value, low, high = (_along(item, one) for one in (found.value, found.low, found.high))
+    if not found.determined or abs(value - null) < close or low <= null <= high:
         return f"without its {item.name} it would do as well"
-    if min(found.value - item.low, item.high - found.value) < close:
+    if min(value, 1 - value) < close:
         return f"only with its {item.name} at the bound of physics"
     return ""
+
+
+def _along(item: Parameter, value: float) -> float:
+    """Return where between its bounds a parameter is, 0 to 1; by ratio where they are decades."""
+    if item.low > 0 and item.high > DECADES * item.low:
+        return float(np.log(value / item.low) / np.log(item.high / item.low))
+    return (value - item.low) / (item.high - item.low)
 
 
 def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:

@@ -8,8 +8,9 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.settings import SCATTER_SHAPE_P, SCORE_FIRST, SCORE_MEMBERS
+from bench.discrepancy.settings import LEAST_SCATTER_M, SCATTER_SHAPE_P, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.units import Floats
 
 
 def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Effect) -> Adequacy:
@@ -21,6 +22,16 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
     if not type(effect).independent or RANGE not in view.recorded.names:
         return Adequacy(True)
     return shape(comparison.ensemble(view, added, SCORE_MEMBERS, SCORE_FIRST))
+
+
+def alike(recorded_m: Floats, simulated_m: Floats) -> bool:
+    """Return whether two scatters are of one shape, whatever their widths."""
+    from scipy.stats import ks_2samp
+
+    own, other = (
+        one / max(float(np.std(one)), LEAST_SCATTER_M) for one in (recorded_m, simulated_m)
+    )
+    return bool(ks_2samp(own, other).pvalue > SCATTER_SHAPE_P)
 
 
 def shape(ensemble: Ensemble) -> Adequacy:

@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
-from bench.discrepancy.compare.view import Added
+from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
@@ -34,11 +35,11 @@ from bench.physics.effect import Effect
 
 def locate_left(search: Search, added: Added, turn: int) -> Located:
     """Search for what the effects added so far leave."""
-    first = SEARCH_FIRST + turn * SEARCH_MEMBERS
     seen = search.searched
+    first = SEARCH_FIRST + turn * SEARCH_MEMBERS
     ensemble = search.comparison.ensemble(seen, added, SEARCH_MEMBERS, first)
     own = search.comparison.distinct(seen)
-    few = own < FEW_VERSIONS and len(ensemble.simulated) >= own + FEW_VERSIONS
+    few = borrows(ensemble, own)
     level = FAMILY_WISE / 2 if few else FAMILY_WISE  # two searches share the error of one
     crowding, number = search.comparison.crowding(seen), search.seed + turn
     alone = 1.0 if search.comparison.paired(seen) else crowding
@@ -48,6 +49,23 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
     beside = ensemble.beside(own)
     wider = locate(beside, seen.covariates, number, level, wider_only=True, crowding=crowding)
     return wider if wider.significant else located
+
+
+def borrows(ensemble: Ensemble, own: int) -> bool:
+    """Return whether scatter is borrowed from similar links: a row has few versions of its own."""
+    return own < FEW_VERSIONS and len(ensemble.simulated) >= own + FEW_VERSIONS
+
+
+def versions(comparison: Comparison, view: View, added: Added) -> Ensemble:
+    """Return the versions of rows that tell what scatter is, borrowed ones where own ones are few.
+
+    The mean of these is the rows' own.
+    """
+    made, own = (
+        comparison.ensemble(view, added, SEARCH_MEMBERS, SEARCH_FIRST),
+        comparison.distinct(view),
+    )
+    return made.beside(own) if borrows(made, own) else made.first(own)
 
 
 def contradicted(added: Added, located: Located) -> Effect | None:

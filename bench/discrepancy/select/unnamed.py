@@ -13,7 +13,7 @@ from bench.discrepancy.select.verdict import Unknown
 def unnamed(search: Search, found: Selection) -> Added:
     """Return a curve for a mismatch without a name, if it predicts links it was not fitted on."""
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
-    if not rest:
+    if not rest or rest[0].cause:  # no curve of what a recorder did
         return ()
     curve = Guard().safely("unnamed curve", unnamed_effect, None)
     extra = curve(search.comparison, search.fit, found.added, rest[0].findings)

@@ -9,12 +9,18 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.settings import FEWEST_SEVERAL
 from bench.discrepancy.settings import (
+    LEAST_SCATTER_M,
     MAD_TO_STD,
+    RARE_BEYOND,
+    RARE_FEWEST,
+    RESOLUTION,
     ROW_OFF_STD,
     SHORTEST_DETOUR_M,
+    STRUCK_LEVEL_LINKS,
 )
 
 Floats = NDArray[np.float64]
+LEVEL = "rx_power_dbm"
 
 
 def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
@@ -37,6 +43,40 @@ def rows_off(ensemble: Ensemble) -> float:
         return 0.0
     within = MAD_TO_STD * float(np.nanmedian(off))
     return float(np.mean(off > max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)))
+
+
+def rows_beyond(ensemble: Ensemble) -> int:
+    """Return how many rows lie farther off than any simulated row, by far; 0 with one version.
+
+    Recorded and simulated rows are each beside the mean of the simulated ones (the others).
+    """
+    simulated = ensemble.simulated_of(RANGE)
+    m = len(simulated)
+    if m < RARE_FEWEST:
+        return 0
+    middle = simulated.mean(axis=0)
+    widest = float(np.nanmax(np.abs(simulated - middle))) * m / (m - 1)
+    off = np.abs(ensemble.residual_of(RANGE))
+    return int(np.sum(off > RARE_BEYOND * max(widest, LEAST_SCATTER_M)))
+
+
+def weakened(bare: Ensemble, outlying: NDArray[np.bool_]) -> float:
+    """Return the evidence, in nats, that outlying links [L] are weaker than all others.
+
+    What blocks a path takes its level; what else puts a link far off need not. One loss in common,
+    which pays for itself (Schwarz 1978); 0 without levels.
+    """
+    if LEVEL not in bare.names or outlying.sum() < STRUCK_LEVEL_LINKS or outlying.all():
+        return 0.0
+    code = np.unique(bare.links, return_inverse=True)[1]
+    level_db = link_medians(bare.residual_of(LEVEL)[None], code)[0]
+    if not np.isfinite(level_db).all():
+        return 0.0
+    middle = float(np.median(level_db[~outlying]))
+    wide = MAD_TO_STD * float(np.median(np.abs(level_db[~outlying] - middle)))
+    error = max(wide, RESOLUTION["dB"]) * np.sqrt(1 / outlying.sum() + 1 / (~outlying).sum())
+    z = min(float(level_db[outlying].mean() - middle) / error, 0.0)
+    return float(max(z**2 / 2 - np.log(len(level_db)) / 2, 0.0))
 
 
 def of_links(ensemble: Ensemble, name: str) -> tuple[float, float]:

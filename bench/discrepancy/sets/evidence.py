@@ -1,9 +1,10 @@
 """The evidence of a set of causes: how probable recorded ranges are if only these act.
 
 Every cause is a block of columns with normal factors, those of a part of one size; rows scatter,
-and links keep offsets that no cause explains. Sizes and scatter are those of most evidence (MacKay
-1992), so a cause pays for every freedom that it has. Rows far off weigh less (Student's t), links
-far off nothing.
+and links keep offsets that no cause explains, whose mean is as unknown as they scatter: what stands
+in the way of some links lengthens all in the mean, and is no constant. Sizes and scatter are those
+of most evidence (MacKay 1992), so a cause pays for every freedom that it has. Rows far off weigh
+less (Student's t), links far off nothing.
 """
 
 from __future__ import annotations
@@ -131,15 +132,18 @@ class Evidence:
     def _product(self, ratio: float) -> tuple[Floats, float]:
         """Return X' V^-1 X of all columns, the residual last, and log |V|, rows of variance 1."""
         if ratio not in self._products:
-            every = np.column_stack([self.columns, self.left_m])
+            ones = np.ones(len(self.left_m))
+            every = np.column_stack([self.columns, self.left_m, ones])
             weighed = every * self.weights[:, None]
             weight = np.bincount(self.links, self.weights)
             sums = np.zeros((len(weight), every.shape[1]))
             np.add.at(sums, self.links, weighed)
             shrink = ratio / (1 + ratio * weight)
             product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
+            of_mean, own = product[:-1, -1], ratio / (1 + ratio * product[-1, -1])
             log = float(np.log1p(ratio * weight).sum() - np.log(self.weights).sum())
-            self._products[ratio] = product, log
+            log += float(np.log1p(ratio * product[-1, -1]))
+            self._products[ratio] = product[:-1, :-1] - own * np.outer(of_mean, of_mean), log
         return self._products[ratio]
 
     def _at(self, causes: tuple[str, ...], ratio: float) -> Weighed:

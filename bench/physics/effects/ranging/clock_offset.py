@@ -12,9 +12,11 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Floats
-from bench.physics.ways import device_columns
+from bench.physics.ways import device_columns, known_mostly
 
 TYPICAL_PPM = 1.0  # of one crystal beside the others
+ROOM_C, WARMER_C, WARMER_PPM = 25.0, 20.0, 1.0  # AT-cut quartz: within some ppm of its frequency
+# at room temperature over tens of degrees (Vig, Introduction to Quartz Frequency Standards, 1992)
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,21 @@ class ClockOffset(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return the reply time x what crystals are typically off, per device; None without any."""
+        """Return the reply time x what crystals are typically off, per device; None without any.
+
+        And x what temperature takes from all of them, where it is known: a slope and a bow.
+        """
         reply_s = rows.number("reply_time_s", 0.0)
         if not reply_s.any():
             return None
         tx, rx = device_columns(rows)
-        return ((tx - rx) * (TYPICAL_PPM * C_M_PER_NS * 1e3 * reply_s / 2)[:, None],)
+        per_ppm = (C_M_PER_NS * 1e3 * reply_s / 2)[:, None]
+        own = TYPICAL_PPM * per_ppm * (tx - rx)
+        warm = known_mostly(rows.number("temperature_c", np.nan))
+        if warm is None:
+            return (own,)
+        warm = (warm - ROOM_C) / WARMER_C
+        return own, WARMER_PPM * per_ppm * np.stack([warm, warm**2], axis=1)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of the exchange."""

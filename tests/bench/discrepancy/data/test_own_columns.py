@@ -44,6 +44,12 @@ def test_a_condition_is_known_before_however_it_scatters(frame):
     assert set(measured_columns(named)) == {"mystery", "chip_snr_db"}
 
 
+def test_a_counter_is_measured_whatever_it_is_named_for(frame):
+    ticks = frame["humidity"] * 1e9
+    named = frame.assign(resp_tx_ts=ticks, tx_timestamp=ticks)
+    assert {"resp_tx_ts", "tx_timestamp"} <= set(measured_columns(named))
+
+
 def test_the_user_knows_better(frame):
     said = measured_columns(frame, ("humidity",), ("mystery", "chip_snr_db"))
     assert said == ("humidity",)

@@ -8,8 +8,9 @@ from typing import cast
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.law.forms import _periods
 from bench.discrepancy.law.judge import setup_fault
-from bench.discrepancy.law.material import material
+from bench.discrepancy.law.material import Column, material
 from bench.discrepancy.law.search import Proposal, propose
 
 
@@ -40,3 +41,12 @@ def test_speed_times_the_reply_time_is_no_time_shift() -> None:
         best = SimpleNamespace(structure=structure)
         made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))
         assert (made.kind if made else None) == kind
+
+
+def test_places_a_metre_apart_show_no_period_of_a_metre() -> None:
+    rng = np.random.default_rng(0)
+    metres = np.repeat(np.arange(1.0, 41.0), 5)
+    for values, shows in ((metres, False), (rng.uniform(1, 40, len(metres)), True)):
+        grid = _periods(Column("true_range_m", "true range", "m", np.sqrt(values**2 + 0.1), 5.0))
+        assert bool(((grid > 0.95) & (grid < 1.05)).any()) is shows
+        assert grid.max() > 20

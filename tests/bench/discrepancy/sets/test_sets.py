@@ -127,3 +127,14 @@ def test_rows_that_take_no_part_have_no_weight() -> None:
     some = evidence.among(np.arange(120) >= 40)
     assert evidence.of(("line",)).nats > evidence.of(()).nats + 6
     assert some.of(("line",)).nats < some.of(()).nats + 6
+
+
+def test_what_stands_in_the_way_of_some_links_is_no_constant() -> None:
+    rng = np.random.default_rng(4)
+    links = np.repeat(np.arange(80), 4)
+    noise = rng.normal(0, 0.02, len(links))
+    walls = np.where(rng.random(80) < 0.35, rng.uniform(0.05, 0.2, 80), 0.0)
+    parts = {"a constant": (np.full((len(links), 1), 0.05),)}
+    for left, named in ((walls[links] + noise, False), (0.05 + noise, True)):
+        evidence = Evidence(left, links, parts)
+        assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named

@@ -1,0 +1,137 @@
+"""Independent scatter where nothing differs but how far rows lie from their own link.
+
+A score of few simulated rows hardly falls where scatter is added to them: both sides then scatter.
+So the variance within links is compared itself, and what it says of the size.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.compare.crps import cluster_bootstrap
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.scatter_shape import alike
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.settings import (
+    CENTRAL_90,
+    FIT_MEMBERS,
+    GAIN_DRAWS,
+    OFFSET_FIRST,
+    SCATTER_OF_LINKS,
+    STRIKE_NATS,
+)
+from bench.physics.effect import Effect
+from bench.physics.units import Floats
+
+JUDGED = "evidence in the scatter within links"
+
+
+def scatter_alone(
+    search: Search, added: Added, explanation: Explanation, located: Located
+) -> Strike | None:
+    """Return independent scatter as what all links are struck by, None where it is not that alone.
+
+    Only where every finding is of the spread of ranges, and links keep nothing of it.
+    """
+    kinds = [c.effect for c in explanation.contenders if type(c.effect).independent]
+    only = all((f.cell.observable, f.cell.moment) == (RANGE, "spread") for f in located.findings)
+    if search.work is None or not kinds or not only:
+        return None
+    made = versions(search.comparison, search.work, added)
+    if RANGE not in made.names:
+        return None
+    recorded, simulated = within(made)
+    usable = np.isfinite(recorded)
+    spread, extra = _variances(recorded, simulated)
+    if extra <= 0 or _kept_by_links(made) > SCATTER_OF_LINKS * extra:
+        return None
+    if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
+        return None
+    nats = _nats(recorded[usable], spread, spread + extra)
+    evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
+    if evidence.value < STRIKE_NATS:
+        return None
+    effect, sizes = _sized(search, added, type(kinds[0]), _extras(made, recorded, simulated))
+    return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
+
+
+def within(made: Ensemble) -> tuple[Floats, Floats]:
+    """Return how far recorded [n] and simulated ranges [m, n] lie from their link, in metres.
+
+    As far as a row lies from a mean it has no part in; NaN for links of one row.
+    """
+    code = np.unique(made.links, return_inverse=True)[1]
+    values = made.versions_of(RANGE)
+    count = np.bincount(code)[code].astype(np.float64)
+    mean = np.stack([np.bincount(code, one)[code] for one in values]) / count
+    with np.errstate(divide="ignore", invalid="ignore"):
+        whole = np.where(count > 1, np.sqrt(count / (count - 1)), np.nan)
+    left = (values - mean) * whole
+    return left[0], left[1:]
+
+
+def _variances(recorded: Floats, simulated: Floats) -> tuple[float, float]:
+    """Return the simulated variance within links, and how much more the recorded one is, in m2."""
+    spread = float(np.nanmean(simulated**2)) if np.isfinite(simulated).any() else np.inf
+    return spread, float(np.nanmean(recorded**2)) - spread
+
+
+def _kept_by_links(made: Ensemble) -> float:
+    """Return the variance between links beyond the simulated one, in square metres."""
+    code = np.unique(made.links, return_inverse=True)[1]
+    count = np.bincount(code)
+    means = np.stack([np.bincount(code, one) / count for one in made.versions_of(RANGE)])
+    inner = [np.nanmean(part**2) for part in (within(made)[0], within(made)[1])]
+    own = float(np.mean(1 / count))
+    between = np.var(means[0]) - inner[0] * own
+    return float(between - (np.var(means[1:], axis=1).mean() - inner[1] * own))
+
+
+def _nats(values: Floats, narrow: float, wide: float) -> Floats:
+    """Return how much likelier each of some normal values is with the wider variance."""
+    return np.asarray(values**2 / 2 * (1 / narrow - 1 / wide) - np.log(wide / narrow) / 2)
+
+
+def _extras(made: Ensemble, recorded: Floats, simulated: Floats) -> Floats:
+    """Return the variance that is missing, in m2: as found, then of links drawn again."""
+    code = np.unique(made.links, return_inverse=True)[1]
+    rng = np.random.default_rng(0)
+    links = int(code.max()) + 1
+    often = [np.ones(links), *(np.bincount(rng.integers(0, links, links), minlength=links)
+                               for _ in range(GAIN_DRAWS))]  # fmt: skip
+    own = np.nan_to_num(recorded**2)
+    theirs = np.nan_to_num(np.nanmean(simulated**2, axis=0))
+    known = np.isfinite(recorded) * 1.0
+    sums = [np.bincount(code, one, links) for one in (own - theirs, known)]
+    weights = np.stack(often)
+    return np.maximum((weights @ sums[0]) / np.maximum(weights @ sums[1], 1.0), 0.0)
+
+
+def _sized(
+    search: Search, added: Added, kind: type[Effect], extras_m2: Floats
+) -> tuple[Effect, tuple[ParameterEstimate, ...]]:
+    """Return the effect that adds a variance, with the interval of its size.
+
+    `extras_m2`: the variance, then as links drawn again say. Variance goes with a size squared.
+    """
+    assert search.work is not None
+    item = next(p for p in kind.parameters() if p.null is not None and p.fitted)
+    once = kind.from_values({item.name: item.default})
+    bare, more = (
+        search.comparison.ensemble(search.work, some, FIT_MEMBERS, OFFSET_FIRST)
+        for some in (added, (*added, once))
+    )
+    moved = float(np.nanvar(more.simulated_of(RANGE) - bare.simulated_of(RANGE)))
+    sizes = item.default * np.sqrt(extras_m2 / max(moved, 1e-12))
+    size = float(np.clip(sizes[0], item.low, item.high))
+    low, high = np.clip(np.percentile(sizes[1:], CENTRAL_90), item.low, item.high)
+    bound = size >= item.high
+    told = ParameterEstimate(item.name, size, float(low), float(high), item.unit, bound)
+    return kind.from_values({item.name: size}), (told,)

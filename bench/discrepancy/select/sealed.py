@@ -1,0 +1,79 @@
+"""Sealed links may refuse an effect: what makes ranges worse there has no business in a simulator.
+
+They can only refuse. What stays was chosen on working links, and nothing comes in the place of what
+goes: its name is taken back, and something is there that has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from bench.discrepancy.compare.view import Added, Comparison, View, without
+from bench.discrepancy.confirm import Served, served
+from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.state import Selection
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
+from bench.physics.effect import Effect
+
+
+def unrefused(
+    comparison: Comparison, sealed: View, found: Selection, more: Added, seed: int
+) -> tuple[Selection, Added]:
+    """Return the selection and the unnamed effects without what sealed links refuse.
+
+    One effect after the other goes, as long as score or ranges are worse with the rest than
+    without any: the one without which they are best.
+    """
+    added = (*found.added, *more)
+    change = Guard().safely("sealed links", served, None)
+    kept = _serving(added, lambda some: change(comparison, sealed, some, seed))
+    names = {effect.name for effect in kept}
+    gone = tuple(effect for effect in added if effect.name not in names)
+    if not gone:
+        return found, more
+    return _taken_back(found, gone, sealed), tuple(one for one in more if one.name in names)
+
+
+def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:
+    """Return those of some effects that serve together; all where that cannot be judged."""
+    kept, now = added, change(added)
+    while kept and now is not None and not now.serves:
+        rests = [without(kept, effect) for effect in kept]
+        judged = [(rest, found) for rest in rests if rest and (found := change(rest))]
+        if not judged:
+            return ()
+        kept, now = max(judged, key=lambda one: one[1].rank)
+    return kept
+
+
+def _taken_back(found: Selection, gone: Added, sealed: View) -> Selection:
+    """Return the selection without refused effects; a name that a mark speaks for stays."""
+    lost = {effect.physics for effect in gone}
+    wrong = [bool(lost & set(v.names[:1])) and not _bears(v, sealed) for v in found.verdicts]
+    refused, stay = (
+        tuple(v for v, bad in zip(found.verdicts, wrong, strict=True) if bad is asked)
+        for asked in (True, False)
+    )
+    added = tuple(effect for effect in found.added if effect.physics not in lost)
+    if not refused or any(isinstance(verdict, Unknown) for verdict in stay):
+        return replace(found, verdicts=stay, added=added)
+    return replace(found, verdicts=(*stay, _unknown(found, refused)), added=added)
+
+
+def _bears(verdict: Verdict, sealed: View) -> bool:
+    """Return whether rows bear the mark of what a verdict names."""
+    options = verdict.options if isinstance(verdict, Ambiguous) else (verdict,)
+    kinds: list[type[Effect]] = [type(o.effect) for o in options if isinstance(o, LeftOut)]
+    return any(kind.by_mark(sealed.frame) for kind in kinds)
+
+
+def _unknown(found: Selection, refused: tuple[Verdict, ...]) -> Unknown:
+    """Return the verdict on what was named and is refused."""
+    turn = next((turn for turn in found.rounds if turn.explanation), None)
+    assert turn is not None
+    assert turn.explanation is not None
+    tried = {c.name: c.gain.value for c in turn.explanation.contenders}
+    names = " and ".join(" or ".join(verdict.names) for verdict in refused)
+    note = f"looks most like {names}, but links that nothing was tuned on are worse with it"
+    return Unknown(turn.located.findings, turn.explanation.removable, tried, note)

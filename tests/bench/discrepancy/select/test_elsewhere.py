@@ -1,0 +1,67 @@
+"""Effects on levels are there, too, where the others do nothing; a name needs what makes it one."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.skill import Tally
+from bench.discrepancy.compare.view import View, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.refute import idle
+from bench.physics.base import Base
+from bench.physics.effects.propagation.fading import SmallScaleFading
+from bench.physics.effects.propagation.material_delay import MaterialDelay
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+SIMULATOR = Simulator(Base(), (TimestampJitter(),), 3)
+STEEPER = PathLoss(exponent=2.6)
+
+
+def rows(steeper: bool) -> View:
+    """Return levels, weaker behind walls by more than the library's walls, or everywhere."""
+    link = np.repeat(np.arange(60), 3)
+    rng = np.random.default_rng(1)
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in link], "true_range_m": rng.uniform(3, 20, 60)[link]}
+    )
+    walls = ["brick" if i % 2 else "" for i in link]
+    frame["obstacles"] = pd.Series([[w] if w else [] for w in walls], dtype=object)
+    made = SIMULATOR.observe(scene(frame), 1, 1, cir=False).table(frame)
+    weaker = -6 * np.log10(made["true_range_m"]) * (steeper | (link % 2 > 0))
+    made["rx_power_dbm"] = made["rx_power_dbm"] + weaker
+    return view(made, link_codes(made), np.arange(len(made)), Window(), None, False)
+
+
+@pytest.mark.parametrize("steeper", [True, False])
+def test_an_effect_on_levels_acts_without_walls_too(steeper: bool) -> None:
+    seen = rows(steeper)
+    tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
+    gain = Estimate(1, 0.5, 1.5)
+    made = Explanation((Contender(STEEPER, tally, gain),), tally, gain, tally, {}, {})
+    comparison = Resimulation(SIMULATOR, Window())
+    search = SimpleNamespace(comparison=comparison, work=seen, searched=seen, seed=0)
+    found = elsewhere_too(search, (MaterialDelay(),), made)  # type: ignore[arg-type]
+    assert bool(found.contenders) is steeper
+
+
+def test_a_fading_that_scatters_nothing_is_none() -> None:
+    assert SmallScaleFading.essential_on_paths == ("direct_m",)
+    item = next(p for p in SmallScaleFading.parameters() if p.name == "direct_m")
+    assert idle(item, ParameterEstimate("direct_m", 4.0, 2.0, 9.0, "1")) == ""
+    assert "do as well" in idle(item, ParameterEstimate("direct_m", 900.0, 300.0, 1000.0, "1"))
+    unsure = ParameterEstimate("direct_m", 4.0, 2.0, 9.0, "1", determined=False)
+    assert "do as well" in idle(item, unsure)
+    assert "bound" in idle(item, ParameterEstimate("direct_m", 0.51, 0.5, 0.6, "1"))

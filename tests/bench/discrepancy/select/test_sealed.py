@@ -1,0 +1,102 @@
+"""Sealed links refuse what makes them worse; absolute errors are counted from the median."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.skill import Tally
+from bench.discrepancy.confirm import Served, headline, is_farther, served
+from bench.discrepancy.law.unexplained import weighed
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select import sealed
+from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.sealed import unrefused
+from bench.discrepancy.select.state import Round, Selection
+from bench.discrepancy.select.unnamed import unnamed
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.effects.ranging.time_lag import TimeLag
+
+DELAY, SCALE, LAG = AntennaDelay(), RangeScale(), TimeLag()
+ONE = Estimate(1, 0.5, 1.5)
+LINKS = np.repeat(np.arange(40), 3)
+
+
+def named(effect: AntennaDelay | RangeScale | TimeLag) -> LeftOut:
+    return LeftOut(effect, (), ONE, 1.0, Control("", None))
+
+
+def selection() -> Selection:
+    """Return a selection of a class and a name."""
+    tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
+    told = Explanation((), tally, ONE, tally, {}, {})
+    turn = Round(Located((), 0.002, 9.0, 3.0, 1, {}), told, None)
+    said = Ambiguous((named(DELAY), named(SCALE)), ""), named(LAG)
+    return Selection(said, (DELAY, LAG), (turn,))
+
+
+def kept(monkeypatch: pytest.MonkeyPatch, wrong: tuple[object, ...]) -> Selection:
+    """Return what stays where sealed links are worse with some effects, better with others."""
+
+    def judge(_: object, __: object, added: tuple[object, ...], ___: int) -> Served:
+        bad = sum(one in wrong for one in added)
+        return Served(len(added) - 3 * bad, bad > 0, 0.1 * bad)
+
+    monkeypatch.setattr(sealed, "served", judge)
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}))
+    return unrefused(None, rows, selection(), (), 0)[0]  # type: ignore[arg-type]
+
+
+def test_what_makes_sealed_links_worse_loses_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = kept(monkeypatch, (DELAY,))
+    assert found.names == (("time-lag",),)
+    assert found.added == (LAG,)
+    assert "antenna-delay or range-scale" in found.verdicts[-1].note
+    assert kept(monkeypatch, ()).added == (DELAY, LAG)
+    assert len(kept(monkeypatch, ()).verdicts) == 2
+    nothing = kept(monkeypatch, (DELAY, LAG))
+    assert (nothing.names, nothing.added, len(nothing.verdicts)) == ((), (), 1)
+
+
+class Striking:
+    """A comparison in which an effect strikes a tenth of the links by a metre."""
+
+    def ensemble(self, *asked: object) -> Ensemble:
+        rng = np.random.default_rng(2)
+        versions = rng.normal(0, 0.02, (31, len(LINKS), 1))
+        struck = rng.random((31, 40, 1)) < 0.1
+        versions[0] += struck[0][LINKS]
+        if asked[1]:
+            versions[1:] += struck[1:][:, LINKS]
+        return Ensemble(("error_m",), ("m",), versions, LINKS)
+
+
+def test_what_strikes_some_links_makes_the_others_no_worse() -> None:
+    rows = SimpleNamespace(links=LINKS)
+    before, after = (served(Striking(), rows, some, 0) for some in ((), (DELAY,)))  # type: ignore[arg-type]
+    assert after.serves
+    assert after.missed_m < 1.02 * before.missed_m
+
+
+def test_worse_is_what_anybody_would_notice() -> None:
+    sure, maybe = Estimate(-0.01, -0.02, -0.001), Estimate(-0.01, -0.02, 0.001)
+    assert is_farther(sure, (1.0, 1.03), (1.0, 1.0))
+    assert not is_farther(sure, (1.0, 1.01), (1.0, 1.0))
+    assert not is_farther(maybe, (1.0, 1.2), (1.0, 1.0))
+    assert is_farther(maybe, (1.0, 1.0), (1.0, 1.3))
+
+
+def test_of_spoilt_recordings_the_first_line_says_so_and_no_law_is_looked_for() -> None:
+    spoilt = Unknown((), ONE, {}, "", cause="samples are clipped")
+    found = Selection((spoilt,), (), selection().rounds)
+    assert weighed(None, found).proposal is None  # type: ignore[arg-type]
+    assert unnamed(None, found) == ()  # type: ignore[arg-type]
+    line = headline(found.verdicts, False, None)  # type: ignore[arg-type]
+    assert line.startswith("Something is there, without a name: samples are clipped.")
