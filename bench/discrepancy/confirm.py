@@ -77,22 +77,25 @@ Pair = tuple[float, float]
 class Served:
     """What some effects do for held-out links: gain in nats, and whether ranges are farther.
 
-    `missed_m` is the mean |recorded - simulated| range error with them.
+    `missed_m` is the mean |recorded - simulated| range error with them; `hardly_seen`: the effects
+    are such that a mean score hardly sees.
     """
 
-    gain: float
+    gain: Estimate
     farther: bool
     missed_m: float
+    hardly_seen: bool = False
 
     @property
     def serves(self) -> bool:
         """Whether score and typical range error are no worse than without any."""
-        return self.gain > 0 and not self.farther
+        gained = self.gain.high if self.hardly_seen else self.gain.value
+        return gained > 0 and not self.farther
 
     @property
     def rank(self) -> tuple[bool, bool, float]:
         """What is better comes later: what serves, then what spares the ranges, then the score."""
-        near = -self.missed_m if self.farther else self.gain
+        near = -self.missed_m if self.farther else self.gain.value
         return self.serves, not self.farther, near
 
 
@@ -104,7 +107,7 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     misses = [_misses(one) for one in (before, after)]
     nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
     means, medians = (tuple(map(one, misses)) for one in (_mean, _median))
-    gained = gain_interval(tally(before), tally(after), seed).value
+    gained = gain_interval(tally(before), tally(after), seed)
     return Served(gained, is_farther(nearer, means, medians), means[1])
 
 

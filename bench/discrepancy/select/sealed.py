@@ -23,11 +23,18 @@ def unrefused(
     """Return the selection and the unnamed effects without what sealed links refuse.
 
     One effect after the other goes, as long as score or ranges are worse with the rest than
-    without any: the one without which they are best.
+    without any: the one without which they are best. Where a mean score hardly sees what is left,
+    which other evidence speaks for, it must be worse beyond chance.
     """
     added = (*found.added, *more)
-    change = Guard().safely("sealed links", served, None)
-    kept = _serving(added, lambda some: change(comparison, sealed, some, seed))
+    hardly_seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
+    step = Guard().safely("sealed links", served, None)
+
+    def change(some: Added) -> Served | None:
+        made = step(comparison, sealed, some, seed)
+        return made and replace(made, hardly_seen={e.name for e in some} <= hardly_seen)
+
+    kept = _serving(added, change)
     names = {effect.name for effect in kept}
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:

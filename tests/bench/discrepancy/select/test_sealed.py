@@ -47,7 +47,8 @@ def kept(monkeypatch: pytest.MonkeyPatch, wrong: tuple[object, ...]) -> Selectio
 
     def judge(_: object, __: object, added: tuple[object, ...], ___: int) -> Served:
         bad = sum(one in wrong for one in added)
-        return Served(len(added) - 3 * bad, bad > 0, 0.1 * bad)
+        gain = len(added) - 3.0 * bad
+        return Served(Estimate(gain, gain - 1, gain + 1), bad > 0, 0.1 * bad)
 
     monkeypatch.setattr(sealed, "served", judge)
     rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}))
@@ -63,6 +64,15 @@ def test_what_makes_sealed_links_worse_loses_its_name(monkeypatch: pytest.Monkey
     assert len(kept(monkeypatch, ()).verdicts) == 2
     nothing = kept(monkeypatch, (DELAY, LAG))
     assert (nothing.names, nothing.added, len(nothing.verdicts)) == ((), (), 1)
+
+
+def test_what_a_score_hardly_sees_must_be_worse_beyond_chance() -> None:
+    for gain, high, hardly, serves in (
+        (-1, 1, False, False),
+        (-1, 1, True, True),
+        (-2, -1, True, False),
+    ):
+        assert Served(Estimate(gain, -3, high), False, 0.1, hardly).serves is serves
 
 
 class Striking:
