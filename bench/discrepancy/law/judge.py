@@ -39,6 +39,12 @@ def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
     )
 
 
+def gains_among(proposal: Proposal, rows: Material, seed: int) -> bool:
+    """Return whether a proposed law predicts some rows better than nothing does."""
+    shift = proposal.best.structure.shift_m(rows, proposal.best.fitted.constants)
+    return _gain(proposal, rows, shift, np.zeros(len(shift)), seed).likely_above_zero
+
+
 def _gain(proposal: Proposal, rows: Material, shift: Floats, other: Floats, seed: int) -> Estimate:
     """Return the log-likelihood per row that one shift gains over another, over links."""
     ours, theirs = (log_density(rows.residual_m - one, proposal.scale_m) for one in (shift, other))

@@ -10,7 +10,7 @@ import pandas as pd
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
-from bench.discrepancy.law.judge import judged, setup_fault
+from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import Proposal, propose
@@ -20,6 +20,7 @@ from bench.discrepancy.law.settings import (
     LAW_TIED_NATS,
     LAW_VALUE_NATS,
 )
+from bench.discrepancy.select.elsewhere import without_others
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.refute import swapped_for
@@ -77,6 +78,8 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     views = (search.fit, search.discover) if search.work is None else (search.work,)
     rest = gathered(search.comparison, views, found.added)
     after = propose(rest, search.seed) if rest is not None else None
+    if after is not None and not _beyond_names(search, found, after):
+        after = None
     beside = Weighed(found, after if unknown else None)
     named = _shifting(found)
     if rest is None or not named:
@@ -94,6 +97,20 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if narrower is not None:
         return _weighed(search, narrower, unknown)
     return Weighed(found, alone, _without_names(found, kept))
+
+
+def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:
+    """Return whether a law holds, too, where effects that were found do nothing.
+
+    What they leave by their form is no law of its own. Asked of ranges, where such rows are enough.
+    """
+    if search.work is None:
+        return True
+    for view in without_others(search.work, found.added):
+        rows = gathered(search.comparison, (view,), found.added, law.given)
+        if rows is not None and not gains_among(law, rows, search.seed):
+            return False
+    return True
 
 
 def _narrowed(

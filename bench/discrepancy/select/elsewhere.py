@@ -38,7 +38,7 @@ def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Exp
 
 def _stands(search: Search, added: Added, contender: Contender) -> bool:
     """Return whether a contender gains where others do nothing; one that moves ranges is kept."""
-    for view in _without_others(search.searched, added):
+    for view in without_others(search.searched, added):
         before, after = (
             search.comparison.ensemble(view, some, SCORE_MEMBERS, SCORE_FIRST)
             for some in (added, (*added, contender.effect))
@@ -50,7 +50,7 @@ def _stands(search: Search, added: Added, contender: Contender) -> bool:
     return True
 
 
-def _without_others(rows: View, added: Added) -> list[View]:
+def without_others(rows: View, added: Added) -> list[View]:
     """Return the links in which each effect must do nothing, where these are enough."""
     out = []
     for effect in added:

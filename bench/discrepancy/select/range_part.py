@@ -103,6 +103,7 @@ def chosen_beside(ranged: Search, beside: Added) -> Choice:
     raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
     blocks = {name: tuple(flat @ part for part in block) for name, block in raw.items()}
     evidence = Evidence(flat @ left[known], rows.links[known], blocks, widest)
+    evidence.offset_mean = False  # what a receiver makes of all rows is in the forms
     every = named_kinds(ranged.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = ranged.comparison.crowding(rows) ** 2

@@ -23,6 +23,7 @@ from bench.discrepancy.sets.settings import (
     NOTHING,
     OFFSET_RATIOS,
     REWEIGHINGS,
+    ROWS_PER_LINK,
     SIZE_BOUNDS,
     SMALLEST_STEP_NATS,
     STRAY_LINK_M,
@@ -55,6 +56,7 @@ class Evidence:
     """Residual ranges `left_m` [n] of rows of `links` [n], and parts [n, k] of causes by name.
 
     `widest` maps causes to the largest variance of their factors, where it is not the usual.
+    `offset_mean`: whether the mean of link offsets is unknown, which takes several rows of a link.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class Evidence:
         pairs = zip(self.blocks, ends, ends[1:], strict=False)
         self.places = {name: np.arange(a, b) for name, a, b in pairs}
         self.widest = dict(widest or {})
+        self.offset_mean = len(left_m) >= ROWS_PER_LINK * len(np.unique(links))
         self.weights = np.ones(len(left_m))
         self.ratios: tuple[float, ...] = OFFSET_RATIOS
         self._products: dict[float, tuple[Floats, float]] = {}
@@ -81,6 +84,7 @@ class Evidence:
         """Return the evidence of other blocks, every row with the weight that it has here."""
         made = Evidence(self.left_m, self.links, blocks, self.widest)
         made.weights, made.ratios = self.weights, self.ratios
+        made.offset_mean = self.offset_mean
         return made
 
     def among(self, rows: NDArray[np.bool_]) -> Evidence:
@@ -140,9 +144,10 @@ class Evidence:
             np.add.at(sums, self.links, weighed)
             shrink = ratio / (1 + ratio * weight)
             product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
-            of_mean, own = product[:-1, -1], ratio / (1 + ratio * product[-1, -1])
+            wide = ratio * self.offset_mean  # of their mean
+            of_mean, own = product[:-1, -1], wide / (1 + wide * product[-1, -1])
             log = float(np.log1p(ratio * weight).sum() - np.log(self.weights).sum())
-            log += float(np.log1p(ratio * product[-1, -1]))
+            log += float(np.log1p(wide * product[-1, -1]))
             self._products[ratio] = product[:-1, :-1] - own * np.outer(of_mean, of_mean), log
         return self._products[ratio]
 
