@@ -32,6 +32,7 @@ from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.settings import (
     FORM_REACHED,
     MARGIN_NATS,
+    MOST_ALTERNATIVES,
     OFFSET_NATS,
     REMOVED_SHARE,
     ROWS_BEYOND,
@@ -236,8 +237,16 @@ def _named(
         if not passed:  # a name whose own negative control fails is none
             out.append(_refuted(turn, objections[0]))
         else:
-            out.append(passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed)))
+            out.append(of_class(turn, passed))
     return tuple(out)
+
+
+def of_class(turn: Round, options: tuple[LeftOut, ...]) -> Verdict:
+    """Return the verdict on one name, or on some of which each would do; unknown where many."""
+    if len(options) > MOST_ALTERNATIVES:
+        words = ", ".join(option.names[0] for option in options)
+        return _refuted(turn, f"looks like any of {words}, so like none of them")
+    return options[0] if len(options) == 1 else Ambiguous(options, separating(options))
 
 
 def objection(search: Search, turn: Round, added: Added, effect: Effect, option: LeftOut) -> str:

@@ -7,7 +7,9 @@ from typing import cast
 
 import numpy as np
 import pandas as pd
+import pytest
 
+from bench.discrepancy.law import unexplained
 from bench.discrepancy.law.forms import _periods
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import Column, material
@@ -50,3 +52,20 @@ def test_places_a_metre_apart_show_no_period_of_a_metre() -> None:
         grid = _periods(Column("true_range_m", "true range", "m", np.sqrt(values**2 + 0.1), 5.0))
         assert bool(((grid > 0.95) & (grid < 1.05)).any()) is shows
         assert grid.max() > 20
+
+
+def test_what_an_effect_leaves_where_it_acts_is_no_law_beside_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frame, error, links = crowded(3)
+    law = propose(material(frame, error, links), 0)
+    assert law is not None
+    search = SimpleNamespace(work=None, comparison=None, seed=0)
+    assert unexplained._beyond_names(search, None, law)  # type: ignore[arg-type]
+    monkeypatch.setattr(unexplained, "without_others", lambda *_: [None])
+    for left, holds in ((error, True), (error - 0.1 * np.log1p(frame["people"] / 4), False)):
+        rest = material(frame, np.asarray(left, np.float64), links, law.given)
+        monkeypatch.setattr(unexplained, "gathered", lambda *_, rest=rest: rest)
+        search.work = object()
+        found = SimpleNamespace(added=())
+        assert unexplained._beyond_names(search, found, law) is holds  # type: ignore[arg-type]

@@ -16,6 +16,7 @@ from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.conclude import of_class
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.unnamed import unnamed
@@ -73,6 +74,14 @@ def test_what_a_score_hardly_sees_must_be_worse_beyond_chance() -> None:
         (-2, -1, True, False),
     ):
         assert Served(Estimate(gain, -3, high), False, 0.1, hardly).serves is serves
+
+
+def test_of_three_causes_none_is_said() -> None:
+    turn = selection().rounds[0]
+    options = tuple(map(named, (DELAY, SCALE, LAG)))
+    assert [of_class(turn, options[:i]).names for i in (1, 2, 3)] == [
+        ("antenna-delay",), ("antenna-delay", "range-scale"), (),
+    ]  # fmt: skip
 
 
 class Striking:
