@@ -106,7 +106,7 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     )
     misses = [_misses(one) for one in (before, after)]
     nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
-    means, medians = (tuple(map(one, misses)) for one in (_mean, _median))
+    means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
     gained = gain_interval(tally(before), tally(after), seed)
     return Served(gained, is_farther(nearer, means, medians), means[1])
 
