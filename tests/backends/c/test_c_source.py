@@ -6,6 +6,7 @@ import ctypes
 import re
 import shutil
 import subprocess
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -209,6 +210,42 @@ def test_odd_convolutions_and_pools_are_the_runtimes(tmp_path: Path) -> None:
 def test_a_compiler_that_refuses_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(CompilerError, match="error"):
         compile_shared({"bad.c": "int main(void) { return }"}, tmp_path)
+
+
+@pytest.fixture
+def named(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], None]]:
+    """A function that sets $CC."""
+    from backends.c.compile import compiler
+
+    def name(command: str) -> None:
+        monkeypatch.setenv("CC", command)
+        compiler.cache_clear()
+
+    yield name
+    compiler.cache_clear()
+
+
+@pytest.mark.skipif(shutil.which("true") is None, reason="no `true` to take for a compiler")
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("no-such-compiler", "CC=no-such-compiler: no such program"),
+        ("/etc/passwd", "CC=/etc/passwd: no such program"),
+        ("gcc '", "no such program"),
+        ("true", "true made no library"),
+        ("false -x", "false -x: failed without a word"),
+    ],
+)
+def test_what_cc_names_is_used_or_refused(command, said, named, tmp_path: Path) -> None:
+    named(command)
+    with pytest.raises(CompilerError, match=said):
+        compile_shared({"a.c": "int a;"}, tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_cc_may_have_arguments(named, tmp_path: Path) -> None:
+    named("gcc -DGIVEN")
+    compile_shared({"a.c": "#ifndef GIVEN\n#error\n#endif\nint a;"}, tmp_path)
 
 
 def test_without_a_compiler_the_remedy_is_named(monkeypatch, tmp_path: Path) -> None:

@@ -160,7 +160,7 @@ def test_what_cannot_be_is_refused_before_the_fit(
 def test_a_c_backend_is_exported_as_the_backend_it_runs(finished, tmp_path, monkeypatch) -> None:
     """Where there is no compiler, too."""
     table, results = finished
-    monkeypatch.setattr("backends.c.compile.missing_compiler", lambda: "none here")
+    monkeypatch.setattr("backends.c.compile.compiler", lambda: None)
     words = ("--data", table, "--results", results, "-o")
     for backend in ("c-fp32", "fp32"):
         shown = _bench(
