@@ -6,6 +6,8 @@ numpy and pandas alone; what it can hide is in `harbour_effects`, its waveforms 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -115,18 +117,18 @@ def _run(
     seen = np.degrees(np.arctan2(gap[:, 1], gap[:, 0]) - course)
     now = pace * np.exp(-when / brake)
     columns = [f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz"]
-    places = dict(zip(columns, np.hstack([CRANES_M[crane], carrier]).T, strict=True))
-    return pd.DataFrame(places).assign(
-        true_range_m=np.sqrt((gap**2).sum(axis=1)),
-        tx=[f"crane{one}" for one in crane],
-        rx=f"carrier{rng.integers(CARRIERS)}",
-        link=[f"c{one} run {number}" for one in crane],
-        environment="outer berth" if begin[0] > 46 else "inner berth",
-        time_s=begin_s + when,
-        azimuth_deg=seen - 360 * np.round(seen / 360),
-        **dict(zip(MOTION, (now * np.cos(course), now * np.sin(course), brake), strict=True)),
-        **_weather(rng, begin_s, when),
-    )
+    made: dict[str, Any] = dict(zip(columns, np.hstack([CRANES_M[crane], carrier]).T, strict=True))
+    made |= {
+        "true_range_m": np.sqrt((gap**2).sum(axis=1)),
+        "tx": [f"crane{one}" for one in crane],
+        "rx": f"carrier{rng.integers(CARRIERS)}",
+        "link": [f"c{one} run {number}" for one in crane],
+        "environment": "outer berth" if begin[0] > 46 else "inner berth",
+        "time_s": begin_s + when,
+        "azimuth_deg": seen - 360 * np.round(seen / 360),
+    }
+    made |= dict(zip(MOTION, (now * np.cos(course), now * np.sin(course), brake), strict=True))
+    return pd.DataFrame(made | _weather(rng, begin_s, when))
 
 
 def _weather(rng: np.random.Generator, begin_s: float, when: Floats) -> dict[str, Floats]:
