@@ -14,8 +14,11 @@ from torch.fx import GraphModule, Node
 from backends.quantise import Range
 from backends.rounding import Steps, gradients, rounded
 from zoo.inputs import Input
+from zoo.training.layout import conv1d, max_pool1d
 
 _aten = torch.ops.aten
+_is_dense = _aten.is_non_overlapping_and_dense.default
+_INNERMOST = {_aten.conv1d.default: conv1d, _aten.max_pool1d.default: max_pool1d}
 LAYERS = (_aten.conv1d.default, _aten.conv2d.default, _aten.linear.default)
 LARGEST = 255  # unsigned 8 bit
 LARGEST_WEIGHT = 127  # signed and symmetric
@@ -31,7 +34,7 @@ class _RoundToScale(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, x: Tensor, scale: Tensor, zero_point: int) -> Tensor:
-        x = x.contiguous()
+        x = x if _is_dense(x) else x.contiguous()
         ctx.save_for_backward(x, scale)
         ctx.steps = _steps(scale, zero_point)
         out = torch.empty_like(x)
@@ -41,8 +44,10 @@ class _RoundToScale(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *given: Tensor) -> tuple[Tensor, Tensor, None]:
         x, scale = ctx.saved_tensors
-        through = torch.empty_like(x)
-        shift = gradients(_flat(x), _flat(given[0].contiguous()), ctx.steps, _flat(through))
+        through, grad = torch.empty_like(x), given[0]
+        if grad.stride() != x.stride():
+            grad = torch.empty_like(x).copy_(grad)
+        shift = gradients(_flat(x), _flat(grad), ctx.steps, _flat(through))
         return through, shift / scale, None
 
 
@@ -52,8 +57,9 @@ def _steps(scale: Tensor, zero_point: int) -> Steps:
 
 
 def _flat(x: Tensor) -> NDArray[np.float32]:
-    """Return a contiguous tensor's values [n], not copied."""
-    values: NDArray[np.float32] = x.detach().numpy().reshape(-1)
+    """Return a dense tensor's values [n] as they lie in memory, not copied."""
+    values: NDArray[np.float32]
+    values = x.detach().as_strided((x.numel(),), (1,), x.storage_offset()).numpy()
     return values
 
 
@@ -112,6 +118,8 @@ def fake_quantised(program: GraphModule, ranges: Mapping[str, Range]) -> GraphMo
         weight = layer.args[1]
         assert isinstance(weight, Node)
         _insert_after(program, weight, f"fake_{weight.name}", FakeWeight())
+    for node in nodes.values():  # the integer form has channels innermost, too: no shuffling
+        node.target = _INNERMOST.get(node.target, node.target)
     program.recompile()
     return program
 

@@ -12,6 +12,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
+from zoo.training.layout import channels_innermost
 from zoo.training.recipe import TrainingLog, TrainingRecipe, check_recipe, falling
 
 FloatArray = NDArray[np.float32]
@@ -82,6 +83,7 @@ class Loop:
 
     def __init__(self, module: nn.Module, recipe: TrainingRecipe, rows: int) -> None:
         self._module, self._criterion, self.steps = module, loss_function(recipe.loss), 0
+        self._layout = channels_innermost(module, recipe.batch_size)
         self._recipe, self._most = recipe, recipe.epochs * -(-rows // recipe.batch_size)
         self._optimiser = torch.optim.Adam(
             trainable(module), recipe.learning_rate, weight_decay=recipe.weight_decay, fused=True
@@ -106,7 +108,9 @@ class Loop:
         for inputs, targets in batches:
             self._optimiser.zero_grad()
             self._optimiser.param_groups[0]["lr"] = self._rate()
-            error = self._criterion(self._module(inputs), targets)
+            with self._layout:
+                predicted = self._module(inputs)
+            error = self._criterion(predicted, targets)
             error.backward()  # type: ignore[no-untyped-call]
             self._optimiser.step()
             total += error.detach() * len(inputs)  # no .item(): it would cost a call per step
