@@ -8,13 +8,16 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+SCRATCH = "BENCH_SCRATCH"
+"""Environment variable: a private folder in which the processes of one run share what they made."""
+
 _HOMES = {
     "Artifact": "backends.base",
     "Backend": "backends.base",
     "KernelCoverage": "backends.base",
     "TrainingData": "backends.base",
 }
-__all__ = sorted(_HOMES)
+__all__ = sorted([*_HOMES, "SCRATCH"])
 
 
 def __getattr__(name: str) -> Any:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
+import os
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from backends import SCRATCH
 from backends.base import Floats, Runner
-from backends.c.compile import FLAGS, NATIVE, CompilerError, compile_shared
+from backends.c.compile import FLAGS, NATIVE, CompilerError, compile_shared, compiler
 from backends.c.emit import CSource, generate
 
 _ROWS = """#include "uwb_predict.h"
@@ -47,9 +50,9 @@ def load(source: CSource, flags: Sequence[str] = (*FLAGS, NATIVE)) -> Runner:
     The function raises ValueError for rows of another width or type, or that are not finite.
     Raises CompilerError, a ValueError, where there is no compiler or it refuses.
     """
-    with tempfile.TemporaryDirectory(prefix="uwb-bench-") as folder:
-        library = compile_shared({**source.files, "rows.c": _ROWS}, Path(folder), flags)
-        rows = _loaded(library)
+    kept = os.environ.get(SCRATCH)
+    with tempfile.TemporaryDirectory(prefix="uwb-bench-", dir=kept) as folder:
+        rows = _compiled({**source.files, "rows.c": _ROWS}, Path(folder), flags, kept)
     rows.argtypes = (ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
     return _runner(rows, row_width(source))
 
@@ -60,6 +63,22 @@ def _loaded(library: Path) -> ctypes._NamedFuncPointer:
         return ctypes.CDLL(str(library)).uwb_predict_rows
     except (OSError, AttributeError) as problem:
         raise CompilerError(f"what the compiler made cannot be loaded: {problem}") from problem
+
+
+def _compiled(
+    files: Mapping[str, str], folder: Path, flags: Sequence[str], kept: str | None
+) -> ctypes._NamedFuncPointer:
+    """Return the function of a library compiled in `folder`, or kept by this run before."""
+    if kept is None:
+        return _loaded(compile_shared(files, folder, flags))
+    content = repr((sorted(files.items()), tuple(flags), compiler()))
+    place = Path(kept) / f"{hashlib.sha256(content.encode()).hexdigest()}.so"
+    if place.is_file():
+        return _loaded(place)
+    library = compile_shared(files, folder, flags)
+    rows = _loaded(library)
+    library.replace(place)
+    return rows
 
 
 def row_width(source: CSource) -> int:

@@ -24,6 +24,7 @@ from bench.runner.material import load_material
 from bench.runner.observer import Observer
 from bench.runner.plan import Plan, make_plan
 from bench.runner.repeated import finished_runs, question_of, recalled, remember
+from bench.runner.scratch import scratch
 from bench.runner.timing import known_timings, time_artifacts
 
 if TYPE_CHECKING:
@@ -128,18 +129,23 @@ def run(
         question = question or question_of(data, split)  # what is simulated is there only now
     else:
         plan, materials = ready(across, split, plan, watch)
-    done = [execute(plan, material, folder, watch, spread) for material in materials]
-    runs, failures = ([one for part in parts for one in part] for parts in zip(*done, strict=True))
-    if across and across.links:
-        curve = curve_points(runs, materials, across.links, folder)
-        return RunSet(runs, [], failures, folder.root, plan.devices, curve)
-    timings, late = list[TimingRecord](), list[Failure]()
-    if timed:
-        timings, late = time_artifacts(runs, folder, widths(plan.models, materials[0]), watch, wait)
-    if question is not None:
-        remember(question, data, split, head_of(materials[0]))
-    if device.strip() != "all":
-        count_runs(runs, plan.devices, materials[0], folder, watch)
+    with scratch():
+        done = [execute(plan, material, folder, watch, spread) for material in materials]
+        runs, failures = (
+            [one for part in parts for one in part] for parts in zip(*done, strict=True)
+        )
+        if across and across.links:
+            curve = curve_points(runs, materials, across.links, folder)
+            return RunSet(runs, [], failures, folder.root, plan.devices, curve)
+        timings, late = list[TimingRecord](), list[Failure]()
+        if timed:
+            timings, late = time_artifacts(
+                runs, folder, widths(plan.models, materials[0]), watch, wait
+            )
+        if question is not None:
+            remember(question, data, split, head_of(materials[0]))
+        if device.strip() != "all":
+            count_runs(runs, plan.devices, materials[0], folder, watch)
     return RunSet(runs, timings, failures + late, folder.root, plan.devices)
 
 
