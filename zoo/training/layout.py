@@ -65,7 +65,10 @@ def max_pool1d(
 ) -> Tensor:
     """Return `functional.max_pool1d` of x [n, c, t], channels innermost in memory."""
     if x.ndim != 3 or any(rest) or any(named.values()):  # rounded up, or with indices
-        return functional.max_pool1d(x, kernel_size, stride, padding, dilation, *rest, **named)
+        plain: Tensor = functional.max_pool1d(
+            x, kernel_size, stride, padding, dilation, *rest, **named
+        )
+        return plain
     stride = stride or kernel_size
     sizes = _pair(kernel_size, 1), _pair(stride, 1), _pair(padding, 0), _pair(dilation, 1)
     return functional.max_pool2d(_tall(x), *sizes).squeeze(2)
