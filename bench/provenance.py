@@ -7,10 +7,11 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ DECISIVE_PACKAGES = (
 UNKNOWN = "unknown (not a git checkout)"
 SEAL = "content_sha256"
 _PATIENCE_S = 10
+_SETTLED_S = 2.0
 _SAYS, _THREADS = "says", "threads"
 _THREAD_PREFIXES = ("OMP_", "MKL_", "KMP_", "GOMP_", "OPENBLAS_", "BENCH_THREADS")
 _SET_BY_LIBRARIES = ("KMP_DUPLICATE_LIB_OK", "KMP_INIT_AT_FORK")  # when imported; no thread more
@@ -103,10 +105,12 @@ class _Says:
 
 
 def _asked(plugin: Plugin) -> _Says:
-    fresh = "torch" not in sys.modules
+    before = (
+        None if "torch" in sys.modules else _thread_settings()
+    )  # imports change the environment
     made = plugin.make()
-    if fresh and "torch" in sys.modules:
-        keep(_THREADS, _thread_settings(), _threads())
+    if before is not None and "torch" in sys.modules:
+        keep(_THREADS, before, _threads())
     with foreign(f"{plugin.name!r} cannot say what it rests on"):
         rests_on = getattr(made, "rests_on", ())
         if isinstance(rests_on, str) or not all(isinstance(name, str) for name in rests_on):
@@ -229,11 +233,32 @@ def _hash_sources(places: Iterable[Path], texts: Iterable[str] = ()) -> str:
     for text in texts:
         digest.update(text.encode() + b"\0")
     for place in sorted(places):
-        files = sorted(place.rglob("*")) if place.is_dir() else [place]
-        for file in (f for f in files if f.suffix in {".py", ".toml"} and f.is_file()):
-            digest.update(str(file.relative_to(place.parent)).encode() + b"\0")
-            digest.update(file.read_bytes())
+        above = len(str(place.parent))
+        for path in _sources(place):
+            digest.update(f"{path[above:]}\0{_source_digest(path)}".encode())
     return digest.hexdigest()[:16]
+
+
+def _sources(place: Path) -> list[str]:
+    """Return the source files of a folder in order, or a file itself."""
+    if not place.is_dir():
+        return [str(place)] if place.is_file() else []
+    found = (f"{at}{os.sep}{name}" for at, _, names in os.walk(place) for name in names)
+    return sorted(path for path in found if path.endswith((".py", ".toml")))
+
+
+def _source_digest(path: str) -> str:
+    """Return a file's hash, read again only where it has changed, or has only just."""
+    seen = os.stat(path)  # noqa: PTH116 - half a second sooner over the pairs of a board
+    unsettled = time.time() - seen.st_mtime < _SETTLED_S  # the clock's step may hide a change
+    moment = time.monotonic() if unsettled else 0.0
+    return _digest_as_of(path, (seen.st_mtime_ns, seen.st_size, seen.st_ino), moment)
+
+
+@lru_cache(maxsize=4096)
+def _digest_as_of(path: str, seen: tuple[int, int, int], moment: float) -> str:
+    del seen, moment
+    return file_sha256(Path(path))
 
 
 def commit(places: Iterable[str]) -> str:
