@@ -10,7 +10,7 @@ import pytest
 
 from backends import SCRATCH
 from backends.c import run
-from backends.c.compile import QUICK
+from backends.c.compile import PLAIN
 from bench.runner.scratch import scratch
 
 
@@ -32,9 +32,9 @@ def test_the_same_source_is_compiled_once_in_a_run(built, compiled) -> None:
     source = run.generate(built("none", "fp32").path, "fp32")
     rows = np.ones((3, run.row_width(source)), np.float32)
     with scratch():
-        first, second = run.load(source, QUICK), run.load(source, QUICK)
+        first, second = run.load(source, PLAIN), run.load(source, PLAIN)
         assert len(compiled) == 1
-        run.load(source, (*QUICK, "-DUWB_PLAIN"))
+        run.load(source, (*PLAIN, "-DUWB_PLAIN"))
         assert len(compiled) == 2
         kept = Path(os.environ[SCRATCH])
         assert len(list(kept.iterdir())) == 2  # two libraries, nothing else left behind
@@ -46,8 +46,8 @@ def test_the_same_source_is_compiled_once_in_a_run(built, compiled) -> None:
 def test_outside_a_run_nothing_is_kept(built, compiled, monkeypatch) -> None:
     monkeypatch.delenv(SCRATCH, raising=False)
     source = run.generate(built("none", "fp32").path, "fp32")
-    run.load(source, QUICK)
-    run.load(source, QUICK)
+    run.load(source, PLAIN)
+    run.load(source, PLAIN)
     assert len(compiled) == 2
     assert not any(folder.exists() for folder in compiled)
 
