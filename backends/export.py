@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from importlib import import_module
 from io import BytesIO
@@ -91,12 +91,23 @@ def _kept(request: _Request) -> Exported:
 
 
 def _export(request: _Request) -> Exported:
-    inputs, module = inputs_of(request.module, request.width), request.module
+    inputs = inputs_of(request.module, request.width)
     with quiet(), _no_collecting():
+        program = _traced(replace(request, rewrite=None)) if request.digest else _trace(request)
         if request.rewrite is not None:
-            module = as_module(export_program(module, inputs))
+            module = as_module(program.run_decompositions({}))
             request.rewrite(module)
-        return _to_onnx(_program(module, inputs), inputs)
+            program = _program(module, inputs)
+        return _to_onnx(program, inputs)
+
+
+@lru_cache(maxsize=4)  # the rewritten form follows the plain one
+def _traced(request: _Request) -> ExportedProgram:
+    return _trace(request)
+
+
+def _trace(request: _Request) -> ExportedProgram:
+    return _program(request.module, inputs_of(request.module, request.width))
 
 
 class _Fingerprint(pickle.Pickler):
@@ -117,13 +128,6 @@ def _digest(module: nn.Module) -> str | None:
     except (pickle.PicklingError, AttributeError, TypeError, RuntimeError):
         return None
     return hashlib.sha256(stream.getvalue()).hexdigest()
-
-
-def export_program(module: nn.Module, inputs: Sequence[Input]) -> ExportedProgram:
-    """Return the module, in eval mode, as a program of core operators with a free batch size."""
-    with quiet():
-        decomposed: ExportedProgram = _program(module, inputs).run_decompositions({})
-    return decomposed
 
 
 def _program(module: nn.Module, inputs: Sequence[Input]) -> ExportedProgram:

@@ -118,8 +118,13 @@ def _asked(plugin: Plugin) -> _Says:
         key = made.cache_key() if hasattr(made, "cache_key") else ""
         depends = bool(getattr(made, "bits_depend_on_threads", True))
     if plugin.built_in and not key:  # ours read nothing else: what they say changes with the code
-        keep(_SAYS, _source_of(plugin), [list(rests_on), depends])
+        _keep_says(cache_dir(), *_source_of(plugin), tuple(rests_on), depends)
     return _Says(tuple(rests_on), str(key), depends)
+
+
+@lru_cache(maxsize=256)  # asked for every pair, written once
+def _keep_says(_: Path, target: str, model: str, rest: str, rests_on: Any, depends: bool) -> None:
+    keep(_SAYS, [target, model, rest], [list(rests_on), depends])
 
 
 def _said_before(plugin: Plugin) -> _Says | None:

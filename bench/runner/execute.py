@@ -76,7 +76,7 @@ def _made_ahead(
 ) -> Iterator[Outcomes]:
     import torch
 
-    shared = Shared(plan, material, folder, torch.get_num_threads())
+    shared = Shared(plan, material.sent(), folder, torch.get_num_threads())
     with groups_ahead(groups, shared, spread or Spread(threads()), watch) as ahead:
         for model, seed in product(plan.models, plan.seeds):
             found = ahead.arrived(model, seed)

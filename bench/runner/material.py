@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bench.recordings.open import Table, open_recordings, read
 from bench.recordings.sources.base import Source
 from bench.recordings.splits import Split, default_split, make_split
-from bench.recordings.table import Recordings
+from bench.recordings.table import CIR_COLUMNS, Recordings
 from bench.recordings.window import CirWindow, cir_window
 
 
@@ -34,6 +34,11 @@ class Material:
     links: NDArray[np.str_]
     split: Split
     dropped: dict[str, int]
+
+    def sent(self) -> Material:
+        """Return what another process needs: without the CIRs as recorded, half of the bytes."""
+        slim = self.recordings.frame.drop(columns=list(CIR_COLUMNS), errors="ignore")
+        return replace(self, recordings=replace(self.recordings, frame=slim))
 
 
 def load_material(

@@ -82,7 +82,7 @@ def fits_ahead(
     spread = spread or _by_size(material, [fit for fit, _ in missing])
     if not spread.spreads:
         missing = []  # the run fits them itself, when it needs them
-    done = spread.map(fitted, material, [fit for fit, _ in missing])
+    done = spread.map(fitted, material.sent(), [fit for fit, _ in missing])
     try:
         yield FitsAhead(dict(enumerate(missing)), done, watch)
     finally:

@@ -113,3 +113,19 @@ def test_a_guarded_model_has_a_name_of_its_own_and_floors_stay(quick: None, tmp_
     guarded = scores["gp+guard"]
     assert guarded is not None
     assert guarded.mae_m.value <= guarded.raw_mae_m + 0.02
+
+
+def test_what_is_sent_to_another_process_has_the_same_rows_without_recorded_cirs() -> None:
+    rng = np.random.default_rng(0)
+    whole = table()
+    cirs = list(rng.rayleigh(50.0, (len(whole), 157)).astype(np.float32))
+    here = load_material(
+        Recordings(whole.frame.assign(cir=cirs, first_path_index=5.0), "t"), "link-kfold:2"
+    )
+    there = here.sent()
+    assert "cir" not in there.recordings.frame
+    assert there.fingerprint == here.fingerprint
+    for model in (REMnet, ConstantByLevel, GradientBoosting):
+        assert missing(there, model) is None
+        same = rows_for(there, model.reads), rows_for(here, model.reads)
+        assert np.array_equal(*same, equal_nan=True)
