@@ -37,7 +37,7 @@ _SET_BY_LIBRARIES = ("KMP_DUPLICATE_LIB_OK", "KMP_INIT_AT_FORK")  # when importe
 _SCORING = (
     *("bench/measure/metrics.py", "bench/recordings/window.py", "bench/recordings/splits.py"),
     *("bench/runner/evaluate.py", "bench/runner/material.py", "bench/runner/further.py"),
-    *("bench/recordings/combine.py", "bench/recordings/draws.py"),
+    *("bench/recordings/combine.py", "bench/recordings/draws.py", "bench/runner/rounding.py"),
 )
 
 

@@ -16,6 +16,7 @@ from bench.results import Score
 from bench.runner.failure import DeclinedError
 from bench.runner.inputs import rows_for
 from bench.runner.material import Material
+from bench.runner.rounding import why_useless
 
 if TYPE_CHECKING:
     from backends.base import Artifact, Backend, TrainingData
@@ -91,7 +92,18 @@ def _build(
             f"its files are opened with {made.opener!r}, but the backend class declares "
             f"opener = {declares!r}; expected the same"
         )
+    _check_use(model, made, data)
     return made
+
+
+def _check_use(model: MitigationModel, made: Artifact, data: TrainingData) -> None:
+    """Raise DeclinedError where rounding has left nothing of use."""
+    try:
+        useless = why_useless(model, made, data)
+    except ValueError as problem:
+        raise BenchError(f"its artifact gives no answer: {problem}") from problem
+    if useless is not None:
+        raise DeclinedError(useless)
 
 
 def _answers(run: Callable[[Floats], Floats], inputs: Floats) -> Floats:
