@@ -74,6 +74,15 @@ def add_tail(made: Parts, first: Reals, taps: Parts, pulses: Reals) -> None:
                 target[part] += weight * source[part]
 
 
+def decay_rows(made: Reals, starts: Floats, kept: Floats) -> None:
+    """Write to `made` [n, G] the `starts` [n, G], each decaying by `kept` [n] from tap to tap."""
+    for row in range(made.shape[0]):
+        level = 0.0
+        for tap in range(made.shape[1]):
+            level = starts[row, tap] + kept[row] * level
+            made[row, tap] = level
+
+
 def filter_rows(made: Parts, values: Parts, lags: Ints, real: Reals, imag: Reals) -> None:
     """Write to `made` [n, 2 S] the sum over taps of (real + i imag) x `values` later by lag."""
     samples = values.shape[1] // 2

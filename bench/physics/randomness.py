@@ -7,6 +7,7 @@ a simulator with and without it can be compared on common random numbers.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from zlib import crc32
@@ -55,8 +56,13 @@ class Draws:
 
         `draw` numbers independent draws for the same groups.
         """
-        key = crc32(f"{self.seed}/{self.replicate}/{self.name}/{draw}".encode())
-        mixed = _splitmix(hashes ^ _splitmix(np.full(1, key, np.uint64)))
+        return self.group_uniforms(hashes, (draw,))[0]
+
+    def group_uniforms(self, hashes: NDArray[np.uint64], draws: Sequence[int]) -> Floats:
+        """Return `group_uniform` of several draws, one after the other along the first axis."""
+        about = f"{self.seed}/{self.replicate}/{self.name}/"
+        keys = np.array([crc32(f"{about}{draw}".encode()) for draw in draws], np.uint64)
+        mixed = _splitmix(hashes ^ _splitmix(keys).reshape(-1, *np.ones(hashes.ndim, np.intp)))
         return (np.asarray(mixed >> np.uint64(11), np.float64) + 0.5) / 2.0**53
 
     def group_normal(self, hashes: NDArray[np.uint64], draw: int = 0) -> Floats:

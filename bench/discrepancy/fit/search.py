@@ -132,10 +132,11 @@ def valued(kind: type[Effect], values: dict[str, float]) -> Effect:
     return kind.from_values({k: round(v) if k in whole else v for k, v in values.items()})
 
 
-def refine(objective: Objective, start: Fitted, evaluations: int = EVALUATIONS) -> Fitted:
+def refine(objective: Objective, start: Fitted, evaluations: int | None = None) -> Fitted:
     """Return the local optimum near `start` (see `pursue` for what many parameters need)."""
     if not objective.free:
         return start
+    evaluations = evaluations or EVALUATIONS
     if objective.view.waveform:
         evaluations = max(evaluations, EVALUATIONS_PER_PARAMETER * len(objective.free))
     return _descended(objective, start, evaluations)

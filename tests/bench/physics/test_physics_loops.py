@@ -71,6 +71,13 @@ def test_the_first_edge_rises_at_half_its_peak(run) -> None:
 
 
 @pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
+def test_starts_decay_from_tap_to_tap(run) -> None:
+    made, starts = np.empty((2, 4), np.float32), np.array([[1.0, 0, 2, 0], [0, 1, 0, 0]])
+    run(loops.decay_rows)(made, starts, np.array([0.5, 0.1]))
+    np.testing.assert_allclose(made, [[1, 0.5, 2.25, 1.125], [0, 1, 0.1, 0.01]], rtol=1e-6)
+
+
+@pytest.mark.parametrize("run", [lambda loop: loop, loops.compiled], ids=["python", "compiled"])
 def test_crops_begin_where_they_are_told(run) -> None:
     values, made = np.arange(20, dtype=np.float32).reshape(2, 10), np.empty((2, 4), np.float32)
     run(loops.crop_rows)(made, values, np.array([0, 6]))

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.loops import compiled, decay_rows
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import Complexes, Floats, Reals, amplitude, decibel
@@ -95,13 +97,14 @@ class DiffuseTail(Effect):
         period = batch.sample_period_ns
         starts = np.zeros((len(links), taps))
         arrival = np.zeros(len(links))
+        drawn = draws.group_uniforms(links, range(2 * _CLUSTERS))
+        level = 10 ** (self.cluster_sigma_db * ndtri(drawn[::2]) / 10)
+        gap = -np.log(drawn[1::2]) / self.cluster_rate
         for cluster in range(_CLUSTERS):
-            level = self.cluster_sigma_db * draws.group_normal(links, 2 * cluster)
             power = np.exp(-arrival / (self.cluster_decay_ns * scale[first]))
             at = np.minimum(arrival / period, taps - 1).astype(np.intp)
-            starts[np.arange(len(links)), at] += power * 10 ** (level / 10)
-            gap = -np.log(draws.group_uniform(links, 2 * cluster + 1)) / self.cluster_rate
-            arrival = arrival + gap
+            starts[np.arange(len(links)), at] += power * level[cluster]
+            arrival = arrival + gap[cluster]
         power = _decayed(starts, self.ray_decay_ns * scale[first] / period)
         power /= np.sum(power, axis=1, keepdims=True)
         return np.sqrt(power, out=power)[place]
@@ -116,12 +119,8 @@ def in_the_open(rows: Scene) -> NDArray[np.bool_]:
 
 def _decayed(starts: Floats, decay_taps: Floats) -> Reals:
     """Return each row of `starts` followed by exponential decay over `decay_taps` [n] taps."""
-    from scipy.signal import lfilter  # slow to import, and `bench export` has no use for it
-
     made = np.empty(starts.shape, np.float32)
-    for decay in np.unique(decay_taps):
-        rows = decay_taps == decay
-        made[rows] = lfilter([1.0], [1.0, -np.exp(-1 / decay)], starts[rows], axis=1)
+    compiled(decay_rows)(made, starts, np.exp(-1 / decay_taps))
     return made
 
 
