@@ -56,7 +56,7 @@ class Draws:
 
         `draw` numbers independent draws for the same groups.
         """
-        return self.group_uniforms(hashes, (draw,))[0]
+        return np.asarray(self.group_uniforms(hashes, (draw,))[0])
 
     def group_uniforms(self, hashes: NDArray[np.uint64], draws: Sequence[int]) -> Floats:
         """Return `group_uniform` of several draws, one after the other along the first axis."""
