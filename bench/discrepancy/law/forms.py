@@ -138,11 +138,13 @@ def _periods(column: Column) -> Floats:
 def _goes_round(values: Floats, period: float) -> bool:
     """Return whether sorted values [n] are at several phases of a period.
 
-    Places a metre apart are all at one phase of a metre: what they show of it is something slower.
+    Places a metre apart are all at one phase of a metre, and at two of two metres: what they show
+    of it is something slower (Nyquist).
     """
     if values[-1] - values[0] < LAW_FEW_TURNS * period:
         return True
-    return bool(abs(np.exp(1j * TURN * values / period).mean()) < LAW_ONE_PHASE)
+    turns = np.exp(1j * TURN * values / period)
+    return bool(max(abs(turns.mean()), abs((turns**2).mean())) < LAW_ONE_PHASE)
 
 
 def _harmonics(column: Column) -> Floats:
