@@ -77,20 +77,17 @@ Pair = tuple[float, float]
 class Served:
     """What some effects do for held-out links: gain in nats, and whether ranges are farther.
 
-    `missed_m` is the mean |recorded - simulated| range error with them; `hardly_seen`: the effects
-    are such that a mean score hardly sees.
+    `missed_m` is the mean |recorded - simulated| range error with them.
     """
 
     gain: Estimate
     farther: bool
     missed_m: float
-    hardly_seen: bool = False
 
     @property
     def serves(self) -> bool:
         """Whether score and typical range error are no worse than without any."""
-        gained = self.gain.high if self.hardly_seen else self.gain.value
-        return gained > 0 and not self.farther
+        return self.gain.value > 0 and not self.farther
 
     @property
     def rank(self) -> tuple[bool, bool, float]:

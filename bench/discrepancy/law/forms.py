@@ -14,6 +14,7 @@ from bench.discrepancy.law.settings import (
     LAW_CYCLES,
     LAW_FEW_TURNS,
     LAW_HARMONICS,
+    LAW_NYQUIST,
     LAW_ONE_PHASE,
     LAW_POWER_BOUNDS,
     LAW_POWERS,
@@ -132,19 +133,20 @@ def _periods(column: Column) -> Floats:
     span = float(known[-1] - known[0])
     most = min(LAW_CYCLES[1], len(known) / 2)
     every = span / np.arange(LAW_CYCLES[0], max(most, LAW_CYCLES[0] + 1), LAW_CYCLE_STEP)
-    return every[[_goes_round(known, period) for period in every]]
+    return every[every > LAW_NYQUIST * _spacing(known, float(every[-1]) / LAW_NYQUIST)]
 
 
-def _goes_round(values: Floats, period: float) -> bool:
-    """Return whether sorted values [n] are at several phases of a period.
+def _spacing(values: Floats, least: float) -> float:
+    """Return the spacing of sorted places [n] that lie on a grid, 0 where it is below `least`.
 
-    Places a metre apart are all at one phase of a metre, and at two of two metres: what they show
-    of it is something slower (Nyquist).
+    Places a metre apart show no period of less than two metres: it would be something slower
+    (Nyquist).
     """
-    if values[-1] - values[0] < LAW_FEW_TURNS * period:
-        return True
-    turns = np.exp(1j * TURN * values / period)
-    return bool(max(abs(turns.mean()), abs((turns**2).mean())) < LAW_ONE_PHASE)
+    span = float(values[-1] - values[0])
+    short = span / np.arange(LAW_FEW_TURNS, span / least, LAW_CYCLE_STEP)
+    lengths = [abs(np.exp(1j * TURN * values / period).mean()) for period in short]
+    return float(max((p for p, r in zip(short, lengths, strict=True) if r > LAW_ONE_PHASE),
+                     default=0.0))  # fmt: skip
 
 
 def _harmonics(column: Column) -> Floats:

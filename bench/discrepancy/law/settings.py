@@ -34,6 +34,7 @@ LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and la
 LAW_CYCLES: Final = (0.75, 60.0)  # of a period within the span of the rows [convention]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
+LAW_NYQUIST: Final = 2.1  # spacings of the places, that a period is longer than [derived]
 LAW_FEW_TURNS: Final = 3.0  # of a period within the span, below which phases are few [convention]
 LAW_HARMONICS: Final = (1, 2, 3, 4)  # of an angle [source: antenna patterns are smooth]
 LAW_DESCENT: Final = 14  # evaluations of a place, power or period [cost]

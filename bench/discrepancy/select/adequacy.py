@@ -32,7 +32,7 @@ from bench.discrepancy.select.predictive_cells import (
     typical_size,
 )
 from bench.discrepancy.select.settings import OF_LINKS_DB, OF_LINKS_SHARE
-from bench.discrepancy.select.within_links import of_links
+from bench.discrepancy.select.within_links import drawn_by_rows, of_links
 from bench.discrepancy.settings import (
     ADEQUACY_ALPHA,
     ADEQUACY_BROUGHT,
@@ -105,6 +105,8 @@ def adequacy(
         return Adequacy(False, 1.0, note=words)
     places, weights = zip(*predictive_places(views), strict=True)
     crowding = max(comparison.crowding(view) for view in views)
+    if not views[0].waveform and (words := link_by_link(whole, rest)):
+        return Adequacy(False, 1.0, note=words)
     parts = kept(whole, names), kept(rest, names)
     found = judged(*parts, places, np.stack(weights, 1), crowding)
     if not found.adequate or not views[0].waveform:
@@ -126,6 +128,24 @@ def row_by_row(whole: Ensemble, rest: Ensemble) -> str:
         share, error = of_links(rest, name)
         if share + ONE_SIDED_95 * error < OF_LINKS_SHARE:
             return f"rows of one link have only {share:.0%} of the change of {name} in common"
+    return ""
+
+
+def link_by_link(whole: Ensemble, rest: Ensemble) -> str:
+    """Return in words that links keep a change of level, where `whole` has every row draw its own.
+
+    Fading scatters rows of one place; an obstacle, or a reflection of the ground, does not.
+    """
+    for name in LEVELS:
+        if name not in whole.names or name not in rest.names:
+            continue
+        change = whole.simulated_of(name) - rest.simulated_of(name)
+        small = float(np.nanmean(np.abs(change))) < OF_LINKS_DB
+        if small or not drawn_by_rows(change, whole.links):
+            continue
+        share, error = of_links(rest, name)
+        if share - ONE_SIDED_95 * error > OF_LINKS_SHARE:
+            return f"rows of one link have {share:.0%} of the change of {name} in common"
     return ""
 
 

@@ -259,6 +259,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         return f"{name} gains most, but it is there too in {option.control.words}"
     if untold(option):
         return f"looks most like {name}, but none of its values is told from zero"
+    if not search.fit.waveform and undetermined(option):
+        return f"looks most like {name}, but these recordings determine none of its values"
     if option.effect is effect:
         return ""
     found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
@@ -278,6 +280,16 @@ def untold(option: LeftOut) -> bool:
     return bool(sizes) and not any(
         one.determined and not one.low <= null <= one.high for one, null in sizes
     )
+
+
+def undetermined(option: LeftOut) -> bool:
+    """Return whether recordings leave every size of an effect anywhere within its bounds.
+
+    Whatever it gains, something else would gain as much: a level that is off everywhere, say.
+    """
+    nulls = {p.name for p in option.effect.parameters() if p.null is not None}
+    sizes = [one for one in option.parameters if one.name in nulls]
+    return bool(sizes) and not any(one.determined for one in sizes)
 
 
 def _refuted(turn: Round, note: str) -> Unknown:

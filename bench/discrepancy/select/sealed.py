@@ -23,23 +23,27 @@ def unrefused(
     """Return the selection and the unnamed effects without what sealed links refuse.
 
     One effect after the other goes, as long as score or ranges are worse with the rest than
-    without any: the one without which they are best. Where a mean score hardly sees what is left,
-    which other evidence speaks for, it must be worse beyond chance.
+    without any: the one without which they are best. What a mean score hardly sees, as it strikes
+    few links, keeps its name unless it is worse beyond chance.
     """
     added = (*found.added, *more)
-    hardly_seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
     step = Guard().safely("sealed links", served, None)
 
     def change(some: Added) -> Served | None:
-        made = step(comparison, sealed, some, seed)
-        return made and replace(made, hardly_seen={e.name for e in some} <= hardly_seen)
+        return step(comparison, sealed, some, seed)
 
-    kept = _serving(added, change)
-    names = {effect.name for effect in kept}
+    names = {effect.name for effect in _serving(added, change)}
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    return _taken_back(found, gone, sealed), tuple(one for one in more if one.name in names)
+    seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
+    held = {e.physics for e in gone if e.name in seen and not _surely_worse(change((e,)))}
+    return _taken_back(found, gone, sealed, held), tuple(e for e in more if e.name in names)
+
+
+def _surely_worse(found: Served | None) -> bool:
+    """Return whether an effect makes held-out links worse beyond chance."""
+    return found is not None and (found.farther or found.gain.high <= 0)
 
 
 def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:
@@ -54,10 +58,11 @@ def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:
     return kept
 
 
-def _taken_back(found: Selection, gone: Added, sealed: View) -> Selection:
-    """Return the selection without refused effects; a name that a mark speaks for stays."""
+def _taken_back(found: Selection, gone: Added, sealed: View, held: set[str]) -> Selection:
+    """Return the selection without refused effects; names that are `held` or marked stay."""
     lost = {effect.physics for effect in gone}
-    wrong = [bool(lost & set(v.names[:1])) and not _bears(v, sealed) for v in found.verdicts]
+    bad = lost - held
+    wrong = [bool(bad & set(v.names[:1])) and not _bears(v, sealed) for v in found.verdicts]
     refused, stay = (
         tuple(v for v, bad in zip(found.verdicts, wrong, strict=True) if bad is asked)
         for asked in (True, False)

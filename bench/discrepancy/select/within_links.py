@@ -97,6 +97,17 @@ def of_links(ensemble: Ensemble, name: str) -> tuple[float, float]:
     return float(share), float((1 - share**2) / np.sqrt(links - 1.5))
 
 
+def drawn_by_rows(change: Floats, links: NDArray[np.intp]) -> bool:
+    """Return whether what an effect changes [m, n] is drawn for every row, not for every link."""
+    code = np.unique(links, return_inverse=True)[1]
+    several = np.bincount(code)[code] > 1
+    if not several.any() or not np.isfinite(change).all():
+        return False
+    parts = np.array([_components(one[several], code[several]) for one in change])
+    between, within = np.maximum(parts.mean(axis=0), 0.0)
+    return bool(within > between)
+
+
 def _components(values: Floats, code: NDArray[np.intp]) -> tuple[float, float]:
     """Return the variance between links and within them, of values [n] of links with 2 rows."""
     place, count = np.unique(code, return_inverse=True)[1], np.unique(code, return_counts=True)[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,11 +13,13 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.confirm import Served, headline, is_farther, served
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
-from bench.discrepancy.select.conclude import of_class
+from bench.discrepancy.select.conclude import of_class, undetermined
+from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.unnamed import unnamed
@@ -24,6 +27,7 @@ from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknow
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
+from bench.physics.effects.receiver.level_control import LevelControl
 
 DELAY, SCALE, LAG = AntennaDelay(), RangeScale(), TimeLag()
 ONE = Estimate(1, 0.5, 1.5)
@@ -67,13 +71,20 @@ def test_what_makes_sealed_links_worse_loses_its_name(monkeypatch: pytest.Monkey
     assert (nothing.names, nothing.added, len(nothing.verdicts)) == ((), (), 1)
 
 
-def test_what_a_score_hardly_sees_must_be_worse_beyond_chance() -> None:
-    for gain, high, hardly, serves in (
-        (-1, 1, False, False),
-        (-1, 1, True, True),
-        (-2, -1, True, False),
-    ):
-        assert Served(Estimate(gain, -3, high), False, 0.1, hardly).serves is serves
+@pytest.mark.parametrize(("high", "said"), [(1, True), (-1, False)])
+def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
+    monkeypatch: pytest.MonkeyPatch, high: float, said: bool
+) -> None:
+    judged = Served(Estimate(-2, -3, high), False, 0.1)
+    monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    found = selection()
+    strike = Strike(LAG, ONE, (), np.empty(0, np.intp))
+    found = replace(found, added=(LAG,), verdicts=(named(LAG),),
+                    rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}))
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said
 
 
 def test_of_three_causes_none_is_said() -> None:
@@ -82,6 +93,17 @@ def test_of_three_causes_none_is_said() -> None:
     assert [of_class(turn, options[:i]).names for i in (1, 2, 3)] == [
         ("antenna-delay",), ("antenna-delay", "range-scale"), (),
     ]  # fmt: skip
+
+
+def test_a_cause_of_which_no_size_is_determined_is_no_name() -> None:
+    sizes = [ParameterEstimate(n, 1.0, 0.0, 1.5, "ratio", determined=False)
+             for n in ("compression", "accumulation")]  # fmt: skip
+    made = LeftOut(LevelControl(), tuple(sizes), ONE, 1.0, Control("", None))
+    assert undetermined(made)
+    assert not undetermined(
+        replace(made, parameters=(replace(sizes[0], determined=True), sizes[1]))
+    )
+    assert not undetermined(named(LAG))
 
 
 class Striking:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select.adequacy import row_by_row
+from bench.discrepancy.select.adequacy import link_by_link, row_by_row
 from bench.discrepancy.select.within_links import of_links
 
 LINKS, ROWS, MEMBERS = 40, 2, 6
@@ -40,3 +40,15 @@ def test_fading_from_row_to_row_is_no_obstacle() -> None:
         rest, whole = (levels(of_link_db, of_row_db, fitted) for fitted in (0, 6))
         assert bool(row_by_row(whole, rest)) is refused
         assert row_by_row(rest, rest) == ""  # it does not change levels at all
+
+
+def test_what_links_keep_is_no_fading() -> None:
+    rng = np.random.default_rng(8)
+    for of_link_db, of_row_db, refused in ((5, 0.5, True), (0.5, 5, False)):
+        rest = levels(of_link_db, of_row_db)
+        by_rows, by_links = (np.array(rest.versions) for _ in range(2))
+        by_rows[1:] += 5 * rng.normal(size=by_rows[1:].shape)
+        by_links[1:, :, 0] += 5 * rng.normal(size=(MEMBERS, LINKS))[:, LINK]
+        fading, obstacle = (Ensemble(rest.names, rest.units, v, LINK) for v in (by_rows, by_links))
+        assert bool(link_by_link(fading, rest)) is refused
+        assert link_by_link(obstacle, rest) == ""
