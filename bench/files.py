@@ -62,10 +62,20 @@ def write_atomically(target: Path, content: str | bytes) -> None:
 def check_output(target: Path) -> None:
     """Raise WriteError, before any work is done, where `target` could never be written."""
     try:
-        _regular_target(target)
+        _check_folder(_regular_target(target).parent)
     except (OSError, ValueError) as problem:
         said = problem.strerror if isinstance(problem, OSError) else None
         raise WriteError(f"cannot write {target}: {said or problem}") from problem
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise ValueError where a folder is none, or no file can be made in it."""
+    while not os.path.lexists(folder) and folder != folder.parent:
+        folder = folder.parent
+    if not folder.is_dir():
+        raise ValueError(f"{folder} is a file, expected a folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ValueError(f"{folder} is read-only")
 
 
 def _regular_target(target: Path) -> Path:

@@ -13,6 +13,7 @@ from bench.runner.count_models import CountRow
 from bench.runner.counting import Counted
 
 NARROW = ("device", "network", "how", "cycles\n(M)", "latency\n(ms)", "energy\n(mJ)", "flash\n(KB)")
+FAR = 3.0  # times the count: more than flash waits and other compilers were seen to do
 NOTE = (
     "counted: instructions exact in an emulator, cycles by the core's table; brackets: its low and "
     "high ends with the part's wait states. Energy: from data sheets."
@@ -26,8 +27,20 @@ def print_rows(rows: Sequence[CountRow], board: Measured | None) -> None:
     for row in rows:
         say(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
     counted = [row.counted for row in rows if row.counted is not None]
+    if board is not None and counted and (doubt := _doubt(counted[0], board)):
+        say(doubt)
     if len(counted) == 1:
         _print_details(counted[0])
+
+
+def _doubt(one: Counted, board: Measured) -> str | None:
+    """Return a line where a board's cycles are far from the count, None where they are near."""
+    share = board.mean / one.figure.cycles.value
+    if 1 / FAR < share < FAR:
+        return None
+    return (
+        f"{board.file}: {share:.3g} of the cycles counted: is it of this model and part, in cycles?"
+    )
 
 
 def rows_as_json(rows: Sequence[CountRow], board: Measured | None) -> None:

@@ -11,19 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.base import Artifact
-from backends.graph_file import load_graph
-from backends.inputs import graph_inputs
 from bench.errors import BenchError
 from bench.export.built import kept_built
 from bench.files import read_json
 from bench.plugins import Plugin, find
 from bench.results import RunRecord, from_json
-from bench.runner.finished import artifact_of
+from bench.runner.finished import artifact_of, check_width, inputs_of
 from bench.runner.folder import ResultFolder
 from bench.runner.held_out import held_out, keep_held_out, kept_held_out
 from bench.runner.keys import Head, head_of, run_key
 from bench.runner.repeated import question_of, recalled, remember
-from zoo.inputs import blocks_of
 
 if TYPE_CHECKING:
     from bench.runner.material import Material
@@ -132,24 +129,19 @@ def _made(asked: Asked, material: Material, tell: Tell) -> Artifact:
 
 def _unread(artifact: Artifact, model: str, backend: str, head: Head) -> Chosen | None:
     """Return the choice with the rows that were kept of these recordings, None without them."""
-    rows = kept_held_out(head, _reads(artifact))
+    inputs = inputs_of(artifact)
+    rows = kept_held_out(head, [one.name for one in inputs])
     if rows is None:
         return None
+    check_width(artifact, inputs, rows.shape[1])
     return Chosen(artifact, model, backend, head.name, head.simulated, rows)
 
 
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
-    reads = _reads(artifact)
+    inputs = inputs_of(artifact)
+    reads = [one.name for one in inputs]
     keep_held_out(material, reads, again=True)
+    rows = held_out(material, reads)
+    check_width(artifact, inputs, rows.shape[1])
     simulated = bool(material.recordings.simulated)
-    return Chosen(artifact, model, backend, material.name, simulated, held_out(material, reads))
-
-
-def _reads(artifact: Artifact) -> list[str]:
-    """Return the names of a file's inputs. Raises BenchError where it is no model of the bench."""
-    try:
-        names = [one.name for one in graph_inputs(load_graph(artifact.path))]
-        blocks_of(names)
-    except (ValueError, IndexError) as problem:
-        raise BenchError(f"{artifact.path}: no model of the bench: {problem}") from problem
-    return names
+    return Chosen(artifact, model, backend, material.name, simulated, rows)

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.errors import BenchError, foreign
 from bench.measure.counting.compile import Which
 from bench.measure.profile import Profile
 from bench.plugins import Plugin
 from bench.results import Cost, RunRecord
 from bench.runner.counting import ROWS, Counted, Floats, count_artifact, recorded_rows
-from bench.runner.finished import artifact_of, finished_runs, newest
+from bench.runner.finished import artifact_of, check_width, finished_runs, inputs_of, newest
 from bench.runner.fits import fit_fold
 from bench.runner.inputs import missing, rows_for
 from bench.runner.material import Material, load_material
@@ -146,20 +146,19 @@ def _from_files(
     try:
         found = newest(runs, model.name, backend.name, material)
         artifact = artifact_of(found, results)
+        rows = recorded_rows(*_test_rows(material, artifact), plan.rows)
     except BenchError as problem:
         yield from _all(plan, model.name, str(problem))
         return
-    yield from _counted(plan, artifact, recorded_rows(*_test_rows(material, artifact), plan.rows))
+    yield from _counted(plan, artifact, rows)
 
 
 def _test_rows(material: Material, artifact: Artifact) -> tuple[Floats, NDArray[np.intp]]:
     """Return the inputs [n, width] that a file reads, and the positions of its test rows."""
-    from backends.graph_file import load_graph
-    from backends.inputs import graph_inputs
-
-    fold = material.split.folds[0]
-    names = [one.name for one in graph_inputs(load_graph(artifact.path))]
-    return rows_for(material, names), np.concatenate([fold.test_nlos, fold.test_los])
+    fold, inputs = material.split.folds[0], inputs_of(artifact)
+    rows = rows_for(material, [one.name for one in inputs])
+    check_width(artifact, inputs, rows.shape[1])
+    return rows, np.concatenate([fold.test_nlos, fold.test_los])
 
 
 def _all(plan: CountPlan, model: str, reason: str) -> Iterator[CountRow]:
@@ -189,9 +188,12 @@ def _rows(
 
 def _counted(plan: CountPlan, artifact: Artifact, rows: Floats) -> Iterator[CountRow]:
     """Yield a row per part, its names left empty; parts with the same core are counted once."""
-    from backends.cost import graph_cost
-
-    cost = cost_record(graph_cost(artifact.path))
+    try:
+        cost = _cost(artifact)
+    except BenchError as problem:
+        for profile in plan.profiles:
+            yield CountRow("", "", profile.name, None, str(problem))
+        return
     by_core: dict[str, list[Profile]] = {}
     for profile in plan.profiles:
         by_core.setdefault(profile.core, []).append(profile)
@@ -203,6 +205,19 @@ def _counted(plan: CountPlan, artifact: Artifact, rows: Floats) -> Iterator[Coun
             found, reason = [None] * len(profiles), str(problem)
         for profile, one in zip(profiles, found, strict=True):
             yield CountRow("", "", profile.name, one, reason, artifact.precision, cost)
+
+
+def _cost(artifact: Artifact) -> Cost:
+    """Return what an estimate is made from. Raises BenchError for a file that cannot be run.
+
+    What is hostile is refused before the runtime sees it.
+    """
+    from backends.c.reading import check, load_checked
+    from backends.cost import graph_cost
+
+    with foreign("its file cannot be run"):
+        check(load_checked(artifact.path))
+        return cost_record(graph_cost(artifact.path))
 
 
 def _build(

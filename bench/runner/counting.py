@@ -15,6 +15,7 @@ from bench.measure.counting.compile import Which
 from bench.measure.profile import Profile
 from bench.results import CountRecord, Estimate
 from bench.runner.records import now_utc
+from bench.text import one_line
 
 if TYPE_CHECKING:
     from backends.base import Artifact
@@ -67,7 +68,7 @@ def count_artifact(
     Raises BenchError where a part has no core, tools are missing, C cannot be written for the
     file, or an answer differs from this machine's by more than a millimetre.
     """
-    expected_m = artifact.predict(rows)
+    expected_m = _answers(artifact, rows)
     counts: dict[str, tuple[Count, Agreement]] = {}
     found = []
     for profile in profiles:
@@ -76,6 +77,14 @@ def count_artifact(
         count, agreement = counts[profile.core]
         found.append(Counted(count, figure_of(count, profile), agreement))
     return found
+
+
+def _answers(artifact: Artifact, rows: Floats) -> Floats:
+    """Return what this machine gives. Raises BenchError where the file does not run."""
+    try:
+        return artifact.predict(rows)
+    except ValueError as problem:
+        raise BenchError(one_line(str(problem))) from problem
 
 
 def count_record(counted: Counted, artifact_sha256: str) -> CountRecord:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from bench.files import read_json
 from bench.plugins import find
 from bench.provenance import file_sha256
 from bench.results import RunRecord, from_json
+from zoo.inputs import Input, blocks_of
 
 if TYPE_CHECKING:
     from backends.base import Artifact
@@ -53,3 +55,28 @@ def newest(runs: list[RunRecord], model: str, backend: str, material: Material) 
             return record
         raise BenchError(record.reason or "it was skipped")
     raise BenchError(f"no finished run of {model} on {backend} with these recordings and split")
+
+
+def inputs_of(artifact: Artifact) -> tuple[Input, ...]:
+    """Return the inputs of a model file. Raises BenchError where it is no model of the bench."""
+    from backends.graph_file import load_graph
+    from backends.inputs import graph_inputs
+
+    try:
+        found = graph_inputs(load_graph(artifact.path))
+        blocks_of([one.name for one in found])
+    except IndexError:
+        raise BenchError(f"{artifact.path}: an input is not [n, width]") from None
+    except ValueError as problem:
+        said = str(problem).removeprefix(f"{artifact.path}: ")
+        raise BenchError(f"{artifact.path}: no model of the bench: {said}") from problem
+    return found
+
+
+def check_width(artifact: Artifact, inputs: Iterable[Input], width: int) -> None:
+    """Raise BenchError where a file takes other rows than these recordings have."""
+    takes = sum(one.width for one in inputs)
+    if takes != width:
+        raise BenchError(
+            f"{artifact.path}: takes {takes} values a row, the recordings have {width}"
+        )
