@@ -24,6 +24,7 @@ from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
+from bench.discrepancy.joint import turn as waves
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
@@ -32,10 +33,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.marks import marked, with_marks
-from bench.discrepancy.select.range_part import with_range_part
-from bench.discrepancy.select.recorder import recorder_fault, spoilt
+from bench.discrepancy.select.marks import with_marks
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone
@@ -245,18 +243,17 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
     Where a column was set aside by mistake, nothing but that is said.
     """
     journal = journal or Journal()
-    state = State(search, Guard().safely("marks", marked, ())(search))
-    fault = state.guard.safely("recorder", recorder_fault, "")(search)
+    state = State(search)
+    if search.fit.waveform:
+        return waves.selected(state, journal)
     for turn in journal.rounds(MOST_ROUNDS):
         search.progress(f"searching (round {turn + 1})")
         state = one_round(state, turn, journal)
         if state.search.choice.mistaken:
             return Selection((), (), (), mistaken=state.search.choice.mistaken)
-        if fault and state.rounds and state.rounds[0].located.significant:
-            return spoilt(state, fault)
         if state.finished:
             break
-    return concluded(with_range_part(state, journal), journal)
+    return concluded(state, journal)
 
 
 def one_round(state: State, turn: int, journal: Journal) -> State:

@@ -63,14 +63,14 @@ def verdicts(
         if known and _within_forms(search, _share(search, _since_struck(rounds), added)):
             return known
         return (*known, _doubted(rounds, doubts))
-    if not added and not _real(search, last):
+    if not added and not real(search, last):
         return struck or (NoMismatch(last.located.detectable, last.located.p),)
     share = _share(search, _since_struck(rounds), added)
     unexplained = last.located.significant and last.added is None
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
-    worth = worth or (not added and not last.strike and _real(search, last))
+    worth = worth or (not added and not last.strike and real(search, last))
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         seen = _marked(search, _named(search, rounds, added, whole or added, share))
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
@@ -124,7 +124,7 @@ def _struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Ver
     )
 
 
-def _real(search: Search, last: Round) -> bool:
+def real(search: Search, last: Round) -> bool:
     """Return whether a located mismatch holds up where nothing was added.
 
     Something can be removed on held-out links, or the search leaves no doubt by itself, or links
@@ -228,7 +228,7 @@ def _named(
             )
             same = (same[0], *held)
         options = tuple(
-            _left_out(search, turn, effect if i == 0 else c.effect, c.gain, whole, share)
+            left_out(search, turn, effect if i == 0 else c.effect, c.gain, whole, share)
             for i, c in enumerate(same)
         )
         objections = [objection(search, turn, whole, effect, option) for option in options]
@@ -299,7 +299,7 @@ def _refuted(turn: Round, note: str) -> Unknown:
     return Unknown(turn.located.findings, turn.explanation.removable, tried, note)
 
 
-def _left_out(
+def left_out(
     search: Search, turn: Round, effect: Effect, gain: Estimate, added: Added, share: float
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""

@@ -34,6 +34,12 @@ def marked(search: Search, added: Added = ()) -> Added:
     return tuple(found)
 
 
+def forms_of_marks(search: Search) -> list[tuple[Effect, ...]]:
+    """Return the forms of every effect whose mark recorded rows bear and simulated ones do not."""
+    able = (kind for kind in search.kinds.values() if not _simulated(search, kind))
+    return [forms for forms in (kind.by_mark(search.fit.frame) for kind in able) if forms]
+
+
 def _simulated(search: Search, kind: type[Effect]) -> bool:
     """Return whether the simulated side bears the mark as well."""
     other = search.comparison

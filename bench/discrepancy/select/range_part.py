@@ -35,6 +35,7 @@ from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import Contest, judged_by_sets
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.install import rounds_of, together
+from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import LAW_SIZE
 from bench.discrepancy.settings import (
     MAD_TO_STD,
@@ -60,6 +61,8 @@ def with_range_part(state: State, journal: Journal) -> State:
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
     found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside)
+    if found.mistaken:
+        return replace(state, search=replace(search, choice=found))
     have = {effect.physics for effect in state.added} & names
     if not found.names or not have <= set(found.names):
         return state
@@ -107,7 +110,12 @@ def chosen_beside(ranged: Search, beside: Added) -> Choice:
     every = named_kinds(ranged.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = ranged.comparison.crowding(rows) ** 2
-    return Flattened(evidence, kinds, crowding, rows, known, raw).settled()
+    contest = Flattened(evidence, kinds, crowding, rows, known, raw)
+    best = contest.settled()
+    if forms.size:  # a detector may follow a column too
+        return best
+    causes = (*best.names, *best.others)
+    return replace(best, mistaken=mistaken(contest, causes, ranged.doubtful, ensemble))
 
 
 class Flattened(Contest):

@@ -1,0 +1,33 @@
+"""What comparing sets of waveform effects says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from bench.discrepancy.compare.view import Added
+
+
+@dataclass(frozen=True)
+class WaveChoice:
+    """The effects of the likeliest set that each bring enough to be named, as fitted.
+
+    `rivals` maps their names to effects that would do as well in their place; `nats` to what each
+    brings. `explained`: the evidence of the set over none, `left`: that of something without a
+    form beside it, both in nats. `unexplained`: so much is left that no name can be stated. `best`:
+    what fits best then. `marked`: names that bear a mark of their own.
+    """
+
+    added: Added = ()
+    rivals: dict[str, Added] = field(default_factory=dict)
+    nats: dict[str, float] = field(default_factory=dict)
+    explained: float = 0.0
+    left: float = 0.0
+    unexplained: bool = False
+    marked: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> Added:
+        """The effects that are named: none but marked ones where too much is left."""
+        if not self.unexplained:
+            return self.added
+        return tuple(effect for effect in self.added if effect.name in self.marked)

@@ -1,0 +1,136 @@
+"""How probable recorded statistics are if only some effects act, and if their forms are not right.
+
+Library forms are never exactly right, so what a set leaves may be another form of it: links differ
+from the response by some share each by itself, and all of them together by smooth deformations of
+it, every statistic by its own factors (a discrepancy allowance: Kennedy and O'Hagan 2001).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.joint.settings import (
+    ACTS,
+    FORM_ALONE,
+    FORMS,
+    FREE_SIZES,
+    KNOWN_SIZE,
+    TAIL,
+    WEIGHINGS,
+)
+from bench.discrepancy.joint.statistics import Moments, Statistics
+
+Floats = NDArray[np.float64]
+Responses = Sequence[Floats]
+Free = tuple[float, Floats]
+NONE: Free = 0.0, np.zeros((0, 0))
+
+
+def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple[Floats, float]:
+    """Return the matrices [L, p, p] that whiten every link, and the log volume of its scatter."""
+    covariance = np.stack([moments.covariances[int(n)] for n in given.count])
+    places = np.arange(covariance.shape[1])
+    for response in responses:
+        covariance[:, places, places] += (FORM_ALONE * response) ** 2
+    root = np.linalg.cholesky(covariance)
+    volume = 2 * float(np.log(np.einsum("lii->li", root)).sum())
+    return np.asarray(np.linalg.inv(root)), volume
+
+
+def white(matrices: Floats, values: Floats) -> Floats:
+    """Return values [L, p], whitened."""
+    return np.asarray(np.einsum("lij,lj->li", matrices, values))
+
+
+def paid(given: Statistics, nats: float, parameters: int) -> float:
+    """Return nats as links that share simulated ones count, less what parameters cost (BIC)."""
+    return nats / given.crowding - parameters / 2 * float(np.log(given.links))
+
+
+def fitness(
+    given: Statistics, moments: Moments, left: Floats, responses: Responses, parameters: int
+) -> float:
+    """Return the log likelihood of what is `left` [L, p], in nats: what a fit makes largest.
+
+    Links far off count by the logarithm of how far (Student's t).
+    """
+    matrices, volume = whitener(given, moments, responses)
+    square = (white(matrices, left) ** 2).sum(axis=1)
+    freedom = TAIL + left.shape[1]
+    nats = -0.5 * freedom * float(np.log1p(square / TAIL).sum()) - 0.5 * volume
+    return paid(given, nats, parameters)
+
+
+def evidence(
+    given: Statistics, moments: Moments, responses: Responses, parameters: int, free: Free = NONE
+) -> float:
+    """Return the log evidence of a set, whatever forms its effects have, in nats.
+
+    With `free`, beside something that has no form: sizes, each with the ways [L, w] that it goes.
+    """
+    return max(_evidence(given, moments, responses, parameters, form, free) for form in FORMS)
+
+
+def left_free(
+    given: Statistics, moments: Moments, responses: Responses, parameters: int
+) -> tuple[float, float]:
+    """Return the evidence that something without a form brings beside a set, in nats.
+
+    In all rows and over the distance, of the best size; and over one of all that is known, which
+    pays for its choice.
+    """
+    whole = evidence(given, moments, responses, parameters)
+    plain = max(
+        evidence(given, moments, responses, parameters, (size, given.ways)) for size in FREE_SIZES
+    )
+    over = [
+        _evidence(given, moments, responses, parameters, FORMS[1], (KNOWN_SIZE, way[:, None]))
+        for way in given.known.T
+    ]
+    choice = float(np.log(max(len(over), 1)))
+    return plain - whole, max(over, default=whole) - choice - whole
+
+
+def _evidence(
+    given: Statistics,
+    moments: Moments,
+    responses: Responses,
+    parameters: int,
+    form: float,
+    free: Free,
+) -> float:
+    matrices, volume = whitener(given, moments, responses)
+    flat = white(matrices, moments.left)
+    columns = [_columns(matrices, form * response, given.ways) for response in responses]
+    columns.append(_columns(matrices, np.full_like(moments.left, free[0]), free[1]))
+    nats = _integrated(flat, np.concatenate(columns, axis=2)) - 0.5 * volume
+    return paid(given, nats, parameters)
+
+
+def _integrated(flat: Floats, columns: Floats) -> float:
+    """Return the log likelihood of whitened values [L, p] plus normal factors of columns [L, p, k].
+
+    By Laplace's approximation at the likeliest factors, links weighed by how far they are off.
+    """
+    freedom, count = TAIL + flat.shape[1], columns.shape[2]
+    left, factors, inner = flat, np.zeros(count), np.eye(count)
+    for _ in range(WEIGHINGS if count else 0):
+        weights = freedom / (TAIL + (left**2).sum(axis=1))
+        heavy = (columns * weights[:, None, None]).reshape(-1, count)
+        inner = heavy.T @ columns.reshape(-1, count) + np.eye(count)
+        factors = np.linalg.solve(inner, heavy.T @ flat.ravel())
+        left = flat - columns @ factors
+    nats = -0.5 * float(freedom * np.log1p((left**2).sum(axis=1) / TAIL).sum())
+    return nats - 0.5 * float(factors @ factors) - 0.5 * float(np.linalg.slogdet(inner)[1])
+
+
+def _columns(matrices: Floats, part: Floats, ways: Floats) -> Floats:
+    """Return what every statistic may do by itself, over every way, whitened [L, p, k]."""
+    acts = np.flatnonzero(np.abs(part).max(axis=0) > ACTS * FORMS[0])
+    out = [
+        matrices[:, :, place] * (part[:, place] * way)[:, None] for place in acts for way in ways.T
+    ]
+    return np.stack(out, axis=2) if out else np.zeros((*matrices.shape[:2], 0))

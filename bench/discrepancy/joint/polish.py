@@ -1,0 +1,178 @@
+"""Fitting the parameters of all effects of a set at once, by Gauss and Newton.
+
+Differences are taken on common random numbers, so they are smooth. Means are fitted as they weigh
+in the likelihood; squared deviations beside them, by which scatter is fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.starts import between, by_ratio, free_parameters, inside
+from bench.discrepancy.joint.likelihood import fitness, white, whitener
+from bench.discrepancy.joint.settings import (
+    DAMPING,
+    DONE_NATS,
+    LONGEST_STEP,
+    SPREAD_WEIGHT,
+    STEP,
+    STEPS,
+    TAIL,
+    UNSURE_NATS,
+)
+from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.physics.effect import Effect, Parameter
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A set of effects as fitted: what its members do beside the others, and how likely it is.
+
+    `responses`: the change of the simulated mean [L, p] by each; `nats` as `fitness` gives.
+    """
+
+    effects: Added
+    moments: Moments
+    responses: tuple[Floats, ...]
+    nats: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the effects."""
+        return tuple(effect.name for effect in self.effects)
+
+    @property
+    def parameters(self) -> int:
+        """How many parameters were fitted."""
+        return sum(len(free_parameters(type(effect))) for effect in self.effects)
+
+
+def fitted(given: Statistics, effects: Added) -> Fit | None:
+    """Return a set of effects as they are, None where they cannot be simulated."""
+    moments = given.moments(effects)
+    rests = [given.moments(effects[:i] + effects[i + 1 :]) for i in range(len(effects))]
+    if moments is None or any(rest is None for rest in rests):
+        return None
+    responses = tuple(moments.mean - rest.mean for rest in rests if rest is not None)
+    count = sum(len(free_parameters(type(effect))) for effect in effects)
+    return Fit(effects, moments, responses, fitness(given, moments, moments.left, responses, count))
+
+
+def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
+    """Return a set of effects fitted from where they are, None where they cannot be simulated."""
+    best = fitted(given, effects)
+    slopes = _slopes(given, best) if best and len(shares(effects)) else None
+    for _ in range(steps if slopes is not None else 0):
+        assert best is not None
+        assert slopes is not None
+        better = _step(given, best, slopes)
+        if better is None:
+            break
+        gained, before, best = better.nats - best.nats, best, better
+        if gained < DONE_NATS:
+            break
+        slopes = _corrected(slopes, before, best)
+    return best
+
+
+def _statistics(moments: Moments) -> Floats:
+    """Return all that is fitted [L, 2 p]: means, then squared deviations."""
+    return np.hstack([moments.left, moments.spread_left])
+
+
+def _slopes(given: Statistics, now: Fit) -> Floats:
+    """Return how what is fitted changes with every share [L, 2 p, k]."""
+    here, at = _statistics(now.moments), shares(now.effects)
+    slopes = np.zeros((*here.shape, len(at)))
+    for place, share in enumerate(at):
+        step = STEP if share + STEP <= 1 else -STEP
+        moved = given.moments(with_shares(now.effects, at + step * (np.arange(len(at)) == place)))
+        if moved is not None:
+            slopes[..., place] = (_statistics(moved) - here) / step
+    return slopes
+
+
+def _corrected(slopes: Floats, before: Fit, after: Fit) -> Floats:
+    """Return slopes that agree with the last step (Broyden 1965): cheaper than new differences."""
+    way = shares(after.effects) - shares(before.effects)
+    came = _statistics(after.moments) - _statistics(before.moments)
+    return slopes + (came - slopes @ way)[..., None] * way / max(float(way @ way), 1e-12)
+
+
+def _step(given: Statistics, now: Fit, slopes: Floats) -> Fit | None:
+    """Return a likelier set one step on, None where none is found."""
+    matrices, _ = whitener(given, now.moments, now.responses)
+    square = (white(matrices, now.moments.left) ** 2).sum(axis=1)
+    weights = np.sqrt((TAIL + matrices.shape[1]) / (TAIL + square))[:, None]
+    here = _weighed(matrices, weights, _statistics(now.moments))
+    each = [_weighed(matrices, weights, slope) for slope in np.moveaxis(slopes, 2, 0)]
+    ways, at = np.stack(each, axis=1), shares(now.effects)
+    inner, right = ways.T @ ways, ways.T @ here
+    for damping in DAMPING:
+        ridge = damping * np.diag(inner) + 1e-3 * np.trace(inner) / len(at) + 1e-9
+        way = -np.linalg.solve(inner + np.diag(ridge), right)
+        there = np.clip(at + np.clip(way, -LONGEST_STEP, LONGEST_STEP), 0, 1)
+        better = _if_likelier(given, with_shares(now.effects, there), now)
+        if better is not None:
+            return better
+    return None
+
+
+def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:
+    """Return effects at other parameters, None where they are no likelier than `now`."""
+    moments = given.moments(effects)
+    if moments is None:
+        return None
+    nats = fitness(given, moments, moments.left, now.responses, now.parameters)
+    if nats <= now.nats - UNSURE_NATS:  # as far as can be said before responses are simulated
+        return None
+    better = fitted(given, effects)
+    return better if better and better.nats > now.nats else None
+
+
+def _weighed(matrices: Floats, weights: Floats, values: Floats) -> Floats:
+    """Return what is fitted [L, 2 p] as one vector, as it weighs."""
+    means, spreads = np.hsplit(values, 2)
+    return np.concatenate(
+        [(weights * white(matrices, means)).ravel(), SPREAD_WEIGHT * spreads.ravel()]
+    )
+
+
+def shares(effects: Added) -> Floats:
+    """Return where every free parameter lies between its bounds, 0 to 1; by ratio over decades."""
+    return np.array(
+        [_share(p, float(getattr(e, p.name))) for e in effects for p in free_parameters(type(e))]
+    )
+
+
+def _share(item: Parameter, value: float) -> float:
+    if by_ratio(item):
+        return float(np.log(value / item.low) / np.log(item.high / item.low))
+    return (value - item.low) / (item.high - item.low)
+
+
+def with_shares(effects: Added, at: Floats) -> Added:
+    """Return the effects with parameters where `at` says (see `shares`)."""
+    out: list[Effect] = []
+    start = 0
+    for effect in effects:
+        free = free_parameters(type(effect))
+        values = dict(zip(free, at[start : start + len(free)].tolist(), strict=True))
+        out.append(valued(type(effect), _values(values)))
+        start += len(free)
+    return tuple(out)
+
+
+def _values(values: Mapping[Parameter, float]) -> dict[str, float]:
+    return {
+        p.name: inside(p, between(p, p.low, p.high, float(np.clip(share, 0, 1))))
+        for p, share in values.items()
+    }

@@ -1,0 +1,113 @@
+"""Trying every effect at many points of its parameters, on few rows.
+
+What each point changes is remembered: the response of a set is about the sum of those of its
+members, so what could be added to a set costs no simulation to find.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.starts import delayed, elsewhere, free_parameters, starts
+from bench.discrepancy.joint.likelihood import fitness, white, whitener
+from bench.discrepancy.joint.polish import Fit, fitted
+from bench.discrepancy.joint.settings import TAIL, TOUCHES, TRIED_BESIDE
+from bench.discrepancy.joint.statistics import Statistics
+from bench.errors import BenchError
+from bench.physics.effect import Effect
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """An effect at one point, what it changes [L, p], and how likely it is, in nats.
+
+    `gained`: how much likelier it is beside a set than the set without it.
+    """
+
+    effect: Effect
+    response: Floats
+    nats: float
+    gained: float = 0.0
+
+
+class Screen:
+    """Points of every effect, tried beside effects that are in place (`start`).
+
+    `points` maps names to what was tried, of effects that change anything.
+    """
+
+    def __init__(self, given: Statistics, kinds: Iterable[type[Effect]], start: Added = ()) -> None:
+        self.given, self.start = given, start
+        begin, mean = given.moments(start), given.mean(start)
+        if begin is None or mean is None:
+            raise BenchError("nothing can be simulated at these rows")
+        self.begin, self._mean = begin, mean
+        self._flat = whitener(given, begin, ())[0]
+        every = {kind.name: self._tried(kind) for kind in kinds}
+        self.points: Mapping[str, Sequence[Tried]] = {n: made for n, made in every.items() if made}
+
+    def _tried(self, kind: type[Effect]) -> list[Tried]:
+        made = [self._point(kind, values) for values in starts(kind, False, True)]
+        found = [one for one in made if one]
+        if not found:
+            return []
+        best = max(found, key=lambda one: one.nats).effect
+        more = elsewhere(kind, best, False) + delayed(kind, best)
+        return found + [one for one in (self._point(kind, values) for values in more) if one]
+
+    def _point(self, kind: type[Effect], values: dict[str, float]) -> Tried | None:
+        """Return one point, None where it cannot be simulated or changes nothing."""
+        try:
+            effect = valued(kind, values)
+        except BenchError:
+            return None
+        mean = self.given.mean((*self.start, effect))
+        if mean is None:
+            return None
+        response = mean - self._mean
+        if (white(self._flat, response) ** 2).sum() < TOUCHES:
+            return None
+        count = len(free_parameters(kind))
+        left = self.begin.left - response
+        return Tried(effect, response, fitness(self.given, self.begin, left, (response,), count))
+
+    def singly(self) -> list[Tried]:
+        """Return the likeliest point of every effect, likeliest first."""
+        best = [max(points, key=lambda one: one.nats) for points in self.points.values()]
+        return sorted(best, key=lambda one: -one.nats)
+
+    def beside(self, effects: Added) -> list[Tried]:
+        """Return the likeliest point of every other effect beside a set, likeliest first."""
+        now = fitted(self.given, effects)
+        if now is None:
+            return []
+        have = set(now.names)
+        able = {name: points for name, points in self.points.items() if name not in have}
+        best = [self._best_beside(now, points) for points in able.values()]
+        return sorted(best, key=lambda one: -one.nats)
+
+    def _best_beside(self, now: Fit, points: Sequence[Tried]) -> Tried:
+        """Return the likeliest of some points beside a set: of those that leave least."""
+        matrices, _ = whitener(self.given, now.moments, now.responses)
+        flat = white(matrices, now.moments.left)
+        weights = 1 / (TAIL + (flat**2).sum(axis=1))[:, None]
+        moved = (white(matrices, one.response) for one in points)
+        falls = [float((weights * (2 * flat - each) * each).sum()) for each in moved]
+        some = np.argsort(falls)[-TRIED_BESIDE:]
+        return max((self._added(now, points[i]) for i in some), key=lambda one: one.nats)
+
+    def _added(self, now: Fit, one: Tried) -> Tried:
+        """Return a point with how likely it is about beside a set."""
+        responses = (*now.responses, one.response)
+        count = now.parameters + len(free_parameters(type(one.effect)))
+        left = now.moments.left - one.response
+        nats = fitness(self.given, now.moments, left, responses, count)
+        return Tried(one.effect, one.response, nats, nats - now.nats)

@@ -1,0 +1,183 @@
+"""Which set of effects waveforms speak for.
+
+Every effect is tried at many points; the likeliest few are fitted, alone and then as pairs and
+triples, all members of a set at once. A member is named only if the set without it is less likely
+although forms of the others may differ; a set that leaves much which something without a form would
+explain is no answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.screen import Screen
+from bench.discrepancy.joint.settings import (
+    BEAM,
+    CLASS_NATS,
+    CLASS_SHARE,
+    DONE_NATS,
+    GROWN,
+    LEFT_NATS,
+    LEFT_SHARE,
+    MOST,
+    NAME_NATS,
+    NAME_SHARE,
+    POLISHED,
+    REFITTED,
+    SCATTERS,
+    STEPS,
+)
+from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.select.deformation import within
+from bench.errors import BenchError
+from bench.physics.effect import Effect
+
+
+class Sets:
+    """Sets of effects beside each other; all hold those of `start`, whose marks were seen.
+
+    `tries`: forms of the marked effects. Raises BenchError where nothing can be simulated.
+    """
+
+    def __init__(
+        self,
+        comparison: Comparison,
+        rows: View,
+        few: View,
+        kinds: Iterable[type[Effect]],
+        tries: Sequence[Added] = ((),),
+    ) -> None:
+        self.given = Statistics(comparison, rows)
+        bare = fitted(self.given, ())
+        if bare is None:
+            raise BenchError("nothing can be simulated at these rows")
+        self.none = bare
+        begun = [fit for fit in (polished(self.given, one) for one in tries) if fit]
+        self.start = max(begun, key=lambda fit: fit.nats, default=bare)
+        have = set(self.start.names)
+        able = [kind for kind in kinds if kind.name not in have]
+        self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
+        self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
+
+    def chosen(self) -> WaveChoice:
+        """Return what the sets say."""
+        self._grow()
+        best, rivals = self._settled()
+        marked = self.start.names
+        explained = self.worth(best) - self.worth(self.none)
+        free = left_free(self.given, best.moments, best.responses, best.parameters)
+        left = max(free)
+        much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
+        much = much or (self._scatters(best) and free[1] > LEFT_NATS)
+        brings = {one: self._brings(best, one) for one in best.names}
+        return WaveChoice(best.effects, rivals, brings, explained, left, much, marked)
+
+    def _settled(self) -> tuple[Fit, dict[str, Added]]:
+        """Return the likeliest set of needed members, and what would do as well as each.
+
+        Where another turns out likelier in the place of one, it begins again with that.
+        """
+        for _ in range(MOST):
+            best = self._needed(max(self.fits.values(), key=lambda fit: fit.nats))
+            free = [one for one in best.names if one not in self.start.names]
+            rivals = {one: self._rivals(best, one) for one in free}
+            alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
+            if max(alike, key=lambda fit: fit.nats).nats <= best.nats + DONE_NATS:
+                break
+        return best, rivals
+
+    def worth(self, fit: Fit) -> float:
+        """Return the evidence of a set, whatever forms its effects have, in nats."""
+        return evidence(self.given, fit.moments, fit.responses, fit.parameters)
+
+    def _grow(self) -> None:
+        """Fit the likeliest sets of one, two and three effects more."""
+        first = [one.effect for one in self.screen.singly()[:POLISHED]]
+        beam = self._fit([(*self.start.effects, effect) for effect in first])
+        for width in BEAM[: MOST - 1]:
+            known = max(fit.nats for fit in self.fits.values())
+            followed = sorted(beam, key=lambda fit: -fit.nats)[:width]
+            beam = self._fit(self._larger(followed))
+            if not beam or max(fit.nats for fit in beam) < known + NAME_NATS:
+                break
+
+    def _larger(self, sets: Sequence[Fit]) -> list[Added]:
+        """Return the likeliest sets with one effect more, as far as the screen tells."""
+        grown = [
+            (one.nats, (*fit.effects, one.effect))
+            for fit in sets
+            for one in self.screen.beside(fit.effects)
+            if one.gained > -NAME_NATS / 2
+        ]
+        grown.sort(key=lambda each: -each[0])
+        out: dict[frozenset[str], Added] = {}
+        for _, effects in grown:
+            out.setdefault(_key(effects), effects)
+        return [effects for key, effects in out.items() if key not in self.fits][:GROWN]
+
+    def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
+        made = [fit for fit in (polished(self.given, one, steps) for one in sets) if fit]
+        for fit in made:
+            known = self.fits.get(_key(fit.effects))
+            if known is None or fit.nats > known.nats:
+                self.fits[_key(fit.effects)] = fit
+        return made
+
+    def _needed(self, fit: Fit) -> Fit:
+        """Return a set without members that do not bring enough, least first."""
+        while len(fit.names) > len(self.start.names):
+            whole = self.worth(fit) - self.worth(self.start)
+            brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
+            brings = {n: nats * (not self._of_form(fit, n)) for n, nats in brings.items()}
+            least = min(brings, key=lambda name: brings[name])
+            if brings[least] >= max(NAME_NATS, NAME_SHARE * whole):
+                break
+            fit = self._without(fit, least)
+        return fit
+
+    def _scatters(self, fit: Fit) -> bool:
+        """Return whether a set makes links scatter more: what is known should not tell how much."""
+        before, after = (
+            np.diag(next(iter(each.moments.covariances.values()))) for each in (self.none, fit)
+        )
+        return bool((after > SCATTERS * before).any())
+
+    def _of_form(self, fit: Fit, name: str) -> bool:
+        """Return whether a member does no more than another form of a larger one would."""
+        scatter = np.sqrt(np.diag(next(iter(self.none.moments.covariances.values()))))
+        sizes = np.stack([np.sqrt((one**2).mean(axis=0)) / scatter for one in fit.responses])
+        mine = np.array([one == name for one in fit.names])
+        others, own = sizes[~mine], sizes[mine][0]
+        louder = others[(others**2).sum(axis=1) > (own**2).sum()]
+        return bool(len(louder)) and within(own, louder)
+
+    def _brings(self, fit: Fit, name: str) -> float:
+        """Return the evidence that one member of a set brings beside the others, in nats."""
+        return self.worth(fit) - self.worth(self._without(fit, name))
+
+    def _without(self, fit: Fit, name: str) -> Fit:
+        """Return a set without a member, the rest fitted again."""
+        rest = tuple(effect for effect in fit.effects if effect.name != name)
+        if not rest:
+            return self.none
+        self._fit([rest], REFITTED)
+        return self.fits.get(_key(rest)) or self.start
+
+    def _rivals(self, fit: Fit, name: str) -> Added:
+        """Return the effects that would do as well in the place of a member, likeliest first."""
+        rest = self._without(fit, name)
+        others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
+        made = self._fit([(*rest.effects, other) for other in others[:2]])
+        gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (fit.nats - rest.nats))
+        near = [one for one in made if one.nats > fit.nats - gap]
+        return tuple(one.effects[-1] for one in sorted(near, key=lambda one: -one.nats))
+
+
+def _key(effects: Added) -> frozenset[str]:
+    return frozenset(effect.name for effect in effects)

@@ -1,0 +1,51 @@
+"""Every number that decides about sets of waveform effects: unit, reason, and its origin.
+
+Origins in brackets as in `bench.discrepancy.settings`; [joint] was set on blind cases of waveforms
+of seed 71537 that had been opened.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+ROWS: Final = 320  # of the working rows, that take part at most [cost]
+SCREEN_ROWS: Final = 60  # of those, that effects are tried on first [cost]
+KNOWN_SHARE: Final = 0.5  # of the rows, that must know a statistic [convention]
+MEMBERS: Final = 4  # simulated versions that a set is judged by [cost]
+NOISE_LEAST: Final = 0.3  # squared standard deviations, that a squared deviation counts at least
+FLOOR: Final = {"dB": 0.15, "ns": 0.1, "counts": 0.15, "symbols": 0.15, "1": 0.15}
+# standard deviations that every statistic has at least: counts, symbols and kurtosis in decibels
+LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
+TAIL: Final = 10.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
+WEIGHINGS: Final = 4  # of links by how far they are off [cost]
+FORM_ALONE: Final = 0.1  # of a response, that each link may differ by [convention]
+FORMS: Final = (0.1, 0.2, 0.3)  # of a response, that another form of it may differ by: one of these
+FREE_SIZES: Final = (0.3, 1.0, 3.0, 10.0)  # of what has no form at all, in the statistics' units
+KNOWN_SIZE: Final = 1.0  # the same over one covariate, per standard deviation [convention]
+FEWEST_ALIKE: Final = 4  # links of a group, and outside, to ask whether it differs [convention]
+ACTS: Final = 0.05  # decibels or ns, below which a response is none [convention]
+TOUCHES: Final = 4.0  # squared scatters over all links, that an effect must move to be tried
+
+TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
+REFITTED: Final = 2  # steps of a fit that others began [cost]
+POLISHED: Final = 5  # single effects that are fitted in full [cost]
+BEAM: Final = (3, 2)  # sets of one, of two effects that are added to [cost]
+GROWN: Final = 2  # sets of each size that are fitted in full [cost]
+MOST: Final = 3  # effects in a set [cost]
+STEPS: Final = 5  # of a fit [cost]
+STEP: Final = 0.03  # of the bounds, for differences [convention]
+LONGEST_STEP: Final = 0.3  # of the bounds, in one step of a fit [convention]
+DAMPING: Final = (0.1, 1.0, 10.0)  # tried one after the other [convention]
+UNSURE_NATS: Final = 20.0  # that other responses may make of a difference [convention]
+DONE_NATS: Final = 0.5  # a step that gains less is the last [cost]
+SPREAD_WEIGHT: Final = 0.4  # of squared deviations in a fit, beside the means [convention]
+
+NAME_NATS: Final = 8.0  # that a name must bring: some fifteen compete with many forms [joint]
+NAME_SHARE: Final = 0.04  # of all that a set explains, that a name must bring [joint]
+CLASS_NATS: Final = 3.0  # behind the best set, within which another is not excluded: 20 to 1
+CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do as well [joint]
+LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is
+# there that no effect explains [convention]
+LEFT_SHARE: Final = 0.15  # and of all that is explained then [joint]
+SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
+# what is known must then tell nothing of it, however little that is beside the scatter [convention]

@@ -1,0 +1,179 @@
+"""Statistics of every link, recorded minus simulated, with the covariance that replicates give.
+
+All that waveforms show but the range: levels, noise, count, the delay-resolved profile, features.
+They are correlated, within a row and within a link, so they are compared at once: by the likelihood
+of normal statistics whose mean and covariance are those of simulated links (a synthetic likelihood:
+Wood 2010), the covariance shrunk to its diagonal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.joint.settings import (
+    FEWEST_ALIKE,
+    FLOOR,
+    KNOWN_SHARE,
+    LEAST_EIGENVALUE,
+    MEMBERS,
+    NOISE_LEAST,
+)
+from bench.errors import BenchError
+from bench.physics.memory import Memory
+
+Floats = NDArray[np.float64]
+DECIBELS = {"noise_std": 20.0, "preamble_count": 10.0, "kurtosis": 10.0}
+"""Observables that are compared by their logarithm, and how many decibels a decade is."""
+KEPT = 200
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Statistics of L links beside simulated ones, in the units of `Statistics.names`.
+
+    `left` [L, p]: recorded minus simulated mean; `mean` [L, p]: the simulated mean; `covariances`
+    maps numbers of rows of a link to the covariance of `left` [p, p]; `spread_left` [L, p]: how
+    much larger the logarithm of squared deviations is.
+    """
+
+    left: Floats
+    mean: Floats
+    covariances: Mapping[int, Floats]
+    spread_left: Floats
+
+
+class Statistics:
+    """Statistics of the rows of a view beside those that a comparison simulates.
+
+    `beside` are effects that are in place. Raises BenchError where waveforms show nothing.
+    """
+
+    def __init__(self, comparison: Comparison, rows: View, beside: Added = ()) -> None:
+        self.comparison, self.rows, self.beside = comparison, rows, beside
+        self.code = np.unique(rows.links, return_inverse=True)[1]
+        self.count = np.bincount(self.code)
+        self.crowding = comparison.crowding(rows) ** 2
+        bare = comparison.ensemble(rows, beside, MEMBERS)
+        known = np.isfinite(bare.versions[:2]).all(axis=0).mean(axis=0) >= KNOWN_SHARE
+        self.names = tuple(
+            name for name, often in zip(bare.names, known, strict=True) if often and name != RANGE
+        )
+        if not any(name.startswith("profile_db") for name in self.names):
+            raise BenchError("no waveforms to compare")
+        units = dict(zip(bare.names, bare.units, strict=True))
+        self.floor = np.array([FLOOR.get(units[name], 0.1) for name in self.names]) ** 2
+        self._kept: Memory[Moments | None] = Memory(KEPT)
+
+    @property
+    def links(self) -> int:
+        """How many links there are."""
+        return len(self.count)
+
+    @cached_property
+    def ways(self) -> Floats:
+        """What forms may differ over: a constant and the distance, standardised, [L, 2]."""
+        far = self._of_links(np.nan_to_num(self.rows.scene.true_range_m)[:, None])[:, 0]
+        return np.stack([np.ones(self.links), (far - far.mean()) / max(far.std(), 1e-9)], axis=1)
+
+    @cached_property
+    def known(self) -> Floats:
+        """All numbers and groups that are known before, standardised over links, [L, q]."""
+        every = self.rows.covariates
+        numbers = [self._of_links(_filled(one)[:, None])[:, 0] for one in every.numbers.values()]
+        groups = [
+            self._of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
+        ]
+        least, most = FEWEST_ALIKE, self.links - FEWEST_ALIKE
+        numbers += [one for one in groups if least <= one.sum() <= most]
+        varied = [one for one in numbers if one.std() > 0]
+        standard = [np.clip((one - one.mean()) / one.std(), -3, 3) for one in varied]
+        return np.stack(standard, axis=1) if standard else np.zeros((self.links, 0))
+
+    def moments(self, added: Added, members: int = MEMBERS) -> Moments | None:
+        """Return the statistics with effects `added`; None where one leaves an observable unknown.
+
+        Or where it fails.
+        """
+        return self._kept.get((added, members), lambda: self._moments(added, members))
+
+    def mean(self, added: Added) -> Floats | None:
+        """Return the statistics of one simulated version [L, p], None as for `moments`."""
+        made = self._made(added, 1)
+        return None if made is None else self._of_links(np.nan_to_num(self._values(made)[1]))
+
+    def _made(self, added: Added, members: int) -> Ensemble | None:
+        try:
+            made = self.comparison.ensemble(self.rows, (*self.beside, *added), members)
+        except BenchError:
+            return None
+        return made if set(self.names) <= set(made.names) else None
+
+    def _moments(self, added: Added, members: int) -> Moments | None:
+        made = self._made(added, members)
+        return None if made is None else self._compared(self._values(made))
+
+    def _values(self, made: Ensemble) -> Floats:
+        """Return the versions [1 + m, n, p] of the statistics of rows."""
+        places = [made.place(name) for name in self.names]
+        values = np.array(made.versions[:, :, places])
+        for column, name in enumerate(self.names):
+            if name in DECIBELS:
+                decade = DECIBELS[name]
+                values[..., column] = decade * np.log10(np.maximum(values[..., column], 1e-3))
+        return values
+
+    def _compared(self, values: Floats) -> Moments:
+        members = len(values) - 1
+        mean = np.nan_to_num(values[1:]).mean(axis=0)
+        left = np.nan_to_num(values[0] - mean)
+        own = np.nan_to_num(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
+        of_links = np.stack([self._of_links(one) for one in own])
+        between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
+        scatter = np.maximum(np.diag(between), 1e-9)
+        wide = np.log(NOISE_LEAST + left**2 / scatter)
+        usual = np.log(NOISE_LEAST + own**2 * (1 + 1 / members) / scatter).mean(axis=0)
+        covariances = self._covariances(own - of_links[:, self.code], between, members)
+        return Moments(
+            self._of_links(left), self._of_links(mean), covariances, self._of_links(wide - usual)
+        )
+
+    def _covariances(self, within: Floats, between: Floats, members: int) -> dict[int, Floats]:
+        """Return the covariance of means over so many rows of a link, by their number."""
+        loose = len(self.code) - self.links
+        rows = np.einsum("mni,mnj->ij", within, within) / max(loose * members, 1)
+        if not loose:
+            rows = np.zeros_like(rows)
+        link = between - rows * float(np.mean(1 / self.count))
+        shrunk = min(len(self.names) / max(members * self.links, 1), 1.0)
+        return {
+            int(n): self._shrunk(link + rows / n, shrunk) * (1 + 1 / members) + np.diag(self.floor)
+            for n in np.unique(self.count)
+        }
+
+    def _shrunk(self, covariance: Floats, share: float) -> Floats:
+        """Return a covariance that is shrunk to its diagonal, without negative directions."""
+        sizes, ways = np.linalg.eigh((covariance + covariance.T) / 2)
+        least = LEAST_EIGENVALUE * max(float(np.median(sizes)), 1e-6)
+        whole = (ways * np.maximum(sizes, least)) @ ways.T
+        return np.asarray((1 - share) * whole + share * np.diag(np.diag(whole)))
+
+    def _of_links(self, values: Floats) -> Floats:
+        """Return the means of values [n, p] over the rows of each link [L, p]."""
+        out = np.zeros((self.links, values.shape[1]))
+        np.add.at(out, self.code, values)
+        return out / self.count[:, None]
+
+
+def _filled(values: Floats) -> Floats:
+    """Return values with what is not known at the mean."""
+    known = np.isfinite(values)
+    middle = float(values[known].mean()) if known.any() else 0.0
+    return np.asarray(np.where(known, values, middle), np.float64)

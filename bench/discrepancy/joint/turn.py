@@ -1,0 +1,146 @@
+"""The part of a search in which waveforms are compared: a set of effects, then ranges beside it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.skill import tally
+from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.per_device import fits_itself
+from bench.discrepancy.fit.search import Fitted
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.settings import ROWS, SCREEN_ROWS
+from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
+from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.select.candidates import Explanation, contender
+from bench.discrepancy.select.marks import forms_of_marks
+from bench.discrepancy.select.range_part import joined, with_range_part
+from bench.discrepancy.select.recorder import recorder_fault, spoilt
+from bench.discrepancy.select.refute import Checked
+from bench.discrepancy.select.remainder import fitting_best
+from bench.discrepancy.select.state import Round, Search, Selection, State
+from bench.discrepancy.select.stepwise import best_contender, explain_left, locate_left
+from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
+from bench.physics.effect import Effect
+
+
+def selected(state: State, journal: Journal) -> Selection:
+    """Return what waveforms and, beside what these name, ranges speak for."""
+    search, kept, safely = state.search, journal.kept, state.guard.safely
+    located = kept(locate_left)(search, (), 0)
+    if not located.significant:
+        return _said(state.after(Round(located, None, None)), WaveChoice(), journal)
+    fault = safely("recorder", recorder_fault, "")(search)
+    if fault:
+        return spoilt(state.after(Round(located, None, None)), fault)
+    search.progress("comparing sets of effects on waveforms")
+    choice = safely("sets of waveform effects", kept(chosen), WaveChoice())(search)
+    state = replace(state, added=choice.added)
+    rounds = safely("rounds", kept(rounds_of), ())(search, choice, located)
+    state = replace(state, rounds=rounds or (Round(located, None, None),))
+    if not choice.unexplained:
+        state = with_range_part(state, journal)
+        if state.search.choice.mistaken:
+            return Selection((), (), (), mistaken=state.search.choice.mistaken)
+        state = safely("scatter", _with_scatter, state)(state, journal)
+    return _said(_with_last(state, journal), choice, journal)
+
+
+def chosen(search: Search) -> WaveChoice:
+    """Return the set of effects that waveforms of all working rows speak for."""
+    kinds = [
+        kind for kind in search.kinds.values() if kind.stage != "ranging" and not fits_itself(kind)
+    ]
+    tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
+    rows = fewer(joined(search.fit, search.discover), ROWS)
+    sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries)
+    return sets.chosen()
+
+
+def fewer(rows: View, most: int) -> View:
+    """Return at most so many rows, evenly from all links."""
+    if len(rows.rows) <= most:
+        return rows
+    order = np.argsort(rows.links, kind="stable")
+    keep = np.sort(order[np.linspace(0, len(order) - 1, most).astype(np.intp)])
+    return _taken(rows, keep)
+
+
+def _taken(rows: View, keep: NDArray[np.intp]) -> View:
+    recorded = replace(rows.recorded, values=rows.recorded.values[keep])
+    frame = rows.frame.iloc[keep].reset_index(drop=True)
+    return View(frame, recorded, rows.links[keep], rows.rows[keep], rows.waveform)
+
+
+def rounds_of(search: Search, choice: WaveChoice, located: Located) -> tuple[Round, ...]:
+    """Return one round for every effect of the set, with those that would do as well."""
+    return tuple(
+        Round(located, _explained(search, choice.added, effect, choice.rivals), effect)
+        for effect in choice.added
+    )
+
+
+def _explained(
+    search: Search, added: Added, effect: Effect, rivals: dict[str, Added]
+) -> Explanation:
+    """Return what one effect of a set and its rivals gain beside the others on held-out links."""
+    mine = next(one for one in added if one is effect)
+    rest = without(added, mine)
+    reference = tally(search.comparison.ensemble(search.discover, rest, SCORE_MEMBERS, SCORE_FIRST))
+    made = tuple(
+        contender(search.comparison, search.discover, rest, Fitted(e, 0.0, 0), reference, 0)
+        for e in (mine, *rivals.get(mine.name, ()))
+    )
+    return Explanation(made, reference, made[0].gain, made[0].tally, {}, {})
+
+
+def _with_scatter(state: State, journal: Journal) -> State:
+    """Return the state with scatter of the ranges, where that is what is left of them."""
+    search = state.search
+    left = journal.kept(locate_left)(search, state.added, len(state.rounds))
+    if not any(map(_of_range, left.findings)):
+        return state
+    kinds = {n: k for n, k in search.kinds.items() if k.independent or k.marked}
+    found = journal.kept(explain_left)(replace(search, kinds=kinds), state.added, left)
+    able = tuple(one for one in found.contenders if one.effect.name in kinds)
+    found = replace(found, contenders=able)
+    best = best_contender(found)
+    if best is None:
+        return state
+    added = (*state.added, best.effect)
+    turn = Round(left, found.led_by(best), best.effect)
+    return replace(state, added=added, rounds=(*state.rounds, turn))
+
+
+def _of_range(found: Finding) -> bool:
+    return found.cell.observable == RANGE
+
+
+def _with_last(state: State, journal: Journal) -> State:
+    """Return the state with a last round: what is left, and how much of it could be removed."""
+    search, added = state.search, state.added
+    left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
+    last = Round(left, None, None)
+    if left.significant and (not added or any(_of_range(found) for found in left.findings)):
+        last = replace(last, explanation=journal.kept(left_by)(search, added, left))
+    old = tuple(turn for turn in state.rounds if turn.added is not None)
+    first = state.rounds[0].located
+    return replace(state, rounds=(*(old or (Round(first, last.explanation, None),)), last))
+
+
+def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
+    """Return the selection with its verdicts, and the simulator that fits best."""
+    search, rounds = state.search, state.rounds
+    said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
+    held = Checked(state.added, rounds)
+    best = fitting_best(search, held, (), said)
+    skipped = {**state.skipped, **state.guard.failed}
+    together = tuple(effect.physics for effect in state.added)
+    return Selection(said, best, rounds, skipped, together)

@@ -1,0 +1,114 @@
+"""What a comparison of waveforms says: names of the set, of ranges beside it, and what is left."""
+
+from __future__ import annotations
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.adequacy import row_by_row
+from bench.discrepancy.select.candidates import Explanation, regressed
+from bench.discrepancy.select.conclude import left_out, real, separating, untold
+from bench.discrepancy.select.disguise import without_disguises
+from bench.discrepancy.select.predictive_cells import fresh_ensemble
+from bench.discrepancy.select.refute import idle, swapped_for, unused
+from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
+from bench.physics.effect import Effect
+
+LEFT_OF_WAVES = "the best set of known effects leaves what something without a form would explain"
+LEFT_OF_RANGES = "left after the named effects"
+
+
+def left_by(search: Search, added: Added, located: Located) -> Explanation:
+    """Return what a flexible regression removes of what effects leave on held-out links.
+
+    Of ranges alone where these differ: what is left of waveforms was judged with their set.
+    """
+    focus = tuple(dict.fromkeys(found.cell.observable for found in located.findings))
+    names = (RANGE,) if RANGE in focus else focus
+    before = tally(search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST))
+    after = tally(regressed(search.comparison, search.fit, search.discover, added, names))
+    removable = gain_interval(before, after, search.seed, names)
+    return Explanation((), before, removable, after, {}, {})
+
+
+def wave_verdicts(
+    search: Search, rounds: tuple[Round, ...], added: Added, choice: WaveChoice
+) -> tuple[Verdict, ...]:
+    """Return what can be said: every name with its intervals, and what is left without a name."""
+    last = rounds[-1]
+    if not added and not real(search, last):
+        return (NoMismatch(last.located.detectable, last.located.p),)
+    quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
+    named = [one for turn in rounds for one in _said(search, turn, added, quiet)]
+    if choice.unexplained:
+        return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
+    if not named or _ranges_left(last):
+        return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES))
+    return tuple(named)
+
+
+def _ranges_left(last: Round) -> bool:
+    """Return whether a regression removes something of what is left of the ranges."""
+    if last.explanation is None or last.located.findings[0].cell.observable != RANGE:
+        return False
+    removable = last.explanation.removable
+    return removable.above_zero and removable.value > MARGIN_NATS
+
+
+def _said(search: Search, turn: Round, added: Added, quiet: set[str]) -> list[Verdict]:
+    """Return the verdict on what a round added, none where it is not to be named."""
+    if turn.added is None or turn.explanation is None or turn.added.name in quiet:
+        return []
+    effect = next((one for one in added if one.name == turn.added.name), None)
+    if effect is None:
+        return []
+    options = [
+        left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0)
+        for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
+    ]
+    why = [_objection(search, swapped_for(added, effect, one.effect), one) for one in options]
+    passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
+    passed = without_disguises(passed, search.searched)
+    if not passed:
+        return [_unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")]
+    return [passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed))]
+
+
+def _objection(search: Search, added: Added, option: LeftOut) -> str:
+    """Return in words why an effect is no name, "" where it may be."""
+    if option.control.passed is False:
+        return f"it is there too in {option.control.words}"
+    if untold(option):
+        return "none of its values is told from zero"
+    if words := unused(option.effect) or _idle(option):
+        return words
+    if not type(option.effect).per_link:
+        return ""
+    views, rest = (search.fit, search.discover), without(added, option.effect)
+    return row_by_row(*(fresh_ensemble(search.comparison, views, one) for one in (added, rest)))
+
+
+def _idle(option: LeftOut) -> str:
+    """Return what is wrong with an essential parameter, in words, "" where nothing is."""
+    kind = type(option.effect)
+    wanted = {p.name: p for p in kind.parameters() if p.name in kind.essential}
+    found = (idle(wanted[one.name], one) for one in option.parameters if one.name in wanted)
+    return next((words for words in found if words), "")
+
+
+def _alike(turn: Round, effect: Effect) -> int:
+    """Return how many contenders of a round are one class: of scatter, the first alone."""
+    assert turn.explanation is not None
+    return 1 if type(effect).independent else len(turn.explanation.contenders)
+
+
+def _unknown(first: Round, last: Round, note: str) -> Unknown:
+    """Return the verdict on what no effect explains."""
+    seen = last if last.located.significant else first
+    removable = seen.explanation.removable if seen.explanation else Estimate(0, 0, 0)
+    return Unknown(seen.located.findings, removable, {}, note)

@@ -1,0 +1,112 @@
+"""Sets of waveform effects: what is hidden is named, nothing where nothing is, no nearest name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.checkpoint.codec import from_plain, to_plain
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import Added, View, view
+from bench.discrepancy.data.observables import window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.likelihood import fitness
+from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
+from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.statistics import Statistics
+from bench.physics.base import Base
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS = 40
+KINDS = (PulseRinging, NoiseFloor, PathLoss)
+RINGING = PulseRinging(ring_db=-14.0, ring_delay_ns=5.0)
+
+
+def recordings(hidden: Added = (), seed: int = 3) -> pd.DataFrame:
+    """Return rows of 40 links with CIRs; SIMULATED."""
+    rng = np.random.default_rng(seed)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(LINKS)],
+            "true_range_m": rng.uniform(2, 15, LINKS),
+            "tx": [f"t{i % 3}" for i in range(LINKS)],
+            "rx": [f"r{i % 4}" for i in range(LINKS)],
+        }
+    )
+    made = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77)
+    return made.table(frame)
+
+
+def compared(frame: pd.DataFrame) -> tuple[Resimulation, View]:
+    """Return rows beside a simulator that hides nothing."""
+    window = window_of(frame)
+    codes = link_codes(frame)
+    rows = view(frame, codes, np.arange(len(frame)), window)
+    return Resimulation(Simulator(Base(), (), 11, "test"), window), rows
+
+
+def choice_of(frame: pd.DataFrame) -> WaveChoice:
+    """Return what the sets of three kinds say."""
+    comparison, rows = compared(frame)
+    return Sets(comparison, rows, rows, KINDS).chosen()
+
+
+def names(choice: WaveChoice) -> set[str]:
+    """Return the names of a choice."""
+    return {effect.name for effect in choice.named}
+
+
+def test_what_is_hidden_is_named_with_its_size_and_nothing_beside_it():
+    found = choice_of(recordings((RINGING,)))
+    assert names(found) == {"pulse-ringing"}
+    assert not found.unexplained
+    (made,) = found.added
+    assert isinstance(made, PulseRinging)
+    assert made.ring_delay_ns == pytest.approx(5.0, abs=0.7)
+    assert from_plain(to_plain(found, {}), {}) == found  # the journal keeps it
+
+
+def test_nothing_is_named_where_nothing_is_hidden():
+    found = choice_of(recordings())
+    assert names(found) == set()
+    assert not found.unexplained
+
+
+def test_two_that_are_hidden_are_both_named():
+    found = choice_of(recordings((RINGING, NoiseFloor(level_db=2.0))))
+    assert names(found) == {"pulse-ringing", "noise-floor"}
+
+
+def test_what_no_effect_does_is_no_nearest_name():
+    frame = recordings()
+    turned = [np.roll(cir, 9) * 0.5 + cir for cir in frame["cir"]]  # an echo of no known effect
+    lost = [cir * (1 + 0.5 * np.sin(np.arange(len(cir)))) for cir in turned]
+    comparison, rows = compared(frame.assign(cir=lost))
+    found = Sets(comparison, rows, rows, (NoiseFloor, PathLoss)).chosen()
+    assert found.unexplained
+    assert names(found) == set()
+
+
+def test_a_fit_of_all_parameters_at_once_is_likelier_than_where_it_began():
+    comparison, rows = compared(recordings((RINGING,)))
+    given = Statistics(comparison, rows)
+    begun = replace(RINGING, ring_db=-20.0, ring_delay_ns=5.6)
+    first, last = fitted(given, (begun,)), polished(given, (begun,))
+    assert first is not None
+    assert last is not None
+    assert last.nats > first.nats + 10
+    again = fitness(given, last.moments, last.moments.left, last.responses, last.parameters)
+    assert again == last.nats
+
+
+def test_shares_of_bounds_lead_back_to_the_values():
+    (made,) = with_shares((RINGING,), shares((RINGING,)))
+    assert vars(made) == pytest.approx(vars(RINGING))
