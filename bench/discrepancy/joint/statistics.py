@@ -19,8 +19,10 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.settings import (
+    DECIBELS,
     FEWEST_ALIKE,
     FLOOR,
+    KEPT,
     KNOWN_SHARE,
     LEAST_EIGENVALUE,
     MEMBERS,
@@ -30,9 +32,6 @@ from bench.errors import BenchError
 from bench.physics.memory import Memory
 
 Floats = NDArray[np.float64]
-DECIBELS = {"noise_std": 20.0, "preamble_count": 10.0, "kurtosis": 10.0}
-"""Observables that are compared by their logarithm, and how many decibels a decade is."""
-KEPT = 200
 
 
 @dataclass(frozen=True)
