@@ -60,7 +60,8 @@ class Screen:
         if not found:
             return []
         best = max(found, key=lambda one: one.nats).effect
-        more = elsewhere(kind, best, False) + delayed(kind, best)
+        begun = dict.fromkeys((best, _alone(best)))
+        more = [v for one in begun for v in elsewhere(kind, one, False) + delayed(kind, one)]
         return found + [one for one in (self._point(kind, values) for values in more) if one]
 
     def _point(self, kind: type[Effect], values: dict[str, float]) -> Tried | None:
@@ -111,3 +112,11 @@ class Screen:
         left = now.moments.left - one.response
         nats = fitness(self.given, now.moments, left, responses, count)
         return Tried(one.effect, one.response, nats, nats - now.nats)
+
+
+def _alone(effect: Effect) -> Effect:
+    """Return an effect with none but its first amplitude: another may swamp what it does."""
+    amplitudes = [p for p in free_parameters(type(effect)) if p.null is not None]
+    off = {p.name: float(p.null or 0.0) for p in amplitudes[1:]}
+    values = {p.name: float(getattr(effect, p.name)) for p in free_parameters(type(effect))}
+    return valued(type(effect), values | off)

@@ -52,3 +52,4 @@ LEFT_NATS: Final = 10.0  # that something without a form brings beside the best 
 LEFT_SHARE: Final = 0.15  # and of all that is explained then [joint]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
+LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.adequacy import row_by_row
 from bench.discrepancy.select.candidates import Explanation, regressed
@@ -44,12 +47,31 @@ def wave_verdicts(
     if not added and not real(search, last):
         return (NoMismatch(last.located.detectable, last.located.p),)
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
-    named = [one for turn in rounds for one in _said(search, turn, added, quiet)]
+    turns = [turn for turn in rounds if turn.added and turn.added.name not in quiet]
+    said = {t.added.name: _said(search, t, added, choice.marked) for t in turns if t.added}
+    named = _standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained:
         return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
-    if not named or _ranges_left(last):
+    if not any(one.names for one in named) or _ranges_left(last):
+        named = tuple(one for one in named if one.names)
         return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES))
-    return tuple(named)
+    return named
+
+
+def _standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...]:
+    """Return the verdicts without names that may only mend the form of one that is refused.
+
+    Of waveforms: those that bring not much more than it does, and bear no mark.
+    """
+    refused = [
+        choice.nats[name] for name, one in said.items() if not one.names and name in choice.nats
+    ]
+    least = LOUDER * max(refused, default=0.0)
+    return tuple(
+        one
+        for name, one in said.items()
+        if name in choice.marked or choice.nats.get(name, np.inf) >= least or not one.names
+    )
 
 
 def _ranges_left(last: Round) -> bool:
@@ -60,13 +82,14 @@ def _ranges_left(last: Round) -> bool:
     return removable.above_zero and removable.value > MARGIN_NATS
 
 
-def _said(search: Search, turn: Round, added: Added, quiet: set[str]) -> list[Verdict]:
-    """Return the verdict on what a round added, none where it is not to be named."""
-    if turn.added is None or turn.explanation is None or turn.added.name in quiet:
-        return []
-    effect = next((one for one in added if one.name == turn.added.name), None)
-    if effect is None:
-        return []
+def _said(search: Search, turn: Round, added: Added, marked: tuple[str, ...]) -> Verdict | None:
+    """Return the verdict on what a round added, None where that is no more among the effects.
+
+    Where the first of a class is refused, what would do as well is none either.
+    """
+    effect = next((e for e in added if turn.added and e.name == turn.added.name), None)
+    if effect is None or turn.explanation is None:
+        return None
     options = [
         left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0)
         for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
@@ -74,9 +97,11 @@ def _said(search: Search, turn: Round, added: Added, quiet: set[str]) -> list[Ve
     why = [_objection(search, swapped_for(added, effect, one.effect), one) for one in options]
     passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
     passed = without_disguises(passed, search.searched)
-    if not passed:
-        return [_unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")]
-    return [passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed))]
+    if effect.name in marked:
+        return options[0]
+    if why[0] or not passed:
+        return _unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")
+    return passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed))
 
 
 def _objection(search: Search, added: Added, option: LeftOut) -> str:
