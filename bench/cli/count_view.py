@@ -38,9 +38,8 @@ def _doubt(one: Counted, board: Measured) -> str | None:
     share = board.mean / one.figure.cycles.value
     if 1 / FAR < share < FAR:
         return None
-    return (
-        f"{board.file}: {share:.3g} of the cycles counted: is it of this model and part, in cycles?"
-    )
+    times = f"{share:,.0f}" if share > 1 else f"{share:.2g}"
+    return f"{board.file}: {times} times the cycles counted: is it of this model, on this part?"
 
 
 def rows_as_json(rows: Sequence[CountRow], board: Measured | None) -> None:

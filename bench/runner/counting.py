@@ -126,7 +126,8 @@ def c_files(artifact: Artifact, float_unit: bool) -> dict[str, str]:
     try:
         return dict(generate(artifact.path, artifact.precision, how).files)
     except ValueError as problem:
-        raise BenchError(f"no C for this file: {problem}") from problem
+        said = str(problem).removeprefix(f"{artifact.path}: ")
+        raise BenchError(f"no C for this file: {said}") from problem
 
 
 def _checked(

@@ -54,6 +54,7 @@ def test_a_network_is_counted_checked_and_fits(tools, table, tmp_path):
     ask += ["--rows", "3", "--measured", str(board), "--profile-out", str(tmp_path / "mine.toml")]
     done = _count(*ask, "--markdown", str(tmp_path / "table.md"), "--json")
     assert done.exit_code == 0, done.output
+    assert done.stderr == ""
     row = json.loads(done.stdout)[0]
     assert (row["how"], row["count"]["rows"], row["agreement"]["rows"]) == ("counted", 3, 3)
     assert row["agreement"]["largest_m"] <= 0.001
@@ -81,6 +82,8 @@ def test_a_network_is_counted_checked_and_fits(tools, table, tmp_path):
         (("--device", "none.toml"), "cannot read device profile none.toml"),
         (("--rows", "0"), "--rows 0: expected a whole number of at least 1"),
         (("--measured", "none.txt"), "cannot read none.txt"),
+        (("--device", "cortex-m4"), "is a core, no device: name a part that has it (nrf52832, "),
+        (("--markdown", "/dev/null/x.md"), "/dev/null is a file, expected a folder"),
         (("--profile-out", "x.toml"), "--profile-out needs --measured"),
         (("--model", "remnett"), "did you mean 'remnet'"),
     ],
@@ -102,6 +105,17 @@ def test_a_table_goes_between_the_marks_of_a_page(tmp_path):
     assert "| part | model | c-int8 | - (Model has no / weights) |" in table
     write_markdown(tmp_path / "new.md", table)
     assert (tmp_path / "new.md").read_text() == table
+
+
+def test_steps_are_told_and_a_board_far_from_the_count_is_doubted(tools, table, tmp_path):
+    (tmp_path / "board.txt").write_text("row 0: 900000 cycles")
+    ask = ["--model", "none", "--backend", "fp32", "--device", "nrf52832", "--data", table]
+    done = _count(*ask, "--rows", "2", "--measured", str(tmp_path / "board.txt"))
+    assert done.exit_code == 0, done.output
+    assert "board.txt: " in done.stdout
+    assert "times the cycles counted: is it of this model" in done.stdout
+    told = done.stderr.splitlines()
+    assert told == ["reading the recordings", "fitting none", "counting none on fp32"]
 
 
 def test_several_networks_cannot_share_a_boards_cycles(tools, table, tmp_path, monkeypatch, capsys):
