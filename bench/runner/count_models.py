@@ -108,6 +108,7 @@ def _fitted(plan: CountPlan, material: Material, watch: Observer) -> Iterator[Co
             yield from _all(plan, model.name, reason)
             continue
         tell = partial(watch.progress, f"fitting {model.name}")
+        tell(0.0)
         fitted = fit_fold(model, material, 0, 0, tell)
         for backend in plan.backends:
             watch.stage(f"counting {model.name} on {backend.name}")
