@@ -27,7 +27,13 @@ RATIOS = {1000.0: "millimetres", 100.0: "centimetres", 3.2808: "feet"}
 
 def suspicions(frame: pd.DataFrame) -> list[str]:
     """Return one line per thing that looks wrong in a table of the exchange format's columns."""
-    found = [*_lengths(frame), *_sign(frame), *_exchanged(frame), *_first_path(frame)]
+    found = [
+        *_lengths(frame),
+        *_same(frame),
+        *_sign(frame),
+        *_exchanged(frame),
+        *_first_path(frame),
+    ]
     return [*found, *_dates(frame), *_unread_cir(frame), *_levels(frame), *_infinite(frame)]
 
 
@@ -59,6 +65,17 @@ def _lengths(frame: pd.DataFrame) -> Iterator[str]:
         yield (
             f"error_m: median magnitude {np.median(np.abs(errors)):.0f} m; probably millimetres "
             "taken for metres: give the unit, as in --map error=COLUMN:mm"
+        )
+
+
+def _same(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield ranges without any error."""
+    if not {"range_m", "true_range_m"} <= set(frame) or len(frame) == 0:
+        return
+    if (frame["range_m"] == frame["true_range_m"]).all():
+        yield (
+            "range_m and true_range_m: the same in every row; probably one column taken for both, "
+            "or the truth written where a measurement was meant: there is no error to learn"
         )
 
 

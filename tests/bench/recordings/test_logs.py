@@ -241,6 +241,7 @@ def test_a_missing_link_is_said_at_import(tmp_path: Path) -> None:
         ({"range_m": [5.1], "true_range_m": [500.0]}, "true_range=COLUMN:cm"),
         ({"range_m": [16.4], "true_range_m": [5.0]}, "probably feet"),
         ({"error_m": [120.0]}, "error=COLUMN:mm"),
+        ({"range_m": [5.1, 4.0], "true_range_m": [5.1, 4.0]}, "there is no error to learn"),
         ({"first_path_index": [47800.0]}, "first_path_index=COLUMN:10.6"),
         ({"rx_power_dbm": [81.0]}, "a sign lost"),
         ({"rssi": [-np.inf, -80.0]}, "column 'rssi' holds 1 infinite value(s); probably a level"),
