@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from backends.base import Artifact
 from bench.errors import BenchError
-from bench.export.built import kept_built
+from bench.export.built import builder_of, kept_built
 from bench.files import read_json
 from bench.plugins import Plugin, find
 from bench.results import RunRecord, from_json
@@ -118,7 +118,7 @@ def _there(asked: Asked, head: Head) -> Artifact | None:
     record = ResultFolder(asked.results).find_run(key)
     if record is not None and record.status == "ok":
         return artifact_of(record, asked.results)
-    return kept_built(key, asked.file)
+    return kept_built(key, asked.file, builder_of(asked.backend).load().opener)
 
 
 def _made(asked: Asked, material: Material, tell: Tell) -> Artifact:

@@ -12,8 +12,8 @@ import numpy as np
 
 from backends.base import Artifact, Backend, TrainingData
 from bench.errors import BenchError
-from bench.export.built import keep_built
-from bench.plugins import Plugin, find
+from bench.export.built import builder_of, keep_built
+from bench.plugins import Plugin
 from bench.runner.fits import fit_fold, new_model
 from bench.runner.inputs import missing, rows_for
 from bench.runner.keys import run_key
@@ -31,7 +31,7 @@ def made(model: Plugin, backend: Plugin, material: Material, path: Path, tell: T
 
     Raises BenchError where the recordings cannot feed it, or the backend does not take it.
     """
-    adapter = _adapter(backend)
+    adapter: Backend = builder_of(backend).make()
     if reason := missing(material, model.load()) or _declined(model, adapter, material):
         raise BenchError(f"{backend.name} does not take {model.name}: {reason}")
     tell(f"fitting {model.name}")
@@ -42,13 +42,6 @@ def made(model: Plugin, backend: Plugin, material: Material, path: Path, tell: T
     artifact = _built(adapter, fitted, material, path)
     keep_built(artifact, run_key(model, backend, material, 0))
     return artifact
-
-
-def _adapter(backend: Plugin) -> Backend:
-    """Return what builds the file: the backend itself, or the one whose file it runs."""
-    adapter: Backend = backend.make()
-    other = getattr(adapter, "exports_as", None)
-    return adapter if other is None else _adapter(find("backends", other))
 
 
 def _declined(model: Plugin, adapter: Backend, material: Material) -> str | None:
