@@ -9,6 +9,7 @@ from bench.physics.loops import add_paths, add_tail, compiled, parts
 from bench.physics.pulse import HALF_WIDTH, STEPS, table
 from bench.physics.units import Complexes, Reals
 
+_FARTHEST = np.float32(1e6)  # samples
 _LINEAR = np.linspace(0, 1, STEPS + 1, dtype=np.float32)[:, None]
 
 
@@ -20,13 +21,19 @@ def sampled(batch: Batch, start_ns: Reals, samples: int, fwhm_samples: float) ->
     """
     made = np.zeros((len(batch), 2 * samples), np.float32)
     gain = np.where(batch.kind == NO_PATH, np.complex64(0), batch.gain)
-    place = (batch.excess_ns - start_ns[:, None]) / np.float32(batch.sample_period_ns)
+    period = np.float32(batch.sample_period_ns)
+    place = _within_reach((batch.excess_ns - start_ns[:, None]) / period)
     compiled(add_paths)(made, place, parts(gain), table(fwhm_samples))
     if batch.tail.shape[1]:
-        first = (batch.tail_start_ns - start_ns) / np.float32(batch.sample_period_ns)
         pulse, reach = _tail_pulse(batch, fwhm_samples)
-        compiled(add_tail)(made, first - np.float32(reach), parts(batch.tail), pulse)
+        first = _within_reach((batch.tail_start_ns - start_ns) / period - np.float32(reach))
+        compiled(add_tail)(made, first, parts(batch.tail), pulse)
     return made.view(np.complex64)
+
+
+def _within_reach(place: Reals) -> Reals:
+    """Return places in samples that a loop can count to; what is no number lies far outside."""
+    return np.asarray(np.fmin(np.fmax(place, -_FARTHEST), _FARTHEST), np.float32)
 
 
 def _tail_pulse(batch: Batch, fwhm_samples: float) -> tuple[Reals, int]:

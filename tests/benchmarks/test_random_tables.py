@@ -1,25 +1,47 @@
 """Random tables never end in a traceback: a diagnosis, or one clear line.
 
-`BENCH_RANDOM_TABLES` says how many are tried (default 12).
+`BENCH_RANDOM_TABLES` says how many are tried (default 12), `BENCH_RANDOM_FIRST` the first seed.
+Searches are shortened - fewer evaluations, starts, replicates and rounds - so that a thousand
+tables are affordable: every step is taken, but what is found is not what a diagnosis would find.
+`BENCH_RANDOM_WHOLE=1` searches in full.
 """
 
 from __future__ import annotations
 
 import os
 import warnings
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy import Options, diagnose
+from bench.discrepancy import Options, diagnose, method
+from bench.discrepancy.fit import search, starts
+from bench.discrepancy.select import backfitting
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
 
 TABLES = int(os.environ.get("BENCH_RANDOM_TABLES", "12"))
+FIRST = int(os.environ.get("BENCH_RANDOM_FIRST", "0"))
+WHOLE = os.environ.get("BENCH_RANDOM_WHOLE", "") == "1"
 QUICK = Options(search_rows=60, fit_rows=40, confirm_rows=40)
+SHORT: tuple[tuple[Any, str, Any], ...] = (
+    (search, "EVALUATIONS", 5),
+    (search, "EVALUATIONS_PER_PARAMETER", 1),
+    (search, "MORE_DESCENTS", 1),
+    (search, "FIT_MEMBERS", 2),
+    (backfitting, "BACKFIT_EVALUATIONS", 3),
+    (starts, "LINE_STEPS", (1.0, 0.25, 0.02)),
+    (starts, "RATIO_STEPS", (1.0, 0.6)),
+    (starts, "DECIBEL_STEPS", (1.0, 0.6, 0.2)),
+    (starts, "SCATTERED_POINTS", 3),
+    (starts, "ELSEWHERE_POINTS", 2),
+    (starts, "DELAY_POINTS", 2),
+    (method, "MOST_ROUNDS", 3),
+)
 
 
 def _values(rng: np.random.Generator, rows: int, centre: float, spread: float) -> np.ndarray:
@@ -67,7 +89,13 @@ def _table(rng: np.random.Generator) -> Recordings:
     return Recordings(frame, "random")
 
 
-@pytest.mark.parametrize("seed", range(TABLES))
+@pytest.fixture(autouse=True)
+def _shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, name, value in () if WHOLE else SHORT:
+        monkeypatch.setattr(module, name, value)
+
+
+@pytest.mark.parametrize("seed", range(FIRST, FIRST + TABLES))
 def test_a_random_table_gives_a_diagnosis_or_one_clear_line(seed):
     rng = np.random.default_rng([seed, 99])
     recorded = _table(rng)

@@ -18,6 +18,9 @@ def separability(ensemble: Ensemble, seed: int) -> float:
     if links < 2:
         return float("nan")
     X = np.concatenate([ensemble.recorded, ensemble.simulated[0]])
+    X = X[:, np.isfinite(X).any(axis=0)]
+    if not X.shape[1]:
+        return float("nan")
     y = np.repeat([1, 0], len(ensemble.links))
     groups = np.tile(ensemble.links, 2)
     model = HistGradientBoostingClassifier(

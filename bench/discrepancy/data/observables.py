@@ -30,6 +30,7 @@ from bench.recordings.table import SAMPLE_PERIOD_NS
 Floats = NDArray[np.float64]
 
 
+FARTHEST = 1e6  # samples: a first path beyond is in no CIR
 RANGE = "error_m"  # the observable every table has
 SCALARS = {
     RANGE: "m",
@@ -171,7 +172,8 @@ def around(
     """Return `cir` [n, K] around `first` [n] and the delays in ns (see `aligned`)."""
     shape = len(cir), window.before + window.after
     magnitude, delay = np.empty(shape, cir.dtype), np.empty(shape)
-    compiled(cut)(cir, np.asarray(first, np.float64), period_ns, window.before, magnitude, delay)
+    place = np.where(np.abs(first) < FARTHEST, first, np.nan)
+    compiled(cut)(cir, place, period_ns, window.before, magnitude, delay)
     return magnitude, delay
 
 

@@ -132,6 +132,11 @@ def _shared(codes: NDArray[np.intp], held: set[int], count: int) -> LinkSplit:
         rows = np.flatnonzero(codes == link)
         place[rows] = np.arange(len(rows)) // STRETCH_ROWS
     parts = [np.flatnonzero(~aside & (place % 2 == which)) for which in (0, 1)]
+    if not len(parts[1]):
+        raise BenchError(
+            f"{count} links of at most {STRETCH_ROWS} rows: too few to search and to fit apart; "
+            f"expected {SHARED_BELOW} links, or more than {STRETCH_ROWS} rows in some of them"
+        )
     return LinkSplit(parts[0], parts[1], Sealed(np.flatnonzero(aside)), count, shared=True)
 
 

@@ -1,9 +1,11 @@
 """The compiled loops against numpy's plain arithmetic."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.physics import loops
+from bench.physics.base import Base
 from bench.physics.filters import (
     coloured,
     convolved,
@@ -13,6 +15,8 @@ from bench.physics.filters import (
     moving_average,
 )
 from bench.physics.pulse import HALF_WIDTH, shape, table
+from bench.physics.sampling import sampled
+from bench.physics.scene import scene
 
 RNG = np.random.default_rng(3)
 
@@ -150,3 +154,12 @@ def test_colour_is_the_wanted_autocorrelation() -> None:
     assert abs(np.mean(np.abs(made) ** 2) / np.mean(np.abs(white) ** 2) - 1) < 0.02
     first = np.mean(made[:, 1] * made[:, 0].conj()).real / np.mean(np.abs(made) ** 2)
     assert abs(first - 0.32) < 0.05  # at the row's beginning too
+
+
+def test_delays_that_are_no_numbers_reach_no_sample() -> None:
+    rows = scene(pd.DataFrame({"true_range_m": [3.0, 4.0, 5.0, 6.0]}))
+    batch = Base().paths(rows).with_tail(complex_rows(4, 30), np.zeros(4))
+    start = np.array([-20, np.nan, np.inf, -1e30], np.float32)
+    made = sampled(batch, start, 64, 2.5)
+    assert np.abs(made[0]).max() > 0
+    assert not made[1:].any()

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from bench.discrepancy.compare.calibration import auc_doubt
+import numpy as np
+
+from bench.discrepancy.compare.calibration import auc_doubt, separability
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.settings import FEWEST_AUC_LINKS
 
 
@@ -10,3 +13,18 @@ def test_an_auc_of_so_few_links_that_none_could_tell_says_so() -> None:
     assert auc_doubt(3) == " (3 links: too few to tell, an AUC far from 0.5 is no finding)"
     assert auc_doubt(FEWEST_AUC_LINKS) == ""
     assert 0.5 ** (FEWEST_AUC_LINKS - 1) > 0.05 > 0.5**FEWEST_AUC_LINKS  # a sign test's least p
+
+
+def test_an_observable_that_no_held_out_row_has_tells_nothing_apart() -> None:
+    rng = np.random.default_rng(0)
+    versions = rng.normal(size=(3, 40, 2))
+    versions[0, :, 0] += 9.0
+    links = np.repeat(np.arange(8), 5)
+    whole = separability(Ensemble(("error_m",), ("m",), versions[..., :1], links), 0)
+    versions[..., 1] = np.nan
+    assert (
+        separability(Ensemble(("error_m", "noise_std"), ("m", "dB"), versions, links), 0) == whole
+    )
+    versions[..., 0] = np.nan
+    nothing = Ensemble(("error_m", "noise_std"), ("m", "dB"), versions, links)
+    assert np.isnan(separability(nothing, 0))

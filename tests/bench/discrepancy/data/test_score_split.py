@@ -84,3 +84,10 @@ def test_a_device_of_few_links_is_in_both_working_parts():
         seen = [set(frame["tx"].iloc[rows]) for rows in (split.discover, split.fit)]
         assert seen == [{"rare", "a"}, {"rare", "a"}]
         assert 14 <= len(split.discover) <= 18  # 40 % of the links
+
+
+def test_few_links_of_few_rows_are_one_line():
+    few = pd.DataFrame({"link": np.repeat(list("abcde"), 6)})
+    with pytest.raises(BenchError, match="5 links of at most 20 rows"):
+        split_links(few, 0)
+    assert len(split_links(pd.DataFrame({"link": np.repeat(list("abcde"), 30)}), 0).fit)
