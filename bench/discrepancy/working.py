@@ -9,7 +9,14 @@ import pandas as pd
 
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window, window_of
-from bench.discrepancy.data.split import LinkSplit, Rows, link_codes, split_links, thinned
+from bench.discrepancy.data.split import (
+    LinkSplit,
+    Rows,
+    check_rows,
+    link_codes,
+    split_links,
+    thinned,
+)
 from bench.recordings.table import Recordings
 
 if TYPE_CHECKING:
@@ -33,6 +40,7 @@ class WorkingRows:
     def of(cls, recorded: Recordings, asked: Options, doubtful: pd.DataFrame) -> WorkingRows:
         """Return a recorded table, split by link; `doubtful` columns of its rows take no part."""
         split = split_links(recorded.frame, asked.seed)
+        check_rows(split)
         return cls(recorded, asked, split, window_of(recorded.frame), doubtful)
 
     def view(self, rows: Rows, most: int) -> View:

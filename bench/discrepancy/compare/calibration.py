@@ -18,17 +18,16 @@ def separability(ensemble: Ensemble, seed: int) -> float:
     if links < 2:
         return float("nan")
     X = np.concatenate([ensemble.recorded, ensemble.simulated[0]])
-    X = X[:, np.isfinite(X).any(axis=0)]
-    if not X.shape[1]:
-        return float("nan")
     y = np.repeat([1, 0], len(ensemble.links))
     groups = np.tile(ensemble.links, 2)
     model = HistGradientBoostingClassifier(
         max_iter=AUC_TREES, max_leaf_nodes=AUC_LEAVES, random_state=seed
     )
-    guess = cross_val_predict(
-        model, X, y, groups=groups, cv=GroupKFold(min(AUC_FOLDS, links)), method="predict_proba"
-    )
+    folds = list(GroupKFold(min(AUC_FOLDS, links)).split(X, y, groups))
+    X = X[:, [all(np.isfinite(column[taught]).any() for taught, _ in folds) for column in X.T]]
+    if not X.shape[1]:  # trees cannot be taught by what no row has
+        return float("nan")
+    guess = cross_val_predict(model, X, y, cv=folds, method="predict_proba")
     return float(roc_auc_score(y, guess[:, 1]))
 
 

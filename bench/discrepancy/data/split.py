@@ -109,6 +109,15 @@ def split_links(
     return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
 
 
+def check_rows(split: LinkSplit) -> None:
+    """Raise BenchError where links are so few and short that no row is left to fit."""
+    if not len(split.fit):
+        raise BenchError(
+            f"{split.links} links of at most {STRETCH_ROWS} rows: too few to search and to fit "
+            f"apart; expected {SHARED_BELOW} links, or more than {STRETCH_ROWS} rows in some"
+        )
+
+
 def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> list[int]:
     """Return the links, of `rest` in random order, that are searched.
 
@@ -132,11 +141,6 @@ def _shared(codes: NDArray[np.intp], held: set[int], count: int) -> LinkSplit:
         rows = np.flatnonzero(codes == link)
         place[rows] = np.arange(len(rows)) // STRETCH_ROWS
     parts = [np.flatnonzero(~aside & (place % 2 == which)) for which in (0, 1)]
-    if not len(parts[1]):
-        raise BenchError(
-            f"{count} links of at most {STRETCH_ROWS} rows: too few to search and to fit apart; "
-            f"expected {SHARED_BELOW} links, or more than {STRETCH_ROWS} rows in some of them"
-        )
     return LinkSplit(parts[0], parts[1], Sealed(np.flatnonzero(aside)), count, shared=True)
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.crps import cluster_bootstrap, crps, energy_score
-from bench.discrepancy.data.split import Sealed, split_links
+from bench.discrepancy.data.split import Sealed, check_rows, split_links
 from bench.errors import BenchError
 
 
@@ -89,5 +89,5 @@ def test_a_device_of_few_links_is_in_both_working_parts():
 def test_few_links_of_few_rows_are_one_line():
     few = pd.DataFrame({"link": np.repeat(list("abcde"), 6)})
     with pytest.raises(BenchError, match="5 links of at most 20 rows"):
-        split_links(few, 0)
-    assert len(split_links(pd.DataFrame({"link": np.repeat(list("abcde"), 30)}), 0).fit)
+        check_rows(split_links(few, 0))
+    check_rows(split_links(pd.DataFrame({"link": np.repeat(list("abcde"), 30)}), 0))
