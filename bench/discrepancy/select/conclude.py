@@ -259,7 +259,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         return f"{name} gains most, but it is there too in {option.control.words}"
     if untold(option):
         return f"looks most like {name}, but none of its values is told from zero"
-    if not search.fit.waveform and undetermined(option):
+    weighed = search.fit.waveform or name in search.choice.names
+    if not weighed and undetermined(option):
         return f"looks most like {name}, but these recordings determine none of its values"
     if option.effect is effect:
         return ""
