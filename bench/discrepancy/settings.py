@@ -285,6 +285,8 @@ FOLLOWING_WIDEST: Final = 3.0  # standard deviations beyond which a row is cut [
 FOLLOWING_DRAWS: Final = 200  # of links [cost]
 FOLLOWING_LEAST: Final = 0.5  # of the response, that the interval must reach [convention]
 
+FORMS_OF_MARK: Final = 2.0  # times what a rounding does: rounded by chance, its error is of twice
+# the variance [derived]
 SCATTER_OF_LINKS: Final = 0.5  # of the variance that is missing within links, that may be
 # missing between them: by chance [convention]
 SCATTER_SHAPE_P: Final = 1e-3  # of a distribution, to be another than scatter's [convention]

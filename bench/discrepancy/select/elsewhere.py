@@ -12,12 +12,13 @@ import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import gain_interval, tally
-from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import (
     CONTROL_ROWS,
+    FORMS_OF_MARK,
     LEAST_SCATTER_M,
     SCORE_FIRST,
     SCORE_MEMBERS,
@@ -33,6 +34,7 @@ def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Exp
     if search.work is None or not added:
         return explanation
     able = tuple(c for c in explanation.contenders if _stands(search, added, c))
+    able = tuple(c for c in able if _beyond_marks(search, added, c))
     return replace(explanation, contenders=able)
 
 
@@ -48,6 +50,25 @@ def _stands(search: Search, added: Added, contender: Contender) -> bool:
         if not gain_interval(tally(before), tally(after), search.seed).likely_above_zero:
             return False
     return True
+
+
+def _beyond_marks(search: Search, added: Added, contender: Contender) -> bool:
+    """Return whether scatter beside what bears a mark does more than another form of that would.
+
+    Ranges that are rounded by chance, or twice, scatter more than such to the nearest step do.
+    """
+    marks = [effect for effect in added if type(effect).marked]
+    if not marks or not type(contender.effect).independent:
+        return True
+    sizes = []
+    for effect, rest in [(contender.effect, added), *((e, without(added, e)) for e in marks)]:
+        with_it, bare = (
+            search.comparison.ensemble(search.searched, some, SCORE_MEMBERS, SCORE_FIRST)
+            for some in ((*rest, effect), rest)
+        )
+        change = with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)
+        sizes.append(float(np.nanstd(change)))
+    return sizes[0] > FORMS_OF_MARK * max(sizes[1:])
 
 
 def without_others(rows: View, added: Added) -> list[View]:

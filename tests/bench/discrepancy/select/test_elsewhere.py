@@ -22,6 +22,7 @@ from bench.physics.base import Base
 from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -55,6 +56,23 @@ def test_an_effect_on_levels_acts_without_walls_too(steeper: bool) -> None:
     search = SimpleNamespace(comparison=comparison, work=seen, searched=seen, seed=0)
     found = elsewhere_too(search, (MaterialDelay(),), made)  # type: ignore[arg-type]
     assert bool(found.contenders) is steeper
+
+
+@pytest.mark.parametrize(("samples", "stays"), [(0.1, False), (0.6, True)])
+def test_scatter_beside_a_rounding_is_more_than_another_form_of_it(
+    samples: float, stays: bool
+) -> None:
+    seen = rows(False)
+    gain = Estimate(1, 0.5, 1.5)
+    tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
+    jitter = Contender(TimestampJitter(jitter_samples=samples), tally, gain)
+    made = Explanation((jitter,), tally, gain, tally, {}, {})
+    search = SimpleNamespace(
+        comparison=Resimulation(Simulator(Base(), (), 3), Window()),
+        work=seen, searched=seen, seed=0,
+    )  # fmt: skip
+    added = (RangeRounding(step_m=0.15),)
+    assert bool(elsewhere_too(search, added, made).contenders) is stays  # type: ignore[arg-type]
 
 
 def test_a_fading_that_scatters_nothing_is_none() -> None:
