@@ -55,8 +55,10 @@ class View:
     number: int = field(default_factory=lambda: next(_NUMBERS), init=False, compare=False)
 
     def leaving(self, links: NDArray[np.intp]) -> View:
-        """Return the view without some links, by code."""
+        """Return the view without some links, by code; with all of them where none would stay."""
         keep = np.flatnonzero(~np.isin(self.links, links))
+        if not len(keep):  # without rows nothing can be compared
+            return self
         recorded = replace(self.recorded, values=self.recorded.values[keep])
         frame = self.frame.iloc[keep].reset_index(drop=True)
         return View(frame, recorded, self.links[keep], self.rows[keep], self.waveform)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 
 from bench.discrepancy.compare.calibration import auc_doubt, separability
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
 from bench.discrepancy.settings import FEWEST_AUC_LINKS
 
 
@@ -28,3 +31,10 @@ def test_an_observable_that_no_held_out_row_has_tells_nothing_apart() -> None:
     versions[..., 0] = np.nan
     nothing = Ensemble(("error_m", "noise_std"), ("m", "dB"), versions, links)
     assert np.isnan(separability(nothing, 0))
+
+
+def test_a_view_that_all_links_would_leave_keeps_them() -> None:
+    frame = pd.DataFrame({"true_range_m": [3.0, 4.0, 5.0], "error_m": [0.1, 0.2, 0.3]})
+    seen = view(frame, np.array([0, 1, 1]), np.arange(3), Window())
+    assert len(seen.leaving(np.array([1])).rows) == 1
+    assert seen.leaving(np.array([0, 1])) is seen
