@@ -26,6 +26,7 @@ PROFILE_EDGES_NS: Final = (
 RISE_HIGH: Final = 0.6  # share of the maximum [source] Marano et al. 2010
 RISE_LOW: Final = 6.0  # multiples of the noise std [source] Marano et al. 2010
 LEAD_LEVEL: Final = 5.0  # multiples of the noise std that are energy before the path [convention]
+FARTHEST_SAMPLE: Final = 1e6  # a first path beyond is in no CIR [derived]
 WINDOW_FULL_SHARE: Final = 0.98  # of the rows must fill the window that is compared [convention]
 WINDOW_BEFORE: Final = (2, 24)  # samples before the path, least and most [cost]
 WINDOW_AFTER: Final = (16, 110)  # samples after it; 110 reach the last bin of the profile [derived]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.data.cir_features import compiled, cut, shape_figures
 from bench.discrepancy.settings import (
+    FARTHEST_SAMPLE,
     LEAD_LEVEL,
     NOISE_BEFORE_NS,
     PROFILE_EDGES_NS,
@@ -29,8 +30,6 @@ from bench.recordings.table import SAMPLE_PERIOD_NS
 
 Floats = NDArray[np.float64]
 
-
-FARTHEST = 1e6  # samples: a first path beyond is in no CIR
 RANGE = "error_m"  # the observable every table has
 SCALARS = {
     RANGE: "m",
@@ -172,7 +171,7 @@ def around(
     """Return `cir` [n, K] around `first` [n] and the delays in ns (see `aligned`)."""
     shape = len(cir), window.before + window.after
     magnitude, delay = np.empty(shape, cir.dtype), np.empty(shape)
-    place = np.where(np.abs(first) < FARTHEST, first, np.nan)
+    place = np.where(np.abs(first) < FARTHEST_SAMPLE, first, np.nan)
     compiled(cut)(cir, place, period_ns, window.before, magnitude, delay)
     return magnitude, delay
 
