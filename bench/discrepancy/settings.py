@@ -306,8 +306,8 @@ SMALLEST_STRIKE: Final = 0.02  # of the bound
 SHORTEST_DETOUR_M: Final = 0.3  # half a pulse of 500 MHz: a shorter one merges [derived]
 STRIKE_NATS: Final = 6.0  # for two parameters: p = 0.0025 by chi-squared [derived]
 LEAD_NATS: Final = 3.0  # by which the likeliest must lead: 20 to 1 [convention]
-MOST_ALTERNATIVES: Final = 2  # causes that may stand for each other: "X or Y". What three do as
-# well is some smooth shift, and mostly of another cause [blind, seed 71537]
+MOST_ALTERNATIVES: Final = 2  # with waveforms, causes that may stand for each other: "X or Y".
+# What three do as well is some smooth shift, and mostly of another cause [waves, seed 71537]
 ROWS_BEYOND: Final = 3  # so many rows beyond all simulated ones are no chance: even of a Cauchy
 # distribution, twice its widest of two versions is passed by a quarter of a row [derived]
 STRUCK_LEVEL_LINKS: Final = 2  # that must be struck, to ask for their level [derived]

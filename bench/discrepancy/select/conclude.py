@@ -237,13 +237,17 @@ def _named(
         if not passed:  # a name whose own negative control fails is none
             out.append(_refuted(turn, objections[0]))
         else:
-            out.append(of_class(turn, passed))
+            out.append(of_class(turn, passed, search.fit.waveform))
     return tuple(out)
 
 
-def of_class(turn: Round, options: tuple[LeftOut, ...]) -> Verdict:
-    """Return the verdict on one name, or on some of which each would do; unknown where many."""
-    if len(options) > MOST_ALTERNATIVES:
+def of_class(turn: Round, options: tuple[LeftOut, ...], waveform: bool) -> Verdict:
+    """Return the verdict on one name, or on some of which each would do.
+
+    With waveforms unknown where they are many. Ranges alone leave as many open as there are
+    settings that never vary.
+    """
+    if waveform and len(options) > MOST_ALTERNATIVES:
         words = ", ".join(option.names[0] for option in options)
         return _refuted(turn, f"looks like any of {words}, so like none of them")
     return options[0] if len(options) == 1 else Ambiguous(options, separating(options))

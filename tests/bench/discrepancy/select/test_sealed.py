@@ -87,12 +87,13 @@ def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
     assert bool(made.names) is said
 
 
-def test_of_three_causes_none_is_said() -> None:
+def test_of_three_causes_none_is_said_of_waveforms() -> None:
     turn = selection().rounds[0]
     options = tuple(map(named, (DELAY, SCALE, LAG)))
-    assert [of_class(turn, options[:i]).names for i in (1, 2, 3)] == [
-        ("antenna-delay",), ("antenna-delay", "range-scale"), (),
-    ]  # fmt: skip
+    names = tuple(option.names[0] for option in options)
+    for waveform, most in ((True, 2), (False, 3)):
+        said = [of_class(turn, options[:i], waveform).names for i in (1, 2, 3)]
+        assert said == [names[:i] if i <= most else () for i in (1, 2, 3)]
 
 
 def test_a_cause_of_which_no_size_is_determined_is_no_name() -> None:
