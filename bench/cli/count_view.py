@@ -11,6 +11,7 @@ from bench.measure.counting.measured import Measured
 from bench.results import Interval
 from bench.runner.count_models import CountRow
 from bench.runner.counting import Counted
+from bench.text import named
 
 NARROW = ("device", "network", "how", "cycles\n(M)", "latency\n(ms)", "energy\n(mJ)", "flash\n(KB)")
 FAR = 3.0  # times the count: more than flash waits and other compilers were seen to do
@@ -22,7 +23,8 @@ NOTE = (
 
 def print_rows(rows: Sequence[CountRow], board: Measured | None) -> None:
     """Print the table, what fits, and for a single network its layers and kinds."""
-    print_table("Counted", (*NARROW, "RAM\n(KB)"), map(_narrow, lines(rows, board)))
+    title = f"Counted on rows of {named(rows[0].data)}"
+    print_table(title, (*NARROW, "RAM\n(KB)"), map(_narrow, lines(rows, board)))
     say(NOTE)
     for row in rows:
         say(f"{row.model} on {row.backend}, {row.device}: {_verdict(row)}")
@@ -134,7 +136,11 @@ def _facts(row: CountRow, board: Measured | None) -> dict[str, Any]:
     facts: dict[str, Any] = {
         **{"model": row.model, "backend": row.backend, "device": row.device},
         **{"how": "counted", "reason": row.reason, "measured_cycles": None},
-        **{"precision": row.precision, "cost": asdict(row.cost) if row.cost else None},
+        **{
+            "data": row.data,
+            "precision": row.precision,
+            "cost": asdict(row.cost) if row.cost else None,
+        },
     }
     if row.counted is None:
         return facts | {"how": None}

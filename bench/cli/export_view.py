@@ -33,8 +33,7 @@ def as_json(chosen: Chosen, exported: Exported) -> None:
 
 def show(chosen: Chosen, exported: Exported) -> None:
     """Print what was written where, and what is known of it."""
-    simulated = " (SIMULATED)" if chosen.simulated else ""
-    say(f"{chosen.model} on {chosen.backend}, trained on {named(chosen.data)}{simulated}")
+    say(f"{chosen.model} on {chosen.backend}, {named(chosen.origin)}")
     say(f"{named(exported.folder)}: {', '.join(exported.files)}")
     if exported.arena_bytes is not None:
         say(f"RAM for activations: {exported.arena_bytes} bytes")
@@ -58,6 +57,9 @@ def _counts(exported: Exported) -> Iterator[str]:
             f"{facts['device']}, counted: {facts['cycles']:,} cycles, "
             f"{facts['latency_ms']:.3g} ms; {facts['fits']}"
         )
+    if exported.unitless:
+        named_parts = ", ".join(exported.unitless)
+        yield f"{named_parts}: no floating-point unit; --requantise fixed is for such parts"
     if exported.kept:
         kept = ", ".join(exported.kept)
         yield f"the C is as it was: REPORT.md keeps what was counted for {kept}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ from bench.errors import BenchError
 from bench.export.built import builder_of, kept_built
 from bench.files import read_json
 from bench.plugins import Plugin, find
-from bench.results import RunRecord, from_json
+from bench.results import RunKey, RunRecord, from_json
 from bench.runner.finished import artifact_of, check_width, inputs_of
 from bench.runner.folder import ResultFolder
 from bench.runner.held_out import held_out, keep_held_out, kept_held_out
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from bench.runner.material import Material
 
 Tell = Callable[[str], None]
+ACROSS = "trained-on"  # the kind of split of a run across data sets (bench.recordings.draws)
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,15 @@ class Chosen:
     data: str
     simulated: bool
     cirs: NDArray[np.float32]
+    split: str = ""
+    seed: int = 0
+
+    @property
+    def origin(self) -> str:
+        """What it was trained on, in words."""
+        name = f"{self.data} (SIMULATED)" if self.simulated else self.data
+        kind, _, others = self.split.partition(":")
+        return f"trained on {others}, tested on {name}" if kind == ACROSS else f"trained on {name}"
 
 
 @dataclass(frozen=True)
@@ -64,11 +74,22 @@ def from_run(run: str, results: Path, data: str | None = None) -> Chosen:
     record = _record(run, results)
     artifact, key = artifact_of(record, results), record.key
     head = Head(key.data, key.data_fingerprint, key.split, record.simulated)
-    if data is None and (found := _unread(artifact, key.model, key.backend, head)):
-        return found
+    found = None if data is not None else _unread(artifact, key.model, key.backend, head)
+    if found is None:
+        found = _chosen(artifact, key.model, key.backend, _material(key, data))
+    return replace(found, seed=key.seed)
+
+
+def _material(key: RunKey, data: str | None) -> Material:
+    """Read a run's recordings. Raises BenchError where several data sets were put together."""
     from bench.runner.material import load_material
 
-    return _chosen(artifact, key.model, key.backend, load_material(data or key.data, key.split))
+    if key.split.partition(":")[0] == ACROSS:
+        raise BenchError(
+            f"{key.model}, {key.split}: the rows that were held out of several data sets are not "
+            "in the cache; run it again on this machine into an empty folder"
+        )
+    return load_material(data or key.data, key.split)
 
 
 def _record(run: str, results: Path) -> RunRecord:
@@ -134,7 +155,7 @@ def _unread(artifact: Artifact, model: str, backend: str, head: Head) -> Chosen 
     if rows is None:
         return None
     check_width(artifact, inputs, rows.shape[1])
-    return Chosen(artifact, model, backend, head.name, head.simulated, rows)
+    return Chosen(artifact, model, backend, head.name, head.simulated, rows, head.split)
 
 
 def _chosen(artifact: Artifact, model: str, backend: str, material: Material) -> Chosen:
@@ -143,5 +164,5 @@ def _chosen(artifact: Artifact, model: str, backend: str, material: Material) ->
     keep_held_out(material, reads, again=True)
     rows = held_out(material, reads)
     check_width(artifact, inputs, rows.shape[1])
-    simulated = bool(material.recordings.simulated)
-    return Chosen(artifact, model, backend, material.name, simulated, rows)
+    head = head_of(material)
+    return Chosen(artifact, model, backend, head.name, bool(head.simulated), rows, head.split)

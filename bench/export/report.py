@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from bench.export.agreement import Agreement, at_most
 from bench.export.chosen import Chosen
 from bench.results import Interval
+from bench.text import named
 from zoo.inputs import COLUMNS
 
 if TYPE_CHECKING:
@@ -55,11 +56,11 @@ def report(chosen: Chosen, figures: Figures | None) -> str:
 
 
 def _origin(chosen: Chosen) -> list[str]:
-    made = " (SIMULATED)" if chosen.simulated else ""
+    origin = named(f"{chosen.origin[0].upper()}{chosen.origin[1:]}")
     return [
         f"# {chosen.model} on {chosen.backend}",
         "",
-        f"Trained on `{chosen.data}`{made}: the first fold of its split, seed 0. The prediction "
+        f"{origin}: the first fold of `{chosen.split}`, seed {chosen.seed}. The prediction "
         "is the range error (measured - true) in metres: subtract it from the range.",
         "",
     ]

@@ -40,7 +40,8 @@ class Exported:
     """What was written where. `agreement` is None where nothing could be compiled.
 
     `counted` has an entry for every part that was asked for; `kept` and `dropped` name the parts
-    whose counts stood in the report before: kept where the C is the same, else gone.
+    whose counts stood in the report before: kept where the C is the same, else gone. `unitless`
+    names those counted that have to do this C's float arithmetic without a unit for it.
     """
 
     folder: Path
@@ -50,6 +51,7 @@ class Exported:
     counted: tuple[Counted, ...] = ()
     kept: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
+    unitless: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,19 @@ def _export_c(
     files = _files(chosen, checked, _figures(chosen, checked, counted, kept))
     written = _put(folder, files, checked.agreement, checked.source.arena_bytes)
     dropped = () if same else before.parts
-    return replace(written, counted=tuple(counted), kept=kept.parts, dropped=dropped)
+    unitless = _unitless(chosen, requantise, parts)
+    return replace(
+        written, counted=tuple(counted), kept=kept.parts, dropped=dropped, unitless=unitless
+    )
+
+
+def _unitless(chosen: Chosen, requantise: Requantise, parts: Sequence[Profile]) -> tuple[str, ...]:
+    """Return the parts without a floating-point unit, where 8-bit C could do without one."""
+    if requantise == "fixed" or chosen.artifact.precision != "int8" or not parts:
+        return ()
+    from bench.measure.counting import load_core
+
+    return tuple(part.name for part in parts if not load_core(part.core).float_unit)
 
 
 def _source(chosen: Chosen, requantise: Requantise) -> CSource:

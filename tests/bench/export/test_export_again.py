@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ import pytest
 from click.testing import CliRunner, Result
 from recordings_factory import make_recordings
 
+from backends.base import Artifact
+from bench import plugins
 from bench.cli.main import group
 from bench.errors import BenchError
-from bench.export import from_fit, from_run
+from bench.export import Chosen, from_fit, from_run
 from bench.export.counts import counted_before
 from bench.recordings.io import write_recordings
 
@@ -25,6 +28,8 @@ LARGE = ("torch", "sklearn", "scipy", "pandas", "pyarrow", "numba", "matplotlib"
 PROGRAM = f"""
 import sys
 from bench.cli.failing import ended_with
+from backends.base import Artifact
+from bench import plugins
 from bench.cli.main import group
 code = ended_with(lambda: group.main(sys.argv[1:], prog_name="bench", standalone_mode=False))
 print(code, sorted(set(sys.modules) & set({LARGE!r})), file=sys.stderr)
@@ -175,3 +180,40 @@ def test_a_folder_below_a_file_is_refused_at_once(tmp_path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="file is a file, expected a folder"):
         _bench("export", "--run", "12", "-o", tmp_path / "file" / "below")
+
+
+def test_a_run_across_data_is_exported_with_the_rows_that_were_kept(finished, tmp_path) -> None:
+    table, _ = finished
+    other = tmp_path / "other.parquet"
+    write_recordings(make_recordings(rows=60, seed=5), other)
+    words = (
+        "--model",
+        "constant",
+        "--backend",
+        "fp32",
+        "--no-timing",
+        "--out",
+        tmp_path / "across",
+    )
+    _bench("run", "--train", table, "--test", other, *words)
+    [record] = (tmp_path / "across" / "runs").glob("*.json")
+    words = ("export", "--run", record.stem, "--results", tmp_path / "across", "-o", tmp_path / "c")
+    assert f"trained on {table}" in _bench(*words).stdout
+    report = (tmp_path / "c" / "REPORT.md").read_text()
+    assert f"Trained on {table}" in report
+    assert f"tested on {other}" in report
+    for file in (Path(os.environ["BENCH_CACHE"]) / "held-out").iterdir():
+        file.unlink()
+    with pytest.raises(BenchError, match="run it again on this machine into an empty folder"):
+        _bench(*words)
+
+
+def test_parts_that_lack_a_floating_point_unit_are_named() -> None:
+    from bench.export.write import _unitless
+
+    parts = [plugins.load("devices", name) for name in ("nrf52832", "rp2040", "esp32-c3")]
+    integer = Chosen(Artifact(Path("model.onnx"), "int8", ""), "m", "int8", "d", True, np.empty(0))
+    assert _unitless(integer, "float", parts) == ("rp2040", "esp32-c3")
+    assert _unitless(integer, "fixed", parts) == ()
+    plain = replace(integer, artifact=replace(integer.artifact, precision="fp32"))
+    assert _unitless(plain, "float", parts) == ()
