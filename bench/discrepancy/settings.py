@@ -125,6 +125,7 @@ INTERVAL_COUNTS: Final = (4, 12)  # coarse for what is weak, fine for what chang
 TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]
 MOST_CLUSTERS: Final = 80  # more links are grouped at random: still exchangeable [cost]
+PART_SHARE: Final = 0.3  # of the rows, in which a shift may be seen better than in all [convention]
 SPREAD_TOLD: Final = 0.6  # a spread is told after a mean unless it is this much louder [convention]
 
 # --- Fitting one effect (fit/search) -------------------------------------------------------------

@@ -14,7 +14,8 @@ class WaveChoice:
     `rivals` maps their names to effects that would do as well in their place; `nats` to what each
     brings. `explained`: the evidence of the set over none, `left`: that of something without a
     form beside it, both in nats. `unexplained`: so much is left that no name can be stated. `best`:
-    what fits best then. `marked`: names that bear a mark of their own.
+    what fits best then. `marked`: names that bear a mark of their own; `scattering`: of those by
+    which links scatter more than without them.
     """
 
     added: Added = ()
@@ -24,6 +25,7 @@ class WaveChoice:
     left: float = 0.0
     unexplained: bool = False
     marked: tuple[str, ...] = ()
+    scattering: tuple[str, ...] = ()
 
     @property
     def named(self) -> Added:

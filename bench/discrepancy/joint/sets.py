@@ -74,9 +74,10 @@ class Sets:
         free = left_free(self.given, best.moments, best.responses, best.parameters)
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
-        much = much or (self._scatters(best) and free[1] > LEFT_NATS)
+        much = much or (self._scatters(best, self.none) and free[1] > LEFT_NATS)
         brings = {one: self._brings(best, one) for one in best.names}
-        return WaveChoice(best.effects, rivals, brings, explained, left, much, marked)
+        wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
+        return WaveChoice(best.effects, rivals, brings, explained, left, much, marked, wider)
 
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
         """Return the likeliest set of needed members, and what would do as well as each.
@@ -141,10 +142,13 @@ class Sets:
             fit = self._without(fit, least)
         return fit
 
-    def _scatters(self, fit: Fit) -> bool:
-        """Return whether a set makes links scatter more: what is known should not tell how much."""
+    def _scatters(self, fit: Fit, rest: Fit) -> bool:
+        """Return whether links of a set scatter more than those of the rest of it.
+
+        What is known should tell nothing of what scatters.
+        """
         before, after = (
-            np.diag(next(iter(each.moments.covariances.values()))) for each in (self.none, fit)
+            np.diag(next(iter(each.moments.covariances.values()))) for each in (rest, fit)
         )
         return bool((after > SCATTERS * before).any())
 

@@ -6,16 +6,15 @@ import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import gain_interval, tally
-from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.adequacy import row_by_row
+from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, real, separating, untold
 from bench.discrepancy.select.disguise import without_disguises
-from bench.discrepancy.select.predictive_cells import fresh_ensemble
 from bench.discrepancy.select.refute import idle, swapped_for, unused
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
@@ -48,7 +47,7 @@ def wave_verdicts(
         return (NoMismatch(last.located.detectable, last.located.p),)
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
     turns = [turn for turn in rounds if turn.added and turn.added.name not in quiet]
-    said = {t.added.name: _said(search, t, added, choice.marked) for t in turns if t.added}
+    said = {t.added.name: _said(search, t, added, choice) for t in turns if t.added}
     named = _standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained:
         return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
@@ -82,7 +81,7 @@ def _ranges_left(last: Round) -> bool:
     return removable.above_zero and removable.value > MARGIN_NATS
 
 
-def _said(search: Search, turn: Round, added: Added, marked: tuple[str, ...]) -> Verdict | None:
+def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verdict | None:
     """Return the verdict on what a round added, None where that is no more among the effects.
 
     Where the first of a class is refused, what would do as well is none either.
@@ -94,28 +93,35 @@ def _said(search: Search, turn: Round, added: Added, marked: tuple[str, ...]) ->
         left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0)
         for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
     ]
-    why = [_objection(search, swapped_for(added, effect, one.effect), one) for one in options]
+    wider = effect.name in choice.scattering
+    why = [
+        _objection(search, swapped_for(added, effect, one.effect), one, wider) for one in options
+    ]
     passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
     passed = without_disguises(passed, search.searched)
-    if effect.name in marked:
+    if effect.name in choice.marked:
         return options[0]
     if why[0] or not passed:
         return _unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")
     return passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed))
 
 
-def _objection(search: Search, added: Added, option: LeftOut) -> str:
-    """Return in words why an effect is no name, "" where it may be."""
+def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> str:
+    """Return in words why an effect is no name, "" where it may be.
+
+    One that makes links scatter (`wider`), and has nothing more that it must do, must look like
+    recordings wherever one looks: scatter stands for whatever is not predicted.
+    """
     if option.control.passed is False:
         return f"it is there too in {option.control.words}"
     if untold(option):
         return "none of its values is told from zero"
     if words := unused(option.effect) or _idle(option):
         return words
-    if not type(option.effect).per_link:
+    if not wider or type(option.effect).essential:
         return ""
-    views, rest = (search.fit, search.discover), without(added, option.effect)
-    return row_by_row(*(fresh_ensemble(search.comparison, views, one) for one in (added, rest)))
+    found = adequacy(search.comparison, (search.fit, search.discover), added, option.effect)
+    return "" if found.adequate else str(found)
 
 
 def _idle(option: LeftOut) -> str:
