@@ -13,11 +13,11 @@ from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
-from bench.discrepancy.select.conclude import left_out, real, separating, untold
+from bench.discrepancy.select.conclude import left_out, of_class, real, untold
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.refute import idle, swapped_for, unused
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -103,7 +103,7 @@ def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verd
         return options[0]
     if why[0] or not passed:
         return _unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")
-    return passed[0] if len(passed) == 1 else Ambiguous(passed, separating(passed))
+    return of_class(turn, passed)
 
 
 def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> str:

@@ -24,7 +24,8 @@ def unrefused(
 
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
-    few links, keeps its name unless it is worse beyond chance.
+    few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
+    here too: what it does to ranges depends on a receiver's detector.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -38,7 +39,13 @@ def unrefused(
         return found, more
     seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
     held = {e.physics for e in gone if e.name in seen and not _surely_worse(change((e,)))}
+    held |= {e.physics for e in gone if sealed.waveform and _surely_better(e, change((e,)))}
     return _taken_back(found, gone, sealed, held), tuple(e for e in more if e.name in names)
+
+
+def _surely_better(effect: Effect, found: Served | None) -> bool:
+    """Return whether scores of held-out links are better with an effect on waveforms, for sure."""
+    return effect.stage != "ranging" and found is not None and found.gain.above_zero
 
 
 def _surely_worse(found: Served | None) -> bool:
