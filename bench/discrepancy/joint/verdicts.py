@@ -15,6 +15,7 @@ from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, of_class, real, untold
 from bench.discrepancy.select.disguise import without_disguises
+from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import idle, swapped_for, unused
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict
@@ -48,7 +49,7 @@ def wave_verdicts(
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
     turns = [turn for turn in rounds if turn.added and turn.added.name not in quiet]
     said = {t.added.name: _said(search, t, added, choice) for t in turns if t.added}
-    named = _standing({name: one for name, one in said.items() if one is not None}, choice)
+    named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained:
         return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
     if not any(one.names for one in named) or _ranges_left(last):
@@ -57,7 +58,7 @@ def wave_verdicts(
     return named
 
 
-def _standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...]:
+def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...]:
     """Return the verdicts without names that may only mend the form of one that is refused.
 
     Of waveforms: those that bring not much more than it does, and bear no mark.
@@ -94,9 +95,8 @@ def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verd
         for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
     ]
     wider = effect.name in choice.scattering
-    why = [
-        _objection(search, swapped_for(added, effect, one.effect), one, wider) for one in options
-    ]
+    check = Guard().safely("objection", _objection, "")
+    why = [check(search, swapped_for(added, effect, one.effect), one, wider) for one in options]
     passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
     passed = without_disguises(passed, search.searched)
     if effect.name in choice.marked:

@@ -1,0 +1,71 @@
+"""What is said of a set of waveform effects: a refused name takes with it what may mend its form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.turn import fewer
+from bench.discrepancy.joint.verdicts import standing
+from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.effects.receiver.quantisation import Quantisation
+
+GAIN = Estimate(1, 0.5, 1.5, "nats")
+REFUSED = Unknown((), GAIN, {}, "looks most like it")
+
+
+def said(*effects: Effect) -> dict[str, Verdict]:
+    """Return names of effects, and a refused pulse-ringing."""
+    held: dict[str, Verdict] = {
+        e.name: LeftOut(e, (), GAIN, 1.0, Control("", None)) for e in effects
+    }
+    return held | {"pulse-ringing": REFUSED}
+
+
+def names(verdicts: tuple[Verdict, ...]) -> set[str]:
+    """Return all names that are stated."""
+    return {name for verdict in verdicts for name in verdict.names}
+
+
+def test_what_brings_little_beside_a_refused_name_goes_with_it():
+    choice = WaveChoice(nats={"pulse-ringing": 100.0, "noise-floor": 150.0})
+    assert names(standing(said(NoiseFloor()), choice)) == set()
+    loud = WaveChoice(nats={"pulse-ringing": 100.0, "noise-floor": 350.0})
+    assert names(standing(said(NoiseFloor()), loud)) == {"noise-floor"}
+
+
+def test_marks_and_ranges_stand_beside_a_refused_name():
+    choice = WaveChoice(
+        nats={"pulse-ringing": 100.0, "quantisation": 20.0}, marked=("quantisation",)
+    )
+    held = standing(said(Quantisation(), AntennaDelay()), choice)
+    assert names(held) == {"quantisation", "antenna-delay"}
+    assert REFUSED in held
+
+
+def test_where_too_much_is_left_only_marks_are_named():
+    both = (PulseRinging(ring_db=-10.0), Quantisation())
+    found = WaveChoice(both, unexplained=True, marked=("quantisation",))
+    assert [effect.name for effect in found.named] == ["quantisation"]
+    assert WaveChoice(both).named == both
+
+
+def test_fewer_rows_are_of_all_links():
+    links = np.repeat(np.arange(30), 10)
+    frame = pd.DataFrame(
+        {"link": links, "true_range_m": np.arange(300.0) + 1, "error_m": np.zeros(300)}
+    )
+    rows = view(frame, links, np.arange(300), Window(), None, False)
+    some = fewer(rows, 60)
+    assert len(some.rows) == 60
+    assert len(np.unique(some.links)) == 30
+    assert some.frame["true_range_m"].to_numpy().tolist() == (some.rows + 1.0).tolist()
+    assert fewer(rows, 300) is rows
