@@ -1,4 +1,4 @@
-"""What is said of a set of waveform effects: a refused name takes with it what may mend its form."""
+"""What is said of a set of waveform effects: a refused name takes what may mend its form along."""
 
 from __future__ import annotations
 
