@@ -103,7 +103,7 @@ def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verd
         return options[0]
     if why[0] or not passed:
         return _unknown(turn, turn, f"looks most like {effect.physics}, but {why[0]}")
-    return of_class(turn, passed)
+    return of_class(turn, passed, True)
 
 
 def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> str:
