@@ -18,7 +18,11 @@ from zoo.training.layout import conv1d, max_pool1d
 
 _aten = torch.ops.aten
 _is_dense = _aten.is_non_overlapping_and_dense.default
-_INNERMOST = {_aten.conv1d.default: conv1d, _aten.max_pool1d.default: max_pool1d}
+_INNERMOST = {
+    _aten.conv1d.default: conv1d,
+    _aten.max_pool1d.default: max_pool1d,
+    _aten.view.default: _aten.reshape.default,
+}
 LAYERS = (_aten.conv1d.default, _aten.conv2d.default, _aten.linear.default)
 LARGEST = 255  # unsigned 8 bit
 LARGEST_WEIGHT = 127  # signed and symmetric

@@ -16,6 +16,7 @@ from backends.int8 import write_artifact
 from backends.integer_form import to_integer_form
 from backends.qat import EPOCHS, QatBackend, passes, train_quantised
 from backends.quantise import Range, quantise
+from zoo import REMnetLevels
 from zoo.base import TrainingRecipe
 
 RECIPE = TrainingRecipe("mae", 2e-3, 32, 20)
@@ -160,3 +161,15 @@ def test_two_backends_with_the_same_weights_train_them_once(
 def test_many_rows_get_fewer_passes() -> None:
     assert [passes(rows, 64) for rows in (1, 256 * 75, 256 * 76, 36_000, 10**6)] == [4, 4, 3, 2, 1]
     assert passes(10_000, 10_000) == 4
+
+
+def test_maps_beside_other_figures_are_trained_too() -> None:
+    """Their flattened maps are no view where channels lie innermost."""
+    rng = np.random.default_rng(0)
+    rows = np.concatenate([rng.rayleigh(100, (120, 157)), rng.normal(-85, 4, (120, 9))], 1)
+    errors_m = rng.normal(0.1, 0.1, 120).astype(np.float32)
+    data = TrainingData(rows.astype(np.float32), errors_m, 0)
+    model = REMnetLevels(most_steps=1).fit(data.cirs, errors_m)
+    form = exported(model.to_module(), rows.shape[1], to_integer_form)
+    learnt = train_quantised(form, replace(RECIPE, epochs=1), data)
+    assert any(one.name == "network.dense.weight" for one in learnt.graph.graph.initializer)

@@ -26,6 +26,18 @@ class Everything(nn.Module):
         return self.normal(self.maps(x.unsqueeze(1)).mean(2)).sum(1)
 
 
+class Viewed(nn.Module):
+    """Flattens its maps by a view, as many a network does."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maps, self.head = nn.Conv1d(1, 6, 4), nn.Linear(6 * 37, 1)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        maps = self.maps(x.unsqueeze(1))
+        return self.head(maps.view(maps.size(0), -1)).squeeze(1)
+
+
 def learnt(module: nn.Module, x: torch.Tensor, rows: int) -> list[torch.Tensor]:
     module.zero_grad()
     with channels_innermost(module, rows):
@@ -34,9 +46,10 @@ def learnt(module: nn.Module, x: torch.Tensor, rows: int) -> list[torch.Tensor]:
     return [said.detach(), *(p.grad.clone() for p in module.parameters())]
 
 
-def test_answers_and_gradients_are_those_of_torchs_own_order() -> None:
+@pytest.mark.parametrize("kind", [Everything, Viewed])
+def test_answers_and_gradients_are_those_of_torchs_own_order(kind: type[nn.Module]) -> None:
     torch.manual_seed(0)
-    module, x = Everything(), torch.randn(5, 40)
+    module, x = kind(), torch.randn(5, 40)
     plain, inner = learnt(module, x, FEWEST_ROWS - 1), learnt(module, x, FEWEST_ROWS)
     assert all(one.abs().max() > 0 for one in plain)
     for one, other in zip(plain, inner, strict=True):

@@ -86,6 +86,12 @@ def _pad(x: Tensor, pad: Any, *args: Any, **named: Any) -> Tensor:
     return functional.pad(_tall(x), pad, *args, **named).squeeze(2)
 
 
+def _view(x: Tensor, *shape: Any, **named: Any) -> Tensor:
+    """Return x in another shape: copied where its channels lie innermost."""
+    by_type = named or isinstance(shape[0], torch.dtype)
+    return x.view(*shape, **named) if by_type else x.reshape(*shape)
+
+
 def _tall(x: Tensor) -> Tensor:
     """Return maps [n, c, t] as pictures [n, c, 1, t] with channels innermost."""
     one = x.shape[1] == 1  # then torch cannot tell which is innermost, unless the strides say it
@@ -103,4 +109,6 @@ _FORMS: dict[Any, Callable[..., Tensor]] = {
     functional.max_pool1d: max_pool1d,
     functional.batch_norm: _batch_norm,
     functional.pad: _pad,
+    torch.Tensor.view: _view,
+    torch.Tensor.view_as: torch.Tensor.reshape_as,
 }
