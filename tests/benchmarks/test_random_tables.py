@@ -28,6 +28,13 @@ TABLES = int(os.environ.get("BENCH_RANDOM_TABLES", "12"))
 FIRST = int(os.environ.get("BENCH_RANDOM_FIRST", "0"))
 WHOLE = os.environ.get("BENCH_RANDOM_WHOLE", "") == "1"
 QUICK = Options(search_rows=60, fit_rows=40, confirm_rows=40)
+MEASURED = (
+    ("error_m", 0.0, 0.1),
+    ("rx_power_dbm", -80.0, 6.0),
+    ("first_path_power_dbm", -84.0, 6.0),
+    ("noise_std", 40.0, 9.0),
+    ("preamble_count", 500.0, 200.0),
+)
 SHORT: tuple[tuple[Any, str, Any], ...] = (
     (search, "EVALUATIONS", 5),
     (search, "EVALUATIONS_PER_PARAMETER", 1),
@@ -83,10 +90,41 @@ def _table(rng: np.random.Generator) -> Recordings:
         kinds = [[], ["wall"], ["wall", "metal"]]
         frame["obstacles"] = [kinds[int(i)] for i in rng.integers(0, 3, rows)]
     if rng.random() < 0.3:
-        samples = int(rng.integers(20, 60))
-        frame["cir"] = list(np.abs(rng.normal(0, 50, (rows, samples))).astype(np.float32))
-        frame["first_path_index"] = rng.uniform(2, 15, rows)
+        frame["cir"], frame["first_path_index"] = _cirs(rng, rows), rng.uniform(2, 15, rows)
     return Recordings(frame, "random")
+
+
+def _cirs(rng: np.random.Generator, rows: int) -> list[np.ndarray]:
+    """Return a CIR of noise for every row."""
+    samples = int(rng.integers(20, 60))
+    return list(np.abs(rng.normal(0, 50, (rows, samples))).astype(np.float32))
+
+
+def _beside(rng: np.random.Generator, recorded: Recordings) -> Recordings:
+    """Return a simulated table of the same rows, up to three for each, measured anew.
+
+    Some columns are missing.
+    """
+    frame = recorded.frame
+    frame = frame.loc[np.repeat(np.arange(len(frame)), rng.integers(1, 4))].reset_index(drop=True)
+    lost = [n for n in frame.columns if n not in ("link", "error_m") and rng.random() < 0.1]
+    frame = frame.drop(columns=lost)
+    for name, centre, spread in MEASURED:
+        if name in frame:
+            frame[name] = _values(rng, len(frame), centre, spread)
+    if "cir" in frame:
+        frame["cir"] = _cirs(rng, len(frame))
+    return Recordings(frame, "random simulation")
+
+
+def _counterpart(
+    rng: np.random.Generator, recorded: Recordings, seed: int
+) -> Recordings | Simulator:
+    """Return a simulator, a table of the same rows, or one of other rows."""
+    turn = rng.random()
+    if turn < 0.4:
+        return Simulator(Base(), (), seed)
+    return _table(rng) if turn < 0.55 else _beside(rng, recorded)
 
 
 @pytest.fixture(autouse=True)
@@ -99,7 +137,7 @@ def _shortened(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_random_table_gives_a_diagnosis_or_one_clear_line(seed):
     rng = np.random.default_rng([seed, 99])
     recorded = _table(rng)
-    simulated = _table(rng) if rng.random() < 0.6 else Simulator(Base(), (), seed)
+    simulated = _counterpart(rng, recorded, seed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         assert _said(recorded, simulated)

@@ -130,21 +130,22 @@ def resimulated(
 
 def stack(recorded: Observables, replicas: list[Observables], links: NDArray[np.intp]) -> Ensemble:
     """Return the ensemble of what recorded and every replica have in common."""
-    shared = [n for n in recorded.names if all(n in replica.names for replica in replicas)]
-    names = tuple(name for name in shared if _usable(name, recorded, replicas))
-    if not names:
+    tables = (recorded, *replicas)
+    shared = tuple(n for n in recorded.names if all(n in table.names for table in replicas))
+    versions = np.stack([table.keep(shared).values for table in tables])
+    usable = _usable(versions)
+    if not usable.any():
         raise NothingSharedError(
             "the recorded and the simulated table have no observable in common"
         )
-    versions = np.stack([table.keep(names).values for table in (recorded, *replicas)])
-    unknown = np.isnan(versions).any(axis=0)
-    versions[:, unknown] = np.nan
+    versions = np.compress(usable, versions, axis=-1)
+    versions[:, np.isnan(versions).any(axis=0)] = np.nan
+    names = tuple(name for name, kept in zip(shared, usable, strict=True) if kept)
     return Ensemble(names, recorded.keep(names).units, versions, links)
 
 
-def _usable(name: str, recorded: Observables, replicas: list[Observables]) -> bool:
-    """Return whether an observable is known on both sides in a tenth of the rows at least."""
-    known = np.isfinite(recorded.column(name))
-    for replica in replicas:
-        known = known & np.isfinite(replica.column(name))
-    return bool(known.mean() >= KNOWN_SHARE) if len(known) else False
+def _usable(versions: Floats) -> NDArray[np.bool_]:
+    """Return which observables of versions [1 + m, n, p] are known on both sides in enough rows."""
+    known = np.isfinite(versions).all(axis=0, keepdims=True)[0]
+    share = known.sum(axis=0) / max(versions.shape[1], 1)
+    return np.asarray(share >= KNOWN_SHARE, np.bool_)

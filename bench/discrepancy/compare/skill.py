@@ -71,11 +71,17 @@ def tally(ensemble: Ensemble) -> Tally:
     code = np.unique(ensemble.links, return_inverse=True)[1]
     links = int(code.max()) + 1
     least = np.array([RESOLUTION.get(unit, 0.0) for unit in ensemble.units])
-    sums = np.zeros((links, scores.shape[1]))
-    counts = np.zeros_like(sums)
-    np.add.at(sums, code, np.where(known, np.maximum(scores, 0.0) + least, 0.0))
-    np.add.at(counts, code, known)
+    values = np.where(known, np.maximum(scores, 0.0) + least, 0.0)
+    sums, counts = (_by_link(each, code, links) for each in (values, known))
     return Tally(ensemble.names, sums, counts)
+
+
+def _by_link(values: Floats | NDArray[np.bool_], code: NDArray[np.intp], links: int) -> Floats:
+    """Return the sums [L, p] of values [n, p] over the rows of each link, by its code [n]."""
+    columns = values.shape[1]
+    cell = (code[:, None] * columns + np.arange(columns)).ravel()
+    made = np.bincount(cell, values.ravel(), minlength=links * columns)
+    return np.asarray(made.reshape(links, columns), np.float64)
 
 
 def _weighted_logs(part: Tally, draws: NDArray[np.int64]) -> Floats:

@@ -7,6 +7,7 @@ NaN and takes no part in any comparison.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -68,6 +69,7 @@ class Observables:
         return Observables(names, tuple(self.units[i] for i in place), self.values[:, place])
 
 
+@cache
 def profile_names() -> tuple[str, ...]:
     """Return the names of the delay-resolved profile bins, e.g. `profile_db[6.5..10.5ns]`."""
     edges = PROFILE_EDGES_NS
@@ -201,7 +203,9 @@ def shape_observables(
         features = _features(figures)
         peak = {"peak_counts_db": 20 * np.log10(np.nan_to_num(magnitude).max(axis=1))}
     every = bins | features | peak
-    return {name: np.where(np.isfinite(value), value, np.nan) for name, value in every.items()}
+    values = np.stack(list(every.values()))
+    values[~np.isfinite(values)] = np.nan
+    return dict(zip(every, values, strict=True))
 
 
 def _noise(logged: Floats, magnitude: Floats, delay: Floats) -> Floats:

@@ -76,14 +76,15 @@ def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Float
     y = fit.residual[:, which]
     known = np.flatnonzero(np.isfinite(y))[:REGRESSION_ROWS]
     links = fit.links[known]
-    folds = GroupKFold(min(REGRESSION_FOLDS, max(2, len(np.unique(links)))))
+    count = min(REGRESSION_FOLDS, len(np.unique(links)))
+    folds = list(GroupKFold(count).split(X[known], groups=links)) if count > 1 else []
     members = fit.simulated[:, known, which]
     spread = np.sqrt(members.var(axis=0, ddof=1).mean() * (1 + 1 / len(members)))
     best, left = None, y[known] - y[known].mean()
     shift = np.full(len(X_held), y[known].mean())
-    if len(np.unique(links)) > 1:
+    if folds and min(len(taught) for taught, _ in folds) > 1:  # one row teaches no curve
         for model in [*_models(), *_fine(X[known])]:
-            guess = cross_val_predict(model, X[known], y[known], groups=links, cv=folds)
+            guess = cross_val_predict(model, X[known], y[known], cv=folds)
             if np.mean(np.abs(y[known] - guess)) < REGRESSION_BETTER * np.mean(np.abs(left)):
                 best, left = model, y[known] - guess
     if best is not None:
