@@ -146,6 +146,6 @@ def stack(recorded: Observables, replicas: list[Observables], links: NDArray[np.
 
 def _usable(versions: Floats) -> NDArray[np.bool_]:
     """Return which observables of versions [1 + m, n, p] are known on both sides in enough rows."""
-    known = np.isfinite(versions).all(axis=0, keepdims=True)[0]
-    share = known.sum(axis=0) / max(versions.shape[1], 1)
+    known = np.isfinite(versions).sum(axis=0) == len(versions)
+    share = np.sum(known, axis=0) / max(versions.shape[1], 1)
     return np.asarray(share >= KNOWN_SHARE, np.bool_)
