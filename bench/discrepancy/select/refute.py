@@ -317,6 +317,8 @@ def _adequate_rival(
     gone = next((c.gain.value for c in every if c.name == effect.physics), 0.0)
     least = max(MARGIN_NATS, EQUIVALENT_SHARE * gone)
     able = [c for c in every if c.name not in have | refuted]
+    if type(effect).marked:  # scatter leaves no mark
+        able = [c for c in able if not type(c.effect).independent]
     able = [c for c in able if c.gain.likely_above_zero and c.gain.value > least]
     for one in able[:ADEQUACY_RIVALS]:
         found = beside_others(search.comparison, search.fit, rest, one, search.kinds)

@@ -15,9 +15,11 @@ from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.refute import idle
+from bench.discrepancy.select.refute import _adequate_rival, idle
+from bench.discrepancy.select.state import Round
 from bench.physics.base import Base
 from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.material_delay import MaterialDelay
@@ -73,6 +75,15 @@ def test_scatter_beside_a_rounding_is_more_than_another_form_of_it(
     )  # fmt: skip
     added = (RangeRounding(step_m=0.15),)
     assert bool(elsewhere_too(search, added, made).contenders) is stays  # type: ignore[arg-type]
+
+
+def test_scatter_does_not_come_in_the_place_of_what_bears_a_mark() -> None:
+    tally, gain = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1))), Estimate(1, 0.5, 1.5)
+    rounding = RangeRounding(step_m=0.15)
+    jitter = Contender(TimestampJitter(), tally, gain)
+    made = Explanation((Contender(rounding, tally, gain), jitter), tally, gain, tally, {}, {})
+    turn = Round(Located((), 0.002, 9.0, 3.0, 1, {}), made, rounding)
+    assert _adequate_rival(None, (turn,), (rounding,), rounding, set()) is None  # type: ignore[arg-type]
 
 
 def test_a_fading_that_scatters_nothing_is_none() -> None:
