@@ -7,6 +7,7 @@ import pytest
 from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import places, things
 from bench.physics.rooms import IdealRooms, Rooms
+from bench.physics.rooms_data import IdealRoomsSource, RoomsSource
 from bench.recordings.open import open_recordings
 from bench.recordings.table import Recordings
 
@@ -214,3 +215,13 @@ class _Counted:
             return self.generate(instance, 400)
 
         return call
+
+
+@pytest.mark.parametrize(("source", "made"), [(RoomsSource, Rooms), (IdealRoomsSource, IdealRooms)])
+def test_where_rows_are_kept_is_known_without_making_the_simulator(
+    source, made, monkeypatch
+) -> None:
+    place = source().kept()
+    assert place.name == f"{source.name}-{made().key()}.parquet"
+    monkeypatch.setattr(source, "_rooms", None)
+    assert source().kept() == place
