@@ -23,8 +23,8 @@ from bench.physics.toml_file import to_toml
 
 HIDDEN = "pulse-ringing"
 SIZES = (1_000, 10_000, *((100_000,) if os.environ.get("LONG") else ()))
-GOAL_CORE_S = 240.0  # 120 s on two cores, for 10 000 rows
-GOAL_MIB = 4096.0
+GOAL_CORE_S = 120.0  # 60 s on two cores, for 10 000 rows
+GOAL_MIB = 2048.0
 CODE = """
 import json, resource, sys, time
 from bench.cli.main import group
