@@ -263,7 +263,11 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         return f"{name} gains most, but it is there too in {option.control.words}"
     if untold(option):
         return f"looks most like {name}, but none of its values is told from zero"
-    weighed = search.fit.waveform or name in search.choice.names
+    of_set = {
+        *search.choice.names,
+        *(one for some in search.choice.rivals.values() for one in some),
+    }
+    weighed = search.fit.waveform or name in of_set
     if not weighed and undetermined(option):
         return f"looks most like {name}, but these recordings determine none of its values"
     if option.effect is effect:

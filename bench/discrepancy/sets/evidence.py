@@ -1,10 +1,10 @@
 """The evidence of a set of causes: how probable recorded ranges are if only these act.
 
 Every cause is a block of columns with normal factors, those of a part of one size; rows scatter,
-and links keep offsets that no cause explains, whose mean is as unknown as they scatter: what stands
-in the way of some links lengthens all in the mean, and is no constant. Sizes and scatter are those
-of most evidence (MacKay 1992), so a cause pays for every freedom that it has. Rows far off weigh
-less (Student's t), links far off nothing.
+and links keep offsets that no cause explains, whose mean is as unknown as they scatter around it:
+what stands in the way of some links lengthens all in the mean, and is no constant. Sizes and
+scatter are those of most evidence (MacKay 1992), so a cause pays for every freedom that it has.
+Rows far off weigh less (Student's t), links far off nothing.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.settings import (
+    ANY_MEAN,
     EM_STEPS,
+    LARGE_OFFSETS,
     LEAST_VARIANCE_M2,
     LEAST_WEIGHT,
     NOTHING,
@@ -76,6 +78,7 @@ class Evidence:
         self.places = {name: np.arange(a, b) for name, a, b in pairs}
         self.widest = dict(widest or {})
         self.offset_mean = len(left_m) >= ROWS_PER_LINK * len(np.unique(links))
+        self.mean_ratio = 0.0  # variance of that mean over the rows', as `reweigh` finds it
         self.weights = np.ones(len(left_m))
         self.ratios: tuple[float, ...] = OFFSET_RATIOS
         self._products: dict[float, tuple[Floats, float]] = {}
@@ -84,7 +87,7 @@ class Evidence:
         """Return the evidence of other blocks, every row with the weight that it has here."""
         made = Evidence(self.left_m, self.links, blocks, self.widest)
         made.weights, made.ratios = self.weights, self.ratios
-        made.offset_mean = self.offset_mean
+        made.offset_mean, made.mean_ratio = self.offset_mean, self.mean_ratio
         return made
 
     def among(self, rows: NDArray[np.bool_]) -> Evidence:
@@ -98,7 +101,7 @@ class Evidence:
 
         Returns how many links take no part. Later only ratios near the best one are tried.
         """
-        self.ratios, stray = OFFSET_RATIOS, 0
+        self.ratios, self.mean_ratio, stray = OFFSET_RATIOS, 0.0, 0
         for _ in range(REWEIGHINGS):
             best = self.of(causes)
             place = OFFSET_RATIOS.index(best.ratio)
@@ -109,8 +112,20 @@ class Evidence:
             z2 = left**2 / best.variance_m2
             self.weights = np.where(near, (LAW_TAIL + 1) / (LAW_TAIL + z2), NOTHING)
             self._products = {}
+        if self.offset_mean:
+            self.mean_ratio = self._around_mean(causes)
         self.ratios = OFFSET_RATIOS[max(place - 1, 0) : place + 2]
         return stray
+
+    def _around_mean(self, causes: Sequence[str]) -> float:
+        """Return the ratio of link offsets around a mean that may be anything; 0 where it is small.
+
+        A constant alone must not pass for offsets, whose mean it would then be.
+        """
+        other = self.with_blocks({one: self.blocks[one] for one in causes})
+        other.mean_ratio = ANY_MEAN
+        ratio = other.of(tuple(causes)).ratio
+        return ratio if ratio >= LARGE_OFFSETS else 0.0
 
     def _stray(self, left_m: Floats) -> NDArray[np.bool_]:
         """Return which links [L] are struck by something of their own."""
@@ -144,7 +159,7 @@ class Evidence:
             np.add.at(sums, self.links, weighed)
             shrink = ratio / (1 + ratio * weight)
             product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
-            wide = ratio * self.offset_mean  # of their mean
+            wide = self.mean_ratio
             of_mean, own = product[:-1, -1], wide / (1 + wide * product[-1, -1])
             log = float(np.log1p(ratio * weight).sum() - np.log(self.weights).sum())
             log += float(np.log1p(wide * product[-1, -1]))

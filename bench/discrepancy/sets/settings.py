@@ -18,6 +18,9 @@ MOST_CAUSES: Final = 5  # in a set [cost]
 BEAM: Final = 5  # sets that are followed [cost]
 OFFSET_RATIOS: Final = (0.0, 0.05, 0.3, 1.0, 4.0)  # variance of link offsets over that of rows
 ROWS_PER_LINK: Final = 3  # on average, to tell what links keep from what rows do [convention]
+ANY_MEAN: Final = 1e6  # variance of a mean over that of rows: nothing is known of it [derived]
+LARGE_OFFSETS: Final = 2.0  # of the variance of rows, from which on link offsets are more than what
+# positions and antennas leave, and their mean is in doubt [plan cases]
 EM_STEPS: Final = 14  # of the sizes of causes [cost]
 SIZE_BOUNDS: Final = (1e-4, 100.0)  # of a cause's variance, of what is typical [convention]
 LAW_SIZE: Final = 1e5  # largest, of a law's variance: faults of the set-up are metres [convention]

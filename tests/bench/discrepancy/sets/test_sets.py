@@ -135,6 +135,9 @@ def test_what_stands_in_the_way_of_some_links_is_no_constant() -> None:
     noise = rng.normal(0, 0.02, len(links))
     walls = np.where(rng.random(80) < 0.35, rng.uniform(0.05, 0.2, 80), 0.0)
     parts = {"a constant": (np.full((len(links), 1), 0.05),)}
-    for left, named in ((walls[links] + noise, False), (0.05 + noise, True)):
+    few = 0.01 * rng.normal(size=80)
+    every = ((walls[links] + noise, False), (0.05 + noise, True), (0.05 + few[links] + noise, True))
+    for left, named in every:
         evidence = Evidence(left, links, parts)
+        evidence.reweigh(())
         assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named
