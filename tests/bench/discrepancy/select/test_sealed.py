@@ -56,7 +56,7 @@ def kept(monkeypatch: pytest.MonkeyPatch, wrong: tuple[object, ...]) -> Selectio
         return Served(Estimate(gain, gain - 1, gain + 1), bad > 0, 0.1 * bad)
 
     monkeypatch.setattr(sealed, "served", judge)
-    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=False)
     return unrefused(None, rows, selection(), (), 0)[0]  # type: ignore[arg-type]
 
 
@@ -81,7 +81,7 @@ def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
     strike = Strike(LAG, ONE, (), np.empty(0, np.intp))
     found = replace(found, added=(LAG,), verdicts=(named(LAG),),
                     rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
-    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=False)
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
