@@ -116,11 +116,12 @@ class Scene:
 def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:
     """Return the scene of a recordings table, with the radial speed that follows from its times.
 
+    An infinite number is not known, like an empty one.
     Raises BenchError where neither `true_range_m` nor both antenna positions are known.
     """
     frame = with_radial_speed(frame)
     numbers = {
-        str(name): np.asarray(column.astype("float64"))
+        str(name): _known(np.asarray(column.astype("float64")))
         for name, column in frame.items()
         if _is_number(column)
     }
@@ -128,6 +129,11 @@ def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:
     kinds, names = _kinds(frame)
     lists = {name: _padded(frame[name], kinds) for name in _LISTS if name in frame}
     return Scene(numbers, lists, kinds, names, hashes, _truth(numbers, source))
+
+
+def _known(values: Floats) -> Floats:
+    """Return a column [n] with NaN for what is infinite: effects would make ranges of it."""
+    return np.where(np.isinf(values), np.nan, values) if np.isinf(values).any() else values
 
 
 def _is_number(column: pd.Series) -> bool:

@@ -55,7 +55,8 @@ def iterated(
 ) -> Fit:
     """Return the fit of a law by reweighted Gauss-Newton steps.
 
-    `model` maps values [q] to (shift [n], slopes [n, q]).
+    `model` maps values [q] to (shift [n], slopes [n, q]). Rows where either is not finite take no
+    part in a step; a law whose shift is not finite somewhere has no likelihood: minus infinity.
     """
     values, scale = start, 0.0
     for _ in range(LAW_PASSES):
@@ -63,13 +64,20 @@ def iterated(
         left = residual_m - shift
         weight = weights(left, scale) if scale else np.ones(len(left))
         if len(start):
-            root = np.sqrt(weight)
-            step = np.linalg.lstsq(slopes * root[:, None], left * root, rcond=None)[0]
-            values = values + step
+            values = values + _step(slopes, left, weight)
             left = residual_m - model(values)[0]
         scale = _scale(left, scale or first_scale(left))
     shift = model(values)[0]
-    return Fit(values, shift, scale, float(log_density(residual_m - shift, scale).sum()))
+    likelihood = float(log_density(residual_m - shift, scale).sum())
+    return Fit(values, shift, scale, likelihood if np.isfinite(likelihood) else -np.inf)
+
+
+def _step(slopes: Floats, left_m: Floats, weight: Floats) -> Floats:
+    """Return the weighted least-squares step [q] of finite rows; LAPACK prints about others."""
+    root = np.sqrt(weight)
+    design, target = slopes * root[:, None], left_m * root
+    finite = np.isfinite(target) & np.isfinite(design).all(axis=1)
+    return np.asarray(np.linalg.lstsq(design[finite], target[finite], rcond=None)[0])
 
 
 def _scale(left_m: Floats, scale: float) -> float:
