@@ -70,12 +70,28 @@ def check_output(target: Path) -> None:
 
 def _check_folder(folder: Path) -> None:
     """Raise ValueError where a folder is none, or no file can be made in it."""
-    while not os.path.lexists(folder) and folder != folder.parent:
-        folder = folder.parent
-    if not folder.is_dir():
-        raise ValueError(f"{folder} is a file, expected a folder")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise ValueError(f"{folder} is read-only")
+    place = folder
+    while not os.path.lexists(place) and place != place.parent:
+        place = place.parent
+    if not place.is_dir():
+        raise ValueError(f"{place} is a file, expected a folder")
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise ValueError(f"{place} is read-only")
+    try_folder(place, folder)
+
+
+def try_folder(place: Path, folder: Path) -> None:
+    """Raise ValueError where nothing can be made in `place`, the nearest there is of `folder`.
+
+    It is tried: what permissions promise, a file system such as /proc need not keep.
+    """
+    trial = place / f".trial.{token_hex(6)}.part"
+    try:
+        trial.mkdir()
+        trial.rmdir()
+    except OSError as problem:
+        done = "written" if place == folder else "created"
+        raise ValueError(f"folder {folder} cannot be {done}: {problem.strerror}") from problem
 
 
 def _regular_target(target: Path) -> Path:

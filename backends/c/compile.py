@@ -107,9 +107,14 @@ def _run(command: list[str], folder: Path) -> None:
     except OSError as problem:
         raise CompilerError(f"{command[0]} cannot be run ({problem.strerror})") from problem
     if done.returncode:
-        raise CompilerError(f"{_called()}: {_complaint(done.stderr)}")
+        raise CompilerError(_complaint(done.stderr.replace(f"{folder}{os.sep}", "")))
 
 
 def _complaint(text: str) -> str:
+    """Return a compiler's first complaint; one that says nothing is likely none."""
     lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()
-    return lines[0] if lines else "failed without a word"
+    if lines:
+        return f"{_called()}: {lines[0]}"
+    named = os.environ.get("CC", "").strip()
+    who, advice = (f"CC={named}", "name one, or unset CC") if named else (_called(), MISSING)
+    return f"{who}: failed without a word; expected a C compiler: {advice}"

@@ -134,4 +134,4 @@ def _choose(wanted: Wanted, scratch: Path, view: Observer) -> Chosen:
         view.stage("reading the run")
         return from_run(wanted.run, wanted.results, wanted.data)
     model, backend, data = str(wanted.model), str(wanted.backend), wanted.data or "rooms"
-    return from_fit(model, backend, data, wanted.results, scratch, view.stage)
+    return from_fit(model, backend, data, wanted.results, scratch, view.stage, view.note)

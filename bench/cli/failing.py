@@ -45,6 +45,8 @@ def ended_with(work: Callable[[], Any], traceback: bool = False) -> int:
 
 
 def _failed(problem: BaseException, traceback: bool) -> int:
+    if isinstance(problem, SystemExit) and _is_given_up():
+        problem = BrokenPipeError()  # click wraps the streams and exits with 1 where nobody reads
     if _is_output(problem):
         _drop_output()
         if isinstance(problem, BrokenPipeError):
@@ -90,6 +92,11 @@ def _is_output(problem: BaseException) -> bool:
         return True
     full = (errno.ENOSPC, errno.EIO, errno.EBADF, errno.EFBIG, errno.EDQUOT)
     return isinstance(problem, OSError) and problem.errno in full and problem.filename is None
+
+
+def _is_given_up() -> bool:
+    """Return True where click has wrapped standard output: its class is not public."""
+    return type(sys.stdout).__name__.endswith("PacifyFlushWrapper")
 
 
 def _drop_output() -> None:

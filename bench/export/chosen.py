@@ -58,6 +58,7 @@ class Asked:
     backend: Plugin
     results: Path
     scratch: Path
+    note: Tell = lambda _: None
 
     @property
     def file(self) -> Path:
@@ -105,14 +106,21 @@ def _record(run: str, results: Path) -> RunRecord:
 
 
 def from_fit(
-    model: str, backend: str, data: str, results: Path, scratch: Path, tell: Tell
+    model: str,
+    backend: str,
+    data: str,
+    results: Path,
+    scratch: Path,
+    tell: Tell,
+    note: Tell = lambda _: None,
 ) -> Chosen:
     """Return a model's artifact on a backend: of a finished run under `results`, else made now.
 
     Trained on the first fold of the data's own split, seed 0, as `bench run` does; `scratch` is a
-    folder for what is made. Raises BenchError for unknown names and what the backend declines.
+    folder for what is made, `note` is told of a record that cannot be read.
+    Raises BenchError for unknown names and what the backend declines.
     """
-    asked = Asked(find("models", model), find("backends", backend), results, scratch)
+    asked = Asked(find("models", model), find("backends", backend), results, scratch, note)
     head = recalled(question_of(data, None))
     artifact = None if head is None else _there(asked, head)
     if head and artifact and (found := _unread(artifact, model, backend, head)):
@@ -136,7 +144,7 @@ def _read(data: str, tell: Tell) -> Material:
 def _there(asked: Asked, head: Head) -> Artifact | None:
     """Return the artifact of a finished run, or what an earlier export built; None without one."""
     key = run_key(asked.model, asked.backend, head, 0)
-    record = ResultFolder(asked.results).find_run(key)
+    record = ResultFolder(asked.results).find_run(key, asked.note)
     if record is not None and record.status == "ok":
         return artifact_of(record, asked.results)
     return kept_built(key, asked.file, builder_of(asked.backend).load().opener)

@@ -50,9 +50,17 @@ def _cycle_counter() -> list[str]:
         "#define DEMCR (*(volatile unsigned long *)0xE000EDFCul)",
         "#define DWT_CTRL (*(volatile unsigned long *)0xE0001000ul)",
         "#define DWT_CYCCNT (*(volatile unsigned long *)0xE0001004ul)",
+        "/* CoreSight software lock (ARMv7-M ARM, DWT_LAR): some Cortex-M7 parts come up locked,",
+        "   and count nothing until this key is written; without a lock it is ignored. */",
+        "#define DWT_LAR (*(volatile unsigned long *)0xE0001FB0ul)",
         *block(
             "static void start_counter(void)",
-            ["DEMCR |= 1ul << 24;", "DWT_CYCCNT = 0;", "DWT_CTRL |= 1ul;"],
+            [
+                "DEMCR |= 1ul << 24;",
+                "DWT_LAR = 0xC5ACCE55ul;",
+                "DWT_CYCCNT = 0;",
+                "DWT_CTRL |= 1ul;",
+            ],
         ),
         "#define CYCLES() DWT_CYCCNT",
         "#else",

@@ -21,7 +21,7 @@ from bench.export.counts import Counts, counted_before
 from bench.export.makefile import licence, makefile
 from bench.export.report import Figures, report
 from bench.export.selftest import chosen_rows, selftest
-from bench.files import write_atomically
+from bench.files import try_folder, write_atomically
 
 if TYPE_CHECKING:
     from backends.c.emit import CSource, Requantise
@@ -96,6 +96,10 @@ def check_folder(folder: Path) -> None:
         raise BenchError(f"-o {folder}: {place} is a file, expected a folder")
     if not os.access(place, os.W_OK | os.X_OK):
         raise BenchError(f"-o {folder}: {place} is read-only, expected a writable folder")
+    try:
+        try_folder(place, folder)
+    except ValueError as problem:
+        raise BenchError(f"-o {folder}: {problem}; expected a writable folder") from problem
 
 
 def _export_c(

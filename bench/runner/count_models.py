@@ -129,7 +129,7 @@ def count_finished(
     """
     watch = watch or Observer()
     watch.stage("reading the recordings")
-    runs, material = finished_runs(results), load_material(data, split)
+    runs, material = finished_runs(results, watch.note), load_material(data, split)
     for model in plan.models:
         for backend in plan.backends:
             watch.stage(f"counting {model.name} on {backend.name}")

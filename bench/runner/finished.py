@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,17 +17,29 @@ if TYPE_CHECKING:
     from backends.base import Artifact
     from bench.runner.material import Material
 
+Tell = Callable[[str], None]
 
-def finished_runs(results: Path) -> list[RunRecord]:
+
+def finished_runs(results: Path, tell: Tell = lambda _: None) -> list[RunRecord]:
     """Return the runs of a result folder, those skipped too, the newest first.
 
-    Raises BenchError where none has figures, or a record cannot be read.
+    A record that cannot be read is left out; `tell` is given its name and why. Raises BenchError
+    where none has figures.
     """
-    paths = sorted((results / "runs").glob("*.json"))
-    found = [from_json(RunRecord, read_json(path)) for path in paths]
+    paths = sorted((results / "runs").glob("[!.]*.json"))
+    found = [record for path in paths if (record := _readable(path, tell)) is not None]
     if not any(record.status == "ok" for record in found):
         raise BenchError(f"{results}: no finished runs here")
     return sorted(found, key=lambda record: record.created_utc, reverse=True)
+
+
+def _readable(path: Path, tell: Tell) -> RunRecord | None:
+    try:
+        return from_json(RunRecord, read_json(path))
+    except (BenchError, ValueError) as problem:
+        said = str(problem).removeprefix(f"{path}: ")
+        tell(f"{path}: left out, it cannot be read ({said})")
+        return None
 
 
 def artifact_of(record: RunRecord, results: Path) -> Artifact:

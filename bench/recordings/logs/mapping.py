@@ -17,6 +17,7 @@ from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 from bench.recordings.twr import TIMESTAMPS
 
 NEGATED, DATE = "not", "date"
+MOST_NAMED, NEAREST = 30, 8  # columns named in a message: all of so few, else the nearest
 _OTHERS = (*STRING_COLUMNS, *CIR_COLUMNS, *TIMESTAMPS, "los", "obstacles", "channel")
 _BETWEEN = re.compile(r",(?=\s*\w+\s*=)")
 _TRUE = ("1", "1.0", "true", "yes", "los", "ja")
@@ -118,12 +119,20 @@ def _check(frame: pd.DataFrame, one: Mapped, sources: set[str], name: str) -> No
         close = get_close_matches(one.source, names, n=1, cutoff=0.6)
         hint = f"; did you mean {close[0]!r}?" if close else ""
         raise BenchError(
-            f"{one.where}: no column {one.source!r} in {name}{hint} (it has: {', '.join(names)})"
+            f"{one.where}: no column {one.source!r} in {name}{hint} ({_has(names, one.source)})"
         )
     if one.column in frame and one.column != one.source and one.column not in sources:
         raise BenchError(
             f"{one.where}: {name} has a column {one.column!r} of its own; expected one column each"
         )
+
+
+def _has(names: Sequence[str], wanted: str) -> str:
+    """Return the columns there are in words: all of a narrow table, the nearest of a wide one."""
+    if len(names) <= MOST_NAMED:
+        return f"it has: {', '.join(names)}"
+    near = get_close_matches(wanted, names, n=NEAREST, cutoff=0.0)
+    return f"it has {len(names)} columns, the nearest by name: {', '.join(near)}"
 
 
 def _values(column: pd.Series, one: Mapped, decimal: str) -> pd.Series:

@@ -172,7 +172,10 @@ def _with_name(frame: pd.DataFrame, file: Path, path: Path, options: LogOptions)
     try:
         pattern = re.compile(options.from_name)
     except re.error as problem:
-        raise BenchError(f"--from-name {options.from_name}: {problem}") from problem
+        raise BenchError(
+            f"--from-name {options.from_name}: {problem}; expected a regular expression with a "
+            "named group, such as (?P<distance>[\\d.]+)m"
+        ) from problem
     place = file.relative_to(path) if path.is_dir() else Path(file.name)
     match = pattern.search(place.as_posix())
     if match is None or not match.groupdict():

@@ -55,7 +55,8 @@ def add_registers(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, list[st
     kept = {name: values[name] for name in values if name not in frame and name != "fp_index"}
     used = [found[register] for register in found if register in kept or register == "fp_index"]
     rest = frame.drop(columns=used)
-    return rest.assign(**(kept | columns)), notes
+    # At once and as one block: a wide log, column by column, is slow and pandas says so each time.
+    return pd.concat([rest, pd.DataFrame(kept | columns, index=rest.index)], axis=1).copy(), notes
 
 
 def find_registers(frame: pd.DataFrame) -> dict[str, str]:

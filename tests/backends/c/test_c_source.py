@@ -14,6 +14,7 @@ import pytest
 from onnx import helper
 from onnx_models import model_of, saved
 
+from backends.c import compile as compile_module
 from backends.c.compile import (
     QUICK,
     CompilerError,
@@ -322,3 +323,21 @@ def test_inputs_beside_the_cir_may_be_unknown_and_the_cir_may_not(tmp_path: Path
     for bad in ([np.nan, 2, 3], [1, 2, np.inf]):
         with pytest.raises(ValueError, match="not finite"):
             run(np.array([bad], np.float32))
+
+
+def test_a_compiler_that_is_none_is_named_with_what_was_expected(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("CC", "false")
+    compile_module.compiler.cache_clear()
+    try:
+        with pytest.raises(CompilerError, match=r"CC=false: .*expected a C compiler.*unset CC"):
+            compile_files({"a.c": "int a;\n"}, tmp_path, QUICK)
+    finally:
+        monkeypatch.undo()
+        compile_module.compiler.cache_clear()
+
+
+@needs_compiler
+def test_a_complaint_names_no_file_of_a_folder_soon_gone(tmp_path: Path) -> None:
+    with pytest.raises(CompilerError, match=r"a\.c.*error") as problem:
+        compile_files({"a.c": "int a = ;\n"}, tmp_path, QUICK)
+    assert str(tmp_path) not in str(problem.value)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -17,7 +18,8 @@ from recordings_factory import make_frame, make_recordings
 from bench.cli import console, failing
 from bench.cli.main import group
 from bench.errors import BenchError, WriteError, foreign
-from bench.files import atomic_path, read_json, remove_leftovers, write_atomically
+from bench.export import check_folder
+from bench.files import atomic_path, check_output, read_json, remove_leftovers, write_atomically
 from bench.physics.toml_file import from_toml, read_toml
 from bench.plugins import Plugin, plugins
 from bench.recordings import read_recordings, write_recordings
@@ -348,3 +350,29 @@ def test_the_source_of_every_module_of_a_plug_in_is_hashed(tmp_path: Path) -> No
     assert {place.name for place in places_of(quits)} == {"theirs.py", "theirs_more.py"}
     names = Plugin("models", "names", "theirs_names:Model", "theirs")
     assert tmp_path / "theirs_names" in places_of(names)
+
+
+def test_an_output_folder_that_cannot_be_made_is_refused_at_once(tmp_path, monkeypatch) -> None:
+    def refused(self: Path, *_: object, **__: object) -> None:
+        raise FileNotFoundError(2, "No such file or directory", str(self))
+
+    check_output(tmp_path / "new" / "page.md")
+    check_folder(tmp_path / "new")
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.setattr(Path, "mkdir", refused)  # as /proc does, whatever its permissions say
+    for check, target in ((check_output, tmp_path / "new" / "page.md"), (check_folder, "new")):
+        with pytest.raises(BenchError, match=r"folder .*new cannot be created: No such file"):
+            check(tmp_path / target)
+
+
+def test_nobody_reading_is_quiet_also_where_click_ends_the_program(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(failing, "_drop_output", lambda: None)
+
+    @click.command()
+    def unread() -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr(sys, "stdout", sys.stdout)  # click puts its own in their place
+    monkeypatch.setattr(sys, "stderr", sys.stderr)
+    assert failing.ended_with(lambda: unread.main([], standalone_mode=False)) == 141
+    assert capsys.readouterr() == ("", "")

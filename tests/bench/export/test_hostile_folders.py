@@ -14,12 +14,14 @@ from recordings_factory import make_recordings
 
 from bench.cli.main import group
 from bench.errors import BenchError
+from bench.export.selftest import selftest
 from bench.files import read_json
 from bench.measure.counting import find_compiler, load_core
 from bench.measure.counting.emulate import check_tools
 from bench.provenance import file_sha256
 from bench.recordings.io import write_recordings
 from bench.results import RunRecord, from_json, to_json
+from bench.runner.finished import finished_runs
 
 NODE = helper.make_node
 
@@ -101,3 +103,20 @@ def test_a_hostile_file_is_not_counted(name, finished, tmp_path) -> None:
     done = CliRunner().invoke(group, words)
     assert isinstance(done.exception, BenchError)
     assert said in json.loads(done.stdout)[0]["reason"]
+
+
+def test_a_truncated_record_is_left_out_by_name(finished, tmp_path: Path) -> None:
+    folder, record = finished
+    good = folder.parent / "results" / "runs" / f"{record.digest()}.json"
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / good.name).write_bytes(good.read_bytes())
+    (tmp_path / "runs" / "cut.json").write_bytes(good.read_bytes()[:100])
+    told: list[str] = []
+    assert [one.digest() for one in finished_runs(tmp_path, told.append)] == [record.digest()]
+    assert len(told) == 1
+    assert "cut.json: left out, it cannot be read (not JSON" in told[0]
+
+
+def test_the_board_unlocks_its_cycle_counter_before_starting_it() -> None:
+    text = selftest(np.zeros((1, 3), np.float32), np.zeros(1, np.float32), 1e-5)
+    assert 0 < text.index("DWT_LAR = 0xC5ACCE55ul;") < text.index("DWT_CYCCNT = 0;")

@@ -356,3 +356,23 @@ def test_lengths_no_radio_ever_reaches_name_the_unit_as_the_cause(tmp_path: Path
         read_logs(path, far)
     near = LogOptions(maps=("range=range_m:um,true_range=true_range_m:um",))
     assert any("probably a wrong unit" in line for line in read_logs(path, near).warnings)
+
+
+@pytest.mark.filterwarnings("error::pandas.errors.PerformanceWarning")
+def test_a_wide_log_is_read_without_a_word_of_pandas(tmp_path: Path) -> None:
+    names = ["range_m", "true_range_m", "link", "FP_INDEX", "STD_NOISE", "RXPACC", "CIR_PWR"]
+    names += [f"K_{sample}" for sample in range(157)]
+    row = ",".join(["5.1", "5.0", "a", "47000", "40", "118", "9000", *["7"] * 157])
+    path = _put(tmp_path / "wide.csv", f"{','.join(names)}\n{row}\n{row}\n")
+    frame = read_logs(path, LogOptions()).recordings.frame
+    assert frame["first_path_index"].tolist() == [47000 / 64] * 2
+    with pytest.raises(BenchError) as problem:
+        read_logs(path, LogOptions(maps=("cir=KK",)))
+    assert "it has 164 columns, the nearest by name: K_" in str(problem.value)
+    assert len(str(problem.value)) < 300
+
+
+def test_a_pattern_that_is_none_says_what_was_expected(tmp_path: Path) -> None:
+    path = _put(tmp_path / "messung.csv", PLAIN)
+    with pytest.raises(BenchError, match=r"unterminated .* expected a regular expression"):
+        read_logs(path, LogOptions(from_name="([0-9"))
