@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import select
 import sys
 import traceback as tracebacks
 from collections.abc import Callable
@@ -45,7 +46,7 @@ def ended_with(work: Callable[[], Any], traceback: bool = False) -> int:
 
 
 def _failed(problem: BaseException, traceback: bool) -> int:
-    if isinstance(problem, SystemExit) and _is_given_up():
+    if _unwrapped() and isinstance(problem, SystemExit) and not _is_read():
         problem = BrokenPipeError()  # click wraps the streams and exits with 1 where nobody reads
     if _is_output(problem):
         _drop_output()
@@ -94,9 +95,25 @@ def _is_output(problem: BaseException) -> bool:
     return isinstance(problem, OSError) and problem.errno in full and problem.filename is None
 
 
-def _is_given_up() -> bool:
-    """Return True where click has wrapped standard output: its class is not public."""
-    return type(sys.stdout).__name__.endswith("PacifyFlushWrapper")
+def _unwrapped() -> bool:
+    """Take off what click has wrapped the streams in, and return True where it had.
+
+    Its class is not public; left on, the next command of this process would seem given up.
+    """
+    wrapped = type(sys.stdout).__name__.endswith("PacifyFlushWrapper")
+    for name in ("stdout", "stderr") if wrapped else ():
+        setattr(sys, name, getattr(getattr(sys, name), "wrapped", getattr(sys, name)))
+    return wrapped
+
+
+def _is_read() -> bool:
+    """Return False where standard output is a pipe that nobody reads: click means any pipe."""
+    try:
+        watched = select.poll()
+        watched.register(sys.stdout.fileno(), 0)
+        return not any(event & select.POLLERR for _, event in watched.poll(0))
+    except (OSError, ValueError, AttributeError):  # no file, or a system without
+        return False
 
 
 def _drop_output() -> None:

@@ -113,7 +113,7 @@ def test_labels_are_hidden_and_every_bar_is_shown(small: RealCase) -> None:
     asked = {check.asked: check for check in small.checks}
     assert len(small.checks) == 8
     assert asked["finds the constant delay"].met
-    assert asked["finds the receiver's level control"].met
+    assert not asked["finds the receiver's level control"].met  # 12 links of 6 rows are too few
     assert not asked["finds the diffuse tail"].met
     struck = next(check for check in small.checks if "which links" in check.asked)
     assert not struck.met

@@ -84,7 +84,8 @@ def test_bad_input_is_one_line(tools, monkeypatch, capsys, tmp_path, arguments, 
     monkeypatch.setattr("sys.argv", ["bench", "search", *arguments])
     with pytest.raises(SystemExit) as ended:
         main()
-    line = capsys.readouterr().err.strip()
-    assert (ended.value.code, "\n" in line) == (2, False)
+    *steps, line = capsys.readouterr().err.strip().splitlines()
+    assert (ended.value.code, line.startswith("bench: ")) == (2, True)
+    assert set(steps) <= {"reading the recordings"}
     assert said in line
     assert list(Path(tmp_path).iterdir()) == []
