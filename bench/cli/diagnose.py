@@ -117,6 +117,7 @@ def _print(diagnosis: Diagnosis) -> None:
         measured_lines,
         nameless_lines,
     )
+    from bench.discrepancy.report.parameters import skipped_lines
 
     say(diagnosis.headline)
     for verdict in diagnosis.selection.verdicts:
@@ -136,5 +137,5 @@ def _print(diagnosis: Diagnosis) -> None:
     )
     for line in measured_lines(diagnosis):
         say(line)
-    for name, reason in diagnosis.selection.skipped.items():
-        say(f"skipped {name}: {reason}")
+    for line in skipped_lines(diagnosis.selection.skipped):
+        say(line)

@@ -7,14 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
-from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.data.own_columns import RULE
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.report.folder import REPORT
-from bench.discrepancy.report.parameters import parameter_lines, value_table
+from bench.discrepancy.report.parameters import (
+    detectable_line,
+    parameter_lines,
+    skipped_lines,
+    value_table,
+)
 from bench.discrepancy.select.remainder import beyond_names
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import (
@@ -138,10 +142,9 @@ def measured_lines(diagnosis: Diagnosis) -> list[str]:
 def describe(verdict: Verdict) -> list[str]:
     """Return one verdict in words and figures."""
     if isinstance(verdict, NoMismatch):
-        seen = [f"{name} {size:.3g} {unit_of(name)}" for name, size in verdict.detectable.items()]
-        return [f"**{verdict}.**", "Smallest shift of all rows that would show: " + ", ".join(seen)]
+        return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
-        found = [f"- {finding}" for finding in verdict.findings[:5]]
+        found = list(dict.fromkeys(f"- {finding}" for finding in verdict.findings))[:5]
         how = f"A flexible regression removes {verdict.removable} of held-out score."
         return [
             f"**Something is there that no known effect explains** ({verdict.note}).",
@@ -267,13 +270,13 @@ def _search_lines(diagnosis: Diagnosis) -> list[str]:
     for number, turn in enumerate(diagnosis.selection.rounds, 1):
         state = "nothing significant" if not turn.located.significant else "differs:"
         out += [f"Round {number} ({turn.located.cells} places searched): {state}", ""]
-        out += [f"- {finding}" for finding in turn.located.findings[:4]]
+        out += list(dict.fromkeys(f"- {finding}" for finding in turn.located.findings))[:4]
         if turn.explanation:
             for one in turn.explanation.contenders:
                 out += [f"- tried {one.name}: gain {one.gain}"]
         out += [f"- {_what_was_added(diagnosis, turn.added)}", ""]
-    for name, reason in diagnosis.selection.skipped.items():
-        out += [f"Skipped {name}: {reason}", ""]
+    for line in skipped_lines(diagnosis.selection.skipped):
+        out += [line[0].upper() + line[1:], ""]
     return out
 
 

@@ -5,24 +5,30 @@ Every value stands in the report's last table and in diagnosis.json.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 
+from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Verdict
 from bench.discrepancy.settings import SHOWN_VALUES
 
 
 def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
-    """Return the parameters with their intervals; of a long list those farthest from zero."""
-    out = []
+    """Return the parameters with their intervals; of a long list those farthest from zero.
+
+    Those that are not determined share the last line.
+    """
+    out, open_ones = [], []
     for name, group in groupby(parameters, lambda one: one.name.partition("[")[0]):
         values = list(group)
         long = len(values) > SHOWN_VALUES + 1
         first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
-        out += [f"  - {one}{' (90 %)' if one.determined else ''}" for one in first]
+        out += [f"  - {one} (90 %)" for one in first if one.determined]
+        open_ones += [one.name for one in first if not one.determined]
         out += [f"  - {_rest(name, values, first)}"] if long else []
-    return out
+    named = ", ".join(open_ones)
+    return out + ([f"  - not determined by these recordings: {named}"] if open_ones else [])
 
 
 def _distance(one: ParameterEstimate) -> float:
@@ -44,4 +50,29 @@ def value_table(verdicts: Sequence[Verdict]) -> list[str]:
     named = [one for one in verdicts if isinstance(one, LeftOut)]
     named += [option for one in verdicts if isinstance(one, Ambiguous) for option in one.options]
     lines = [f"- {one.names[0]}: {parameter}" for one in named for parameter in one.parameters]
-    return ["## Every value (90 % intervals)", "", *lines, ""] if lines else []
+    seen = [line for one in verdicts if isinstance(one, NoMismatch) for line in _shifts(one)]
+    out = ["## Every value (90 % intervals)", "", *lines, ""] if lines else []
+    return out + (["## Smallest shifts of all rows that would show", "", *seen, ""] if seen else [])
+
+
+def detectable_line(verdict: NoMismatch) -> str:
+    """Return the smallest shifts that would show, of the observables a person asks for first."""
+    every = _shifts(verdict)
+    first = [line for line in every if "[" not in line][:SHOWN_VALUES]
+    rest = f", and {len(every) - len(first)} more in the report" if len(every) > len(first) else ""
+    shown = ", ".join(line.removeprefix("- ") for line in first)
+    return f"Smallest shift of all rows that would show: {shown}{rest}"
+
+
+def _shifts(verdict: NoMismatch) -> list[str]:
+    """Return a line per observable that varies."""
+    sizes = verdict.detectable.items()
+    return [f"- {name} {size:.3g} {unit_of(name)}" for name, size in sizes if size > 0]
+
+
+def skipped_lines(skipped: Mapping[str, str]) -> list[str]:
+    """Return which effects took no part, those of one reason in one line."""
+    reasons: dict[str, list[str]] = {}
+    for name, reason in skipped.items():
+        reasons.setdefault(reason, []).append(name)
+    return [f"skipped {', '.join(names)}: {reason}" for reason, names in reasons.items()]

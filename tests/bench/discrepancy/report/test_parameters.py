@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.report.parameters import parameter_lines
+from bench.discrepancy.report.parameters import (
+    detectable_line,
+    parameter_lines,
+    skipped_lines,
+    value_table,
+)
+from bench.discrepancy.select.verdict import NoMismatch
 from bench.discrepancy.settings import SHOWN_VALUES
 
 
@@ -26,3 +32,25 @@ def test_a_short_list_stays_in_its_order_and_other_parameters_beside_it() -> Non
     scale = ParameterEstimate("scale", 0.3, 0.2, 0.4, "1")
     values = [scale, *(delay(f"t{k}", 0.1 * k) for k in range(SHOWN_VALUES))]
     assert [line.split()[1] for line in parameter_lines(values)] == [one.name for one in values]
+
+
+def test_what_is_not_determined_shares_the_last_line() -> None:
+    scale = ParameterEstimate("scale", 0.3, 0.2, 0.4, "1")
+    unsure = [ParameterEstimate(name, 0, 0, 1, "dB", determined=False) for name in ("a", "b")]
+    assert parameter_lines([*unsure, scale])[-1] == "  - not determined by these recordings: a, b"
+    assert len(parameter_lines([*unsure, scale])) == 2
+
+
+def test_effects_skipped_for_one_reason_share_a_line() -> None:
+    lines = skipped_lines({"a": "needs cir", "b": "needs los", "c": "needs cir"})
+    assert lines == ["skipped a, c: needs cir", "skipped b: needs los"]
+
+
+def test_shifts_that_would_show_name_what_varies_and_leave_the_rest_to_the_report() -> None:
+    bins = {f"profile_db[{k}..{k + 1}ns]": 1.5 for k in range(5)}
+    nothing = NoMismatch({"error_m": 0.017, "preamble_count": 0.0, **bins}, 0.4)
+    line = detectable_line(nothing)
+    assert "error_m 0.017 m" in line
+    assert "preamble_count" not in line
+    assert "5 more in the report" in line
+    assert len(value_table([nothing])) == 6 + 3
