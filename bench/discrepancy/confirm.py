@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
@@ -71,18 +74,27 @@ class Confirmed:
 
 
 Pair = tuple[float, float]
+NOT_ADDED: Final = "Nothing was added to the simulator."
+NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Served:
     """What some effects do for held-out links: gain in nats, and whether ranges are farther.
 
-    `missed_m` is the mean |recorded - simulated| range error with them.
+    `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them.
     """
 
     gain: Estimate
     farther: bool
     missed_m: float
+    before_m: float = float("nan")
+
+    def __str__(self) -> str:
+        score = "better" if self.gain.value > 0 else "no better"
+        change = f"{self.before_m:.3g} -> {self.missed_m:.3g} m"
+        worse = f", but ranges are worse: mean |recorded - simulated| {change}"
+        return f"with it the score is {score}{worse if self.farther else ''}, on sealed links"
 
     @property
     def serves(self) -> bool:
@@ -105,7 +117,7 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
     means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
     gained = gain_interval(tally(before), tally(after), seed)
-    return Served(gained, is_farther(nearer, means, medians), means[1])
+    return Served(gained, is_farther(nearer, means, medians), means[1], means[0])
 
 
 def is_farther(nearer_m: Estimate, means_m: Pair, medians_m: Pair) -> bool:
@@ -192,11 +204,25 @@ def _mae(ensemble: Ensemble, seed: int) -> Estimate:
     return cluster_bootstrap(_misses(ensemble), ensemble.links, seed, "m")
 
 
-def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str = "") -> str:
+def headline(
+    verdicts: tuple[Verdict, ...],
+    added: bool,
+    seen: Confirmed,
+    more: str = "",
+    withheld: Mapping[str, str] = NOTHING,
+) -> str:
     """Return one line: what was found, and whether it serves on the sealed links.
 
-    `more` is said of what has no name.
+    `more` is said of what has no name; `withheld` says why a name was not added.
     """
+    said = _found_and_change(verdicts, added, seen, more)
+    kept = "".join(f" {name} was not added: {why}." for name, why in withheld.items())
+    return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
+
+
+def _found_and_change(
+    verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str
+) -> str:
     names = [" or ".join(v.names) for v in verdicts if v.names]
     unknown = any(isinstance(v, Unknown) for v in verdicts)
     if not names and not unknown:
@@ -206,7 +232,7 @@ def headline(verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: 
     said += " - and something without a name" if names and unknown else ""
     said += more
     if not added:
-        return f"{said}. Nothing was added to the simulator."
+        return f"{said}. {NOT_ADDED}"
     change = _change(seen)
     if not seen.serves:
         why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"

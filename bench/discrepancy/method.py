@@ -124,7 +124,8 @@ class Diagnosis:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
         said = self.setup_fault or self.law
         more = f" ({said})" if said else ""
-        return headline(self.selection.verdicts, bool(self.added), self.confirmed, more)
+        found, added = self.selection, bool(self.added)
+        return headline(found.verdicts, added, self.confirmed, more, found.withheld)
 
 
 def diagnose(

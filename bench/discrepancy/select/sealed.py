@@ -40,7 +40,9 @@ def unrefused(
     seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
     held = {e.physics for e in gone if e.name in seen and not _surely_worse(change((e,)))}
     held |= {e.physics for e in gone if sealed.waveform and _surely_better(e, change((e,)))}
-    return _taken_back(found, gone, sealed, held), tuple(e for e in more if e.name in names)
+    said = _taken_back(found, gone, sealed, held)
+    words = {e.physics: str(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
+    return replace(said, withheld=words), tuple(e for e in more if e.name in names)
 
 
 def _surely_better(effect: Effect, found: Served | None) -> bool:

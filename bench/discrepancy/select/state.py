@@ -111,7 +111,8 @@ class Selection:
     """Verdicts with the effects to add (`added`), and how the search went.
 
     `together`: the names that were weighed as a set (see `bench.discrepancy.sets`). `mistaken`:
-    columns that were set aside as measured, but are not.
+    columns that were set aside as measured, but are not. `withheld`: names that were not added,
+    and why.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -120,6 +121,7 @@ class Selection:
     skipped: Mapping[str, str] = field(default_factory=dict)
     together: tuple[str, ...] = ()
     mistaken: tuple[str, ...] = ()
+    withheld: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

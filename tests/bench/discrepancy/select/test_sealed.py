@@ -85,6 +85,7 @@ def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
+    assert ("time-lag" in made.withheld) is said
 
 
 def test_of_three_causes_none_is_said_of_waveforms() -> None:
@@ -142,3 +143,11 @@ def test_of_spoilt_recordings_the_first_line_says_so_and_no_law_is_looked_for() 
     assert unnamed(None, found) == ()  # type: ignore[arg-type]
     line = headline(found.verdicts, False, None)  # type: ignore[arg-type]
     assert line.startswith("Something is there, without a name: samples are clipped.")
+
+
+def test_the_headline_says_why_a_name_was_not_added() -> None:
+    worse = Served(Estimate(3.8, 3.2, 4.2), True, 0.0293, 0.0239)
+    line = headline((named(LAG),), False, SimpleNamespace(), "", {"time-lag": str(worse)})  # type: ignore[arg-type]
+    assert "Nothing was added" not in line
+    assert "time-lag was not added: with it the score is better, but ranges are worse" in line
+    assert "0.0239 -> 0.0293 m" in line
