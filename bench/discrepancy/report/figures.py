@@ -60,7 +60,7 @@ def profile_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     seen = diagnosis.confirmed
     which = [i for i, name in enumerate(seen.before.names) if name.startswith("profile_db")]
     labels = [seen.before.names[i][11:-1] for i in which]
-    for values, colour, label in _three(seen, which):
+    for values, colour, label in _medians(diagnosis, which):
         axes.plot(range(len(which)), values, "o-", color=colour, label=label)
     axes.set_xticks(range(len(which)), labels, rotation=60, fontsize=7)
     axes.set_xlabel("delay after the detected first path (ns)")
@@ -68,16 +68,22 @@ def profile_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.legend()
 
 
-def _three(seen: Confirmed, which: list[int]) -> list[tuple[Floats, str, str]]:
+def _medians(diagnosis: Diagnosis, which: list[int]) -> list[tuple[Floats, str, str]]:
     """Return the medians of recorded, before and after for some observables."""
-    recorded = np.nanmedian(seen.before.recorded[:, which], axis=0)
-    before = np.nanmedian(seen.before.simulated[..., which], axis=(0, 1))
-    after = np.nanmedian(seen.after.simulated[..., which], axis=(0, 1))
-    return [
-        (recorded, RECORDED, "recorded"),
-        (before, BEFORE, "SIMULATED before"),
-        (after, AFTER, "SIMULATED after"),
-    ]
+    recorded = diagnosis.confirmed.before.recorded[:, which]
+    out = [(np.nanmedian(recorded, axis=0), RECORDED, "recorded")]
+    for made, colour, label in _stages(diagnosis):
+        middle = np.nanmedian(made.simulated[..., which], axis=(0, 1))
+        out.append((middle, colour, f"SIMULATED {label}"))
+    return out
+
+
+def _stages(diagnosis: Diagnosis) -> list[tuple[Ensemble, str, str]]:
+    """Return what was simulated before and, where anything was added, after."""
+    seen = diagnosis.confirmed
+    if not diagnosis.added:
+        return [(seen.before, BEFORE, "(nothing was added)")]
+    return [(seen.before, BEFORE, "before"), (seen.after, AFTER, "after")]
 
 
 def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
@@ -88,7 +94,7 @@ def residual_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     if value is None:
         value, column = np.arange(len(seen.before.links), dtype=np.float64), "row"
     size = 7 if len(value) <= FEW_POINTS else 3
-    for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
+    for ensemble, colour, label in _stages(diagnosis):
         axes.plot(value, _residual(ensemble), ".", ms=size, alpha=0.4, color=colour, label=label)
     axes.axhline(0, color=RECORDED, lw=0.8)
     _cut_outliers(axes, [_residual(seen.before), _residual(seen.after)])
@@ -191,8 +197,7 @@ def _mark(axes: Axes, value: float, place: float, name: str) -> None:
 
 def ranks_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Histogram of ensemble ranks, before and after."""
-    seen = diagnosis.confirmed
-    for ensemble, colour, label in ((seen.before, BEFORE, "before"), (seen.after, AFTER, "after")):
+    for ensemble, colour, label in _stages(diagnosis):
         name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
         ranks = ensemble.ranks()[:, ensemble.names.index(name)]
         kept = ranks[np.isfinite(ranks)]
