@@ -33,11 +33,12 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.marks import with_marks
+from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.sealed import unrefused
+from bench.discrepancy.select.second_level import beyond_geometry
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -263,12 +264,16 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     state, located = _located(state, turn, journal)
     if not located.significant:
         return state.after(Round(located, None, None), finished=True)
+    marked = safely("marks", seen_first, state)(state, located)
+    if marked is not state:
+        return marked
     state, news = sets.agreed(state, located, journal)
     if news:
         return state
     search, added, rest = state.search, state.added, sets.unjudged(state.search)
     explanation = sets.left_to_name(search, kept(explain_left)(rest, added, located))
     explanation = safely("elsewhere", kept(elsewhere_too), explanation)(rest, added, explanation)
+    explanation = safely("levels", beyond_geometry, explanation)(rest, added, explanation)
     explanation = safely("order", kept(order), explanation)(rest, added, explanation)
     witness = safely("offsets of links", kept(witnessed_by_links), None)
     best = best_contender(explanation, sets.least_scatter(search))

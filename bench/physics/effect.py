@@ -223,6 +223,10 @@ class Effect(ABC):
         """Return whether physics allows what it is said to do to the ranges [n] of these rows."""
         return True
 
+    def forms(self) -> tuple[Effect, ...]:
+        """Return the forms that its mark cannot tell apart, the simplest first."""
+        return (self,)
+
     @property
     def freed(self) -> int:
         """How many values a fit sets free: what its gain has to pay for."""

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
-from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.clocks import Heard, polynomial
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
@@ -35,6 +35,7 @@ from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
+LEAST_HALF = 1e-6  # of an interval, in m or ns: a grid is known to the last digit of its ranges
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Values = Callable[[Rows, Floats, bool], Floats]
@@ -123,17 +124,17 @@ def latent_intervals(
 ) -> tuple[ParameterEstimate, ...]:
     """Return the values an effect holds with 90 % intervals, none where it holds none."""
     found = latent_values(view, effect)
-    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
-    if found is None or RANGE not in ensemble.names:
+    made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
+    if found is None or made is None:
         return ()
     names, unit, values = found
-    residual = ensemble.residual_of(RANGE)
+    residual = made[1]
     centre = values(np.arange(len(residual)), residual, True)
     links = np.unique(view.links)
     draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
     wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(len(links) - 1, 1)))
     wide *= np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
-    half = wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
+    half = LEAST_HALF + wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
         for name, v, h in zip(names, centre, half, strict=True)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.sparse import csr_array
 
+from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
@@ -63,11 +63,11 @@ def with_values(
     if not fits_itself(kind):
         own = latent_effects(comparison, view, added)
         return next((effect for effect in own if effect.name == kind.name), None)
-    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
-    if RANGE not in ensemble.names:
+    made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
+    if made is None:
         return None
     try:
-        return kind.fit_values(view.frame, ensemble.residual_of(RANGE))
+        return kind.fit_values(view.frame, made[1])
     except Exception as problem:
         raise BenchError(f"effect {kind.name!r} failed to fit its values: {problem}") from problem
 
@@ -76,10 +76,10 @@ def device_terms(comparison: Comparison, view: View, added: Added) -> list[Effec
     """Return the device effects that the residual range of the rows supports, none without ids."""
     if "tx" not in view.frame or "rx" not in view.frame:
         return []
-    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
-    if RANGE not in ensemble.names:
+    made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
+    if made is None:
         return []
-    residual = ensemble.residual_of(RANGE)
+    residual = made[1]
     out: list[Effect] = []
     if np.nanmax(numeric(view.frame, "reply_time_s"), initial=0) > 0:
         out.append(device_clock(view, residual))
@@ -96,11 +96,11 @@ def power_curve(comparison: Comparison, view: View, added: Added) -> PowerCurve 
     The budget's level at 1 m and its scatter come from the logged levels that are not compressed.
     The curve is piecewise linear with small second differences. None where no level was logged.
     """
-    ensemble = comparison.ensemble(view, common(added, view), RESIDUAL_MEMBERS)
+    made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
     logged = numeric(view.frame, "rx_power_dbm")
     weak = logged < UNCOMPRESSED_DBM
     if (
-        RANGE not in ensemble.names
+        made is None
         or np.isfinite(logged).mean() < LEVEL_KNOWN_SHARE
         or weak.sum() < LEVEL_WEAK_ROWS
     ):
@@ -115,7 +115,7 @@ def power_curve(comparison: Comparison, view: View, added: Added) -> PowerCurve 
         )
     )
     budget = float(np.clip(np.median(at_1m), *BUDGET_AT_1M_DBM))
-    residual = ensemble.residual_of(RANGE)
+    residual = made[1]
     fits = [
         _curve(view, residual, budget, s)
         for s in sorted({BUDGET_SPREADS_DB[0], min(BUDGET_SPREADS_DB[1], spread), spread})

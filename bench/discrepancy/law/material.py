@@ -74,7 +74,8 @@ class Material:
     """Rows: `residual_m` [n] recorded - simulated range, link codes [n], covariates, factors.
 
     `range_m` [n] is the simulated range; `ends` maps tx and rx to positions [n, 3], where known;
-    `devices` maps them to names [n]; `axes` are those that positions have.
+    `devices` maps them to names [n]; `axes` are those that positions have. `rounded`: the simulated
+    ranges are rounded as the recorded ones are.
     """
 
     residual_m: Floats
@@ -86,6 +87,7 @@ class Material:
     devices: dict[str, NDArray[np.object_]]
     ends: dict[str, Floats]
     axes: str = "xyz"
+    rounded: bool = False
 
     def take(self, rows: NDArray[np.intp]) -> Material:
         """Return some rows, some of them perhaps several times."""
@@ -99,6 +101,7 @@ class Material:
             {end: names[rows] for end, names in self.devices.items()},
             {end: places[rows] for end, places in self.ends.items()},
             self.axes,
+            self.rounded,
         )
 
 

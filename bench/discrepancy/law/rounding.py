@@ -54,7 +54,7 @@ class Rounding:
 
 def roundings(given: Material) -> Iterator[Rounding]:
     """Yield a rounding where measured ranges lie on a lattice and simulated ones do not."""
-    step = lattice_m(given.range_m + given.residual_m)
+    step = None if given.rounded else lattice_m(given.range_m + given.residual_m)
     if step is not None and not _fits(given.range_m, step):
         for way in _WAYS:
             yield Rounding(step, way)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
@@ -152,12 +152,13 @@ def _shifting(found: Selection) -> Added:
     """Return the named effects that shift ranges: those of the range, and what strikes links.
 
     What else was named has other evidence, and what was named `together` was weighed against laws.
-    Scatter shifts nothing: a law leaves it to the scale.
+    Scatter shifts nothing: a law leaves it to the scale. Nor does a grid that ranges lie on.
     """
     return tuple(
         effect
         for effect in found.added
         if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
+        if not type(effect).marked
         if effect.physics not in found.together
     )
 
@@ -257,9 +258,10 @@ def gathered(
 
     `like`: see `material`.
     """
-    ensembles = [comparison.ensemble(view, added, LAW_MEMBERS) for view in views]
-    if any(RANGE not in ensemble.names for ensemble in ensembles):
+    made = [one for view in views if (one := residual_range(comparison, view, added, LAW_MEMBERS))]
+    if len(made) < len(views):
         return None
     frame = pd.concat([view.frame for view in views], ignore_index=True)
-    residual = np.concatenate([ensemble.residual_of(RANGE) for ensemble in ensembles])
-    return material(frame, residual, np.concatenate([view.links for view in views]), like)
+    residual = np.concatenate([left for _, left in made])
+    rows = material(frame, residual, np.concatenate([view.links for view in views]), like)
+    return replace(rows, rounded=any(type(effect).marked for effect in added))

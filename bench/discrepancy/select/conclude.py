@@ -18,7 +18,7 @@ from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.select.stepwise import bears_mark, versions
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -81,10 +81,9 @@ def verdicts(
 
 def _marked(search: Search, named: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
     """Return the names whose mark recorded rows bear: they are there, whatever they remove."""
-    frame = search.fit.frame
     each = ((v, v.options if isinstance(v, Ambiguous) else (v,)) for v in named)
     able = ((v, o) for v, some in each for o in some[:1] if isinstance(o, LeftOut))
-    return tuple(verdict for verdict, first in able if type(first.effect).by_mark(frame))
+    return tuple(verdict for verdict, first in able if bears_mark(search, first.effect))
 
 
 def _within_forms(search: Search, share: float) -> bool:

@@ -8,13 +8,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.per_device import fits_itself, with_values
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import regressed
+from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import Checked, announced
-from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.settings import FIT_MEMBERS
+from bench.discrepancy.select.settings import MARK_SHARE
+from bench.discrepancy.select.state import Round, Search, State
+from bench.discrepancy.sets.choose import worth_beside
+from bench.discrepancy.sets.settings import RIVAL_NATS
+from bench.discrepancy.settings import FIT_MEMBERS, MAD_TO_STD, RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
 
 
@@ -24,7 +34,7 @@ def marked(search: Search, added: Added = ()) -> Added:
     Each in the form that scores best beside `added`, or in the one that is among these.
     """
     if not search.fit.waveform:
-        return ()
+        return _grids(search, added)
     have = {effect.name: effect for effect in added}
     found = []
     for kind in search.kinds.values():
@@ -32,6 +42,73 @@ def marked(search: Search, added: Added = ()) -> Added:
         if forms and not _simulated(search, kind):
             found.append(have.get(kind.name) or _best(search, added, forms))
     return tuple(found)
+
+
+def _grids(search: Search, added: Added) -> Added:
+    """Return the effects that a grid of recorded ranges shows, as they are where among `added`.
+
+    No model of the error has a part in that: the ranges themselves lie on it.
+    """
+    have = {effect.name: effect for effect in added}
+    kinds = [kind for kind in search.kinds.values() if kind.marked and fits_itself(kind)]
+    found = []
+    for kind in (one for one in kinds if not _simulated(search, one)):
+        seen = Guard().safely(kind.name, with_values, None)
+        made = have.get(kind.name) or seen(search.comparison, search.sharpest, (), kind)
+        if made and (kind.name in have or _matters(search, made)):
+            found.append(made)
+    return tuple(found)
+
+
+def _matters(search: Search, effect: Effect) -> bool:
+    """Return whether what an effect does to ranges is no small part of how rows scatter."""
+    made, bare = (
+        search.comparison.ensemble(search.sharpest, some, RESIDUAL_MEMBERS)
+        for some in ((effect,), ())
+    )
+    change = made.simulated_of(RANGE) - bare.simulated_of(RANGE)
+    left = bare.residual_of(RANGE)
+    own = MAD_TO_STD * float(np.nanmedian(np.abs(left - np.nanmedian(left))))
+    return float(np.nanstd(change)) > MARK_SHARE * own
+
+
+def seen_first(state: State, located: Located) -> State:
+    """Return the state with the effects in it that ranges bear the mark of, before all others.
+
+    What is rounded scatters, and is off by much where rows stand still: other causes are weighed
+    beside it, or they would have to stand for it.
+    """
+    known = {turn.added.name for turn in state.rounds if turn.added}
+    have = {effect.name for effect in state.added}
+    if state.search.fit.waveform or state.added:
+        return state
+    for seen in marked(state.search):
+        if seen.name not in known | have:
+            effect = _likeliest(state.search, seen)
+            turn = _first_round(state.search, located, state.added, effect)
+            state = replace(state.after(turn), added=(*state.added, effect))
+    return state
+
+
+def _likeliest(search: Search, effect: Effect) -> Effect:
+    """Return the form of an effect beside which ranges speak most for a set of causes."""
+    forms = effect.forms()
+    worth = [worth_beside(search, (form,)) for form in forms] if len(forms) > 1 else [0.0]
+    best = int(np.argmax(worth))
+    return forms[best] if worth[best] > worth[0] + RIVAL_NATS else forms[0]
+
+
+def _first_round(search: Search, located: Located, before: Added, effect: Effect) -> Round:
+    """Return a round that adds an effect by its mark, with what a regression could remove."""
+    focus = tuple(dict.fromkeys(finding.cell.observable for finding in located.findings))
+    turn = announced(search, Round(located, None, None), (*before, effect), effect)
+    assert turn.explanation is not None
+    made = regressed(search.comparison, search.fit, search.discover, before, focus)
+    nuisance, base = tally(made), turn.explanation.base
+    removable = gain_interval(base, nuisance, search.seed)
+    return replace(
+        turn, explanation=replace(turn.explanation, nuisance=nuisance, removable=removable)
+    )
 
 
 def forms_of_marks(search: Search) -> list[tuple[Effect, ...]]:

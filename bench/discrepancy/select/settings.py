@@ -26,3 +26,12 @@ DETECTION_M: Final = (
     0.01  # that receivers differ by in what they make of a changed waveform [waves]
 )
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
+
+# --- Marks of ranges (select/marks) ---------------------------------------------------------------
+MARK_SHARE: Final = 0.2  # of the scatter of rows: less adds 2 % to it, as centimetres printed do
+
+# --- Effects on levels beside geometry (select/second_level) -------------------------------------
+LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
+LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]
+LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
+LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]

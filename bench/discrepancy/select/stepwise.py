@@ -204,5 +204,13 @@ def prune(search: Search, added: Added, least: float, newcomer: Effect, located:
     crossed = newcomer.name if sure else ""
     kept = pruned(search.comparison, search.discover, added, search.seed, least, crossed)
     missed = {effect.name for effect in added} - {effect.name for effect in kept}
-    frame = search.fit.frame
-    return tuple(e for e in added if e.name not in missed or type(e).by_mark(frame))
+    return tuple(e for e in added if e.name not in missed or bears_mark(search, e))
+
+
+def bears_mark(search: Search, effect: Effect) -> bool:
+    """Return whether recorded rows bear the mark of an effect: it is there, whatever it gains.
+
+    Of ranges alone every effect that is `marked` was fitted by its mark.
+    """
+    kind = type(effect)
+    return bool(kind.by_mark(search.fit.frame)) or (kind.marked and not search.fit.waveform)

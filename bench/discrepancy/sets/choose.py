@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
@@ -57,13 +59,28 @@ def chosen(search: Search, beside: Added) -> Choice:
 
     `beside` are effects that are in place and no part of it.
     """
+    made = _contest(search, beside)
+    if made is None:
+        return Choice()
+    contest, ensemble = made
+    found = replace(contest.settled(), beside=_names(beside))
+    best = (*found.names, *found.others)
+    return replace(found, mistaken=mistaken(contest, best, search.doubtful, ensemble))
+
+
+def worth_beside(search: Search, beside: Added) -> float:
+    """Return the log evidence of the best set beside some effects, its names paid for."""
+    made = _contest(search, beside)
+    return -np.inf if made is None else made[0].most()
+
+
+def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
+    """Return the contest of all causes on the working rows, None without ranges there."""
     rows = search.work
-    if rows is None:
-        return Choice()
-    ensemble = search.comparison.ensemble(rows, beside, RESIDUAL_MEMBERS)
-    if RANGE not in ensemble.names:
-        return Choice()
-    left = ensemble.residual_of(RANGE)
+    made = rows and residual_range(search.comparison, rows, beside, RESIDUAL_MEMBERS)
+    if rows is None or not made:
+        return None
+    ensemble, left = made
     known = np.flatnonzero(np.isfinite(left))
     library = _kept(of_library(search.kinds, rows), known)
     laws = _kept(of_laws(search.kinds, rows) | of_setup(rows), known)
@@ -71,10 +88,8 @@ def chosen(search: Search, beside: Added) -> Choice:
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
     every = named_kinds(search.kinds, rows)
     kinds = {name: every[name] for name in library}
-    contest = Contest(evidence, kinds, search.comparison.crowding(rows) ** 2, rows, known)
-    found = replace(contest.settled(), beside=_names(beside))
-    best = (*found.names, *found.others)
-    return replace(found, mistaken=mistaken(contest, best, search.doubtful, ensemble))
+    crowding = search.comparison.crowding(rows) ** 2
+    return Contest(evidence, kinds, crowding, rows, known), ensemble
 
 
 def decided(search: Search, beside: Added) -> bool:
@@ -128,6 +143,10 @@ class Contest:
             {one: self._wider(best, one) for one in names},
             self._shifts(best),
         )
+
+    def most(self) -> float:
+        """Return the worth of the best set."""
+        return self.worth(self._calm())
 
     def _calm(self) -> Set:
         """Return the best set with weights of its own.

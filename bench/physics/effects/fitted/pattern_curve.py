@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -14,13 +14,16 @@ from bench.physics.effects.propagation.antenna_pattern import heading_rad
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats
 
+LEVELS = ("rx_power_dbm", "first_path_power_dbm")
+
 
 @dataclass(frozen=True)
 class PatternCurve(Effect):
     """Range error over the heading as a curve: `bias_m` at `headings_deg`, linear between, closed.
 
     For patterns that two harmonics do not follow, such as a narrow lobe. The heading is that of
-    the library's `antenna-pattern`.
+    the library's `antenna-pattern`. `gain_db` at the same headings is added to levels that are
+    reported: a direction that is late is weak as well. () where levels do not follow the heading.
     """
 
     name = "pattern-curve"
@@ -35,10 +38,12 @@ class PatternCurve(Effect):
 
     headings_deg: tuple[float, ...] = (0.0,)
     bias_m: tuple[float, ...] = (0.0,)
+    gain_db: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        as_tuples(self, headings_deg=None, bias_m=len(self.headings_deg))
+        count = len(self.headings_deg)
+        as_tuples(self, headings_deg=None, bias_m=count, gain_db=count if self.gain_db else 0)
 
     def values(self) -> dict[str, float]:
         """Return the bias at every heading in metres."""
@@ -46,9 +51,14 @@ class PatternCurve(Effect):
         return {f"bias_m[{heading:g} deg]": bias for heading, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        """Lengthen ranges by the curve at each row's heading, where that is known."""
-        bias = closed(heading_rad(batch.rows), self.headings_deg, self.bias_m)
-        return batch.longer(np.nan_to_num(bias))
+        """Lengthen ranges and raise levels by the curves at headings, where these are known."""
+        turn = heading_rad(batch.rows)
+        batch = batch.longer(np.nan_to_num(closed(turn, self.headings_deg, self.bias_m)))
+        if not self.gain_db:
+            return batch
+        gain = np.nan_to_num(closed(turn, self.headings_deg, self.gain_db))
+        known = {name: getattr(batch, name) for name in LEVELS}
+        return replace(batch, **{n: v + gain for n, v in known.items() if v is not None})
 
 
 def closed(heading: Floats, headings_deg: tuple[float, ...], values: tuple[float, ...]) -> Floats:

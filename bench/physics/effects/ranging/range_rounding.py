@@ -16,6 +16,9 @@ from bench.physics.randomness import Draws
 from bench.physics.units import Floats
 
 LEANS = (0.0, -0.5, 0.5)
+LOWEST_ORIGIN = -0.49  # of a step: half a step below is the same point as half a step above
+LEAN_STEPS = 0.1  # off, at most: other causes move the mean as well
+MEDIAN_ERROR = 2 * 1.2533 * 1.4826  # two standard errors of a median, of the median deviation
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,10 @@ class RangeRounding(Effect):
         grid = Comb(self.step_m, self.origin_m, 1.0)
         return replace(batch, range_m=grid.nearest(np.asarray(batch.range_m), self.lean))
 
+    def forms(self) -> tuple[Effect, ...]:
+        """Return it to the nearest, down and up: they differ by a constant alone."""
+        return tuple(replace(self, lean=lean) for lean in LEANS)
+
     def values(self) -> dict[str, float]:
         """Return step and origin of the grid in metres."""
         return {"step_m": self.step_m, "origin_m": self.origin_m} if self.step_m else {}
@@ -96,6 +103,19 @@ def _rounding(
     grid = comb(measured_m, plain_m, links)
     if grid is None:
         return None
-    misses = [float(np.mean(np.abs(measured_m - grid.nearest(plain_m, one)))) for one in LEANS]
-    lean = LEANS[int(np.argmin(misses))]
-    return grid.coherence, RangeRounding(grid.step_m, grid.origin_m, lean, early)
+    lean = _lean(measured_m - plain_m, links, grid.step_m)
+    origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
+    return grid.coherence, RangeRounding(grid.step_m, origin_m, lean, early)
+
+
+def _lean(left_m: Floats, links: NDArray[np.intp], step_m: float) -> float:
+    """Return the lean that makes the mean of what is left [n] nothing; 0 where none does.
+
+    A lean is a constant of half a step: any other constant is no rounding.
+    """
+    mean = np.bincount(links, left_m) / np.bincount(links)
+    middle = float(np.median(mean))
+    error = MEDIAN_ERROR * float(np.median(np.abs(mean - middle))) / np.sqrt(len(mean))
+    off = [abs(middle - lean * step_m) for lean in LEANS]
+    able = [lean for lean, one in zip(LEANS, off, strict=True) if one < LEAN_STEPS * step_m + error]
+    return able[0] if able else 0.0

@@ -1,0 +1,124 @@
+"""Effects on levels alone beside geometry: what a level does for another reason is no second cause.
+
+A pattern that delays a direction weakens it too, a reflection of the ground fades with the
+distance, and an effect's own curve is never quite right. Each leaves a level that follows the
+distance a little, and so looks like a path loss. So an effect on levels has to predict links left
+out better than these can without it: any gain over headings where a pattern is named, two-ray
+fading where heights are known, any level where a named effect acts, and smooth deformations of what
+it does to levels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.elsewhere import moves_ranges
+from bench.discrepancy.select.settings import (
+    LEVEL_FOLDS,
+    LEVEL_HARMONICS,
+    LEVEL_RIDGE,
+    LEVEL_SHARE,
+)
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.within_links import LEVEL
+from bench.discrepancy.settings import FIT_MEMBERS, ONE_SIDED_95
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern, heading_rad
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.propagation.two_rays import fading_ways
+
+Floats = NDArray[np.float64]
+
+
+def beyond_geometry(search: Search, added: Added, explanation: Explanation) -> Explanation:
+    """Return the explanation without effects on levels that other reasons do as well as.
+
+    Of ranges without waveforms, where levels are known.
+    """
+    if search.work is None or search.fit.waveform or LEVEL not in search.work.recorded.names:
+        return explanation
+    able = tuple(c for c in explanation.contenders if _second(search, search.work, added, c))
+    return replace(explanation, contenders=able)
+
+
+def _second(search: Search, rows: View, added: Added, contender: Contender) -> bool:
+    """Return whether a contender is more than levels do anyhow; True where it moves ranges."""
+    effect = contender.effect
+    bare, whole = (
+        search.comparison.ensemble(rows, some, FIT_MEMBERS) for some in (added, (*added, effect))
+    )
+    if LEVEL not in bare.names or LEVEL not in whole.names or moves_ranges(whole, bare):
+        return True
+    change = (whole.simulated_of(LEVEL) - bare.simulated_of(LEVEL)).mean(axis=0)
+    left = bare.residual_of(LEVEL)
+    known = np.isfinite(change) & np.isfinite(left)
+    if type(effect).independent or not known.any() or not np.ptp(change[known]) > 0:
+        return True
+    others = np.hstack([np.ones((len(left), 1)), *_reasons(search, rows, added, effect)])
+    return predicts(left[known], change[known], others[known], rows.links[known])
+
+
+def _reasons(search: Search, rows: View, added: Added, effect: Effect) -> list[Floats]:
+    """Return what else levels may do beside an effect, columns [n, k] each."""
+    out = [fading_ways(rows.scene)] if effect.physics != GroundBounce.name else []
+    paths = Base().paths(rows.scene)
+    for known in added:
+        if known.physics == AntennaPattern.name:
+            out.append(_harmonics(heading_rad(rows.scene)))
+        acts = ~known.inert(paths)
+        if not acts.all():
+            out.append(acts[:, None].astype(np.float64))
+        out.append(_deformed(search, rows, added, known))
+    return out
+
+
+def _harmonics(turn: Floats) -> Floats:
+    """Return the waves of a gain over headings [n], 0 where these are not known."""
+    orders = np.arange(1, LEVEL_HARMONICS + 1) * turn[:, None]
+    return np.asarray(np.nan_to_num(np.hstack([np.sin(orders), np.cos(orders)])))
+
+
+def _deformed(search: Search, rows: View, added: Added, known: Effect) -> Floats:
+    """Return what an effect does to levels, as it is and bent over itself and the distance."""
+    whole, rest = (
+        search.comparison.ensemble(rows, some, FIT_MEMBERS)
+        for some in (added, without(added, known))
+    )
+    if LEVEL not in whole.names or LEVEL not in rest.names:
+        return np.zeros((len(rows.rows), 0))
+    change = np.nan_to_num((whole.simulated_of(LEVEL) - rest.simulated_of(LEVEL)).mean(axis=0))
+    far = np.log(np.maximum(rows.scene.true_range_m, 0.1))
+    far = (far - far.mean()) / max(float(far.std()), 1e-9)
+    return np.stack([change, change**2, change * far, change * far**2], axis=1)
+
+
+def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[np.intp]) -> bool:
+    """Return whether a change [n] helps `others` [n, k] to predict levels [n] of links left out."""
+    codes = np.unique(links, return_inverse=True)[1]
+    missed = [
+        np.bincount(codes, _left_out(left_db, design, codes) ** 2)
+        for design in (others, np.column_stack([others, change_db]))
+    ]
+    gained = missed[0] - missed[1]
+    error = float(gained.std()) * np.sqrt(len(gained))
+    worth = float(gained.sum()) > LEVEL_SHARE * float(missed[0].sum())
+    return worth and float(gained.sum()) > ONE_SIDED_95 * error
+
+
+def _left_out(values: Floats, design: Floats, codes: NDArray[np.intp]) -> Floats:
+    """Return what ridge regressions [n, k] on other links leave of values [n]."""
+    size = np.sqrt((design**2).mean(axis=0))
+    design = design[:, size > 0] / size[size > 0]
+    out = np.empty_like(values)
+    for fold in range(LEVEL_FOLDS):
+        held = codes % LEVEL_FOLDS == fold
+        known = design[~held]
+        square = known.T @ known + LEVEL_RIDGE * len(known) * np.eye(known.shape[1])
+        out[held] = values[held] - design[held] @ np.linalg.solve(square, known.T @ values[~held])
+    return out
