@@ -89,3 +89,23 @@ def test_intervals_hold_the_lobe():
 def test_lengths_of_lists_must_match():
     with pytest.raises(BenchError, match="expected 2 values in bias_m"):
         PatternCurve((0.0, 90.0), (0.0,))
+
+
+def test_levels_that_follow_the_heading_are_a_gain_of_the_pattern():
+    for size_db in (3.0, 0.0):
+        plain = _view(_lobe)
+        level = WORLD.simulator.observe(plain.scene, 0, cir=False).rx_power_dbm
+        assert level is not None
+        rng = np.random.default_rng(5)
+        heading = np.radians(plain.frame["azimuth_deg"])
+        level = level + size_db * (np.cos(heading) - 1) + 0.3 * rng.normal(size=len(level))
+        frame = plain.frame.assign(rx_power_dbm=level)
+        names = ("error_m", "rx_power_dbm")
+        rows = view(frame, plain.links, plain.rows, Window(), names, False)
+        found = pattern_curve(WORLD, rows, ())
+        assert found is not None
+        assert bool(found.gain_db) == bool(size_db)
+        if found.gain_db:
+            at = np.radians(np.arange(-180, 180, 10.0))
+            left = closed(at, found.headings_deg, found.gain_db) - size_db * (np.cos(at) - 1)
+            assert np.abs(left).max() < 0.6
