@@ -25,12 +25,28 @@ def filtered(waveform: Complexes, lags: NDArray[np.intp], taps: Floats | Complex
     return made.view(np.complex64)
 
 
-def echo_taps(delay_samples: float, factor: complex) -> tuple[NDArray[np.intp], Complexes]:
-    """Return lags and taps of a waveform plus `factor` times itself later by some samples."""
+def echo_taps(
+    delay_samples: float, factor: complex | NDArray[np.complex128]
+) -> tuple[NDArray[np.intp], Complexes]:
+    """Return lags and taps of a waveform plus `factor` times itself later by some samples.
+
+    Of some factors, each is a sample later than the one before.
+    """
     whole = int(np.floor(delay_samples))
-    late = lagrange(np.asarray(delay_samples - whole)) * factor
-    lags = np.concatenate([[0], whole + np.arange(-1, 3)])
+    late = np.convolve(lagrange(np.asarray(delay_samples - whole)), np.atleast_1d(factor))
+    lags = np.concatenate([[0], whole - 1 + np.arange(len(late))])
     return lags, np.concatenate([[1.0], late]).astype(np.complex64)
+
+
+def decaying(samples: float, turns: float) -> NDArray[np.complex128]:
+    """Return an oscillation of energy 1 that falls to 1/e in `samples`, with `turns` in each [k].
+
+    As far as it is above a fiftieth of its start; a single 1 where it falls at once.
+    """
+    count = int(np.ceil(np.log(50) * samples))
+    rates = -1 / max(samples, 1e-9) + 2j * np.pi * turns
+    rung = np.exp(rates * np.arange(max(count, 1)))
+    return np.asarray(rung / np.sqrt((np.abs(rung) ** 2).sum()))
 
 
 def lagrange(fraction: Floats) -> Reals:

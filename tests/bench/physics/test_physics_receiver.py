@@ -18,6 +18,7 @@ from bench.physics.effects.receiver.level_control import (
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.effects.receiver.quantisation import Quantisation
+from bench.physics.filters import decaying, echo_taps
 
 
 def shadowed(n: int = 512):
@@ -189,3 +190,16 @@ def test_a_level_may_be_held_in_the_report_alone() -> None:
     assert np.median(base.rx_power_dbm - told.rx_power_dbm) > 5
     np.testing.assert_allclose(told.rx_power_dbm, seen_too.rx_power_dbm, atol=0.3)
     assert np.median(seen_too.cir.max(axis=1)) < 0.6 * np.median(base.cir.max(axis=1))
+
+
+def test_resonance_rings_on_and_decays() -> None:
+    """A damped oscillation: every sample later it is weaker by 1/e per decay time, and turned."""
+    ring = decaying(3.0, 0.15)
+    assert np.isclose((np.abs(ring) ** 2).sum(), 1)
+    assert np.allclose(np.abs(ring[1:] / ring[:-1]), np.exp(-1 / 3))
+    assert np.allclose(np.angle(ring[1:] / ring[:-1]), 2 * np.pi * 0.15)
+    assert abs(ring[-1]) < 0.03 * abs(ring[0])
+    assert decaying(0.0, 0.15).tolist() == [1]
+    lags, taps = echo_taps(5.0, 0.5 * ring)
+    at = dict(zip(lags[1:].tolist(), taps[1:], strict=True))
+    assert np.allclose([at[5], at[6]], 0.5 * ring[:2], atol=1e-6)

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.filters import convolved, echo_taps, filtered
+from bench.physics.filters import convolved, decaying, echo_taps, filtered
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, Reals, amplitude, energy, squared
 
@@ -18,8 +18,10 @@ class PulseRinging(Effect):
     """Widens the pulse and lets every path ring: an echo of the whole waveform at a fixed delay.
 
     Recorded accumulators ring 2.5 to 3.5 samples behind every strong first path, in all links of
-    a device alike. The echo's phase is `ring_phase_deg`. Energy is kept, but for `on_top`
-    of it: a level that was calibrated with the pulse alone has all of the echo on top.
+    a device alike. The echo's phase is `ring_phase_deg`. An antenna that resonates rings on from
+    then on: the echo decays in `ring_decay_ns` to 1/e while it turns by `ring_offset_mhz`, its
+    resonance off the carrier; a hundredth of a ns is one echo, of a reflection. Energy is kept, but
+    for `on_top` of it: a level that was calibrated with the pulse alone has all of the echo on top.
     """
 
     name = "pulse-ringing"
@@ -31,9 +33,11 @@ class PulseRinging(Effect):
     without_cir = False
     with_phases = True
 
-    ring_db: float = parameter(-60, "dB", -60, 0, "echo over the path itself", null=-60)
+    ring_db: float = parameter(-60, "dB", -60, 6, "echo over the path itself, in energy", null=-60)
     ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
     ring_phase_deg: float = parameter(120, "deg", -360, 360, "of the echo")
+    ring_decay_ns: float = parameter(0.01, "ns", 0.01, 10, "in which the echo falls to 1/e")
+    ring_offset_mhz: float = parameter(0, "MHz", -300, 300, "of what decays, off the carrier")
     widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
     on_top: float = parameter(0, "ratio", 0, 1, "of what rings on, that the pulse does not lose")
     first_alone: float = parameter(0, "ratio", 0, 1, "of the echo, that other paths do not have")
@@ -65,7 +69,8 @@ class PulseRinging(Effect):
         if self.ring_db <= -60:
             return waveform
         turn = np.exp(1j * np.radians(self.ring_phase_deg)) * amplitude(self.ring_db)
-        taps = echo_taps(self.ring_delay_ns / period_ns, complex(turn))
+        on = decaying(self.ring_decay_ns / period_ns, self.ring_offset_mhz * 1e-3 * period_ns)
+        taps = echo_taps(self.ring_delay_ns / period_ns, turn * on)
         if self.first_alone <= 0:
             return filtered(waveform, *taps)
         heard = waveform * self._weights(waveform)
