@@ -61,6 +61,7 @@ from bench.physics.base import Base
 from bench.physics.effect import Effect, describe
 from bench.physics.memory import keep_freed
 from bench.physics.simulator import Simulator
+from bench.recordings.places import cut_into_places, link_count
 from bench.recordings.table import Recordings
 
 SETTINGS = ("channel", "prf_mhz", "tx_power_dbm")
@@ -96,7 +97,8 @@ class Diagnosis:
     the radio settings that were taken from the recordings. `law` and `setup_fault` are said where
     no known effect explains what is there, and sealed links bear it out. `evidence` has working
     rows to go on from. `measured` are columns of the user's own that were measured with the range,
-    so that they were not searched over.
+    so that they were not searched over. `links` counts those of the table, and those after links
+    that hold a drive were cut into places (see `bench.recordings.places`).
     """
 
     source: str
@@ -114,6 +116,7 @@ class Diagnosis:
     setup_fault: SetupFault | None = None
     evidence: Evidence | None = None
     measured: tuple[str, ...] = ()
+    links: tuple[int, int] = (0, 0)
 
     @property
     def recommended(self) -> bool:
@@ -145,7 +148,9 @@ def diagnose(
     keep_freed()
     check_recorded(recorded)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
-    frame = hidden(recorded.frame, asked.hide)
+    frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
+    if isinstance(simulated, Recordings):
+        simulated = replace(simulated, frame=cut_into_places(simulated.frame))
     measured = measured_columns(frame, asked.measured, asked.known)
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     base = base_of(shown.frame, simulated)
@@ -180,7 +185,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        law, said.fault, kept, measured,
+        law, said.fault, kept, measured, (link_count(whole), link_count(frame)),
     )  # fmt: skip
 
 

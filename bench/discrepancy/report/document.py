@@ -35,6 +35,11 @@ from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
 from bench.text import plain
 
+PLACES = (
+    "Antennas move under one link name: {} links were cut into {} places of 1 m, the unit that is "
+    "held out. Places of one drive are neighbours: intervals may be too narrow."
+)
+
 
 def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
     """Write report.md, diagnosis.json, simulator.toml (where there is one) and the figures.
@@ -129,8 +134,9 @@ def _base_line(diagnosis: Diagnosis) -> str:
 
 
 def measured_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return which columns were taken as measured, and which were not, where the user may doubt."""
-    out = []
+    """Return what was decided for the user: links cut, columns that were taken as measured."""
+    before, after = diagnosis.links
+    out = [PLACES.format(before, after)] if after > before else []
     if diagnosis.measured:
         out += [f"Measured, so not searched over: {', '.join(diagnosis.measured)} ({RULE})."]
     if diagnosis.options.known:
