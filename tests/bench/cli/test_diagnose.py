@@ -144,7 +144,7 @@ def _without_error(frame: pd.DataFrame, truth: float, measured: float) -> pd.Dat
     [
         (lambda f: f.drop(columns=["error_m", "range_m"]), ("range_m", "error_m")),
         (lambda f: f.drop(columns="true_range_m"), ("true_range_m",)),
-        (lambda f: f.assign(link="one"), ("1 link", "at least 4")),
+        (lambda f: f.assign(link="one", true_range_m=5.0), ("1 link", "at least 4")),
         (lambda f: _without_error(f, 1000, 1000), ("true_range_m", "expected metres")),
         (lambda f: _without_error(f, 1000, 1), ("beyond 1 km",)),
         (lambda f: _without_error(f, 1, 1000), ("beyond 1 km",)),
