@@ -24,6 +24,7 @@ from bench.discrepancy.compare.matching import (
     link_means,
     same_places,
 )
+from bench.discrepancy.compare.over_distance import nearer, slopes
 from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
@@ -61,9 +62,6 @@ from bench.physics.outcome import Outcome
 from bench.physics.remembered import DrawMemory
 from bench.physics.simulator import Simulator
 
-LEVELS = (
-    "rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db", "peak_counts_db",
-)  # fmt: skip  # observables that follow the distance in free space
 CHANGED = ("error_m", "rx_power_dbm")
 
 
@@ -320,19 +318,15 @@ class TableComparison:
         return np.asarray(inside)
 
     def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:
-        """Return by how much levels [n, p] change from the matched rows' distances to our own.
-
-        A matched row 1 m nearer is 20 log10 of the ratio stronger: free space (Friis), whatever
-        the mix of distances.
-        """
-        change = np.zeros((len(pick), len(seen.names)))
+        """Return by how much observables [n, p] change from the matched rows' distances to ours."""
         theirs = numeric(self.frame, "true_range_m")[pick]
-        ratio = theirs / np.asarray(view.scene.true_range_m, np.float64)
-        gain = np.where((ratio > 0) & np.isfinite(ratio), 20 * np.log10(np.abs(ratio) + 1e-300), 0)
-        for place, name in enumerate(seen.names):
-            if name in LEVELS:
-                change[:, place] = gain
-        return change
+        ours = np.asarray(view.scene.true_range_m, np.float64)
+        return nearer(seen.names, self._over_distance, ours, theirs)
+
+    @cached_property
+    def _over_distance(self) -> dict[str, float]:
+        """What the simulated observables do over the distance."""
+        return slopes(self.observed, numeric(self.frame, "true_range_m"), self.links)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).

@@ -17,6 +17,7 @@ from scipy.stats import norm
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.reuse import widening
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
@@ -96,18 +97,21 @@ def locate(
     top: int = MOST_FINDINGS,
     wider_only: bool = False,
     crowding: float = 1.0,
+    reused: Floats | None = None,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
     Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
     `Ensemble.beside`). `crowding`: how much wider than permutations the null is (see
-    `TableComparison.crowding`). Returns at most `top` findings with family-wise p <= `alpha`.
+    `TableComparison.crowding`), or cell by cell from what links share, `reused` (see `reuse`),
+    where that is more. Returns at most `top` findings with family-wise p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
     cells, sums = link_sums(ensemble, covariates, clusters)
     z, null = _permuted(sums, rng, permutations)
-    null = null * crowding
+    wider = np.maximum(_wider(cells, ensemble, covariates, reused), crowding)
+    z = z / wider
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
@@ -117,7 +121,8 @@ def locate(
     rare = None if found else rare_links(ensemble, seed)
     found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
-    small = _detectable(ensemble, threshold) | _in_part(ensemble, covariates, cells, threshold)
+    least = threshold * float(wider[0])  # the first cell is of all rows
+    small = _detectable(ensemble, least) | _in_part(ensemble, covariates, cells, least)
     return Located(
         tuple(found),
         min(float(p.min()), rare.p if rare else 1.0),
@@ -126,6 +131,20 @@ def locate(
         len(cells),
         small,
     )
+
+
+def _wider(
+    cells: list[Cell], ensemble: Ensemble, covariates: Covariates, reused: Floats | None
+) -> Floats:
+    """Return how much wider than permutations every cell scatters [K]."""
+    if reused is None:
+        return np.ones(len(cells))
+    code = np.unique(ensemble.links, return_inverse=True)[1]
+    found = {
+        place: widening(np.bincount(code, _weight(place, ensemble, covariates)), reused)
+        for place in dict.fromkeys(cell.place for cell in cells)
+    }
+    return np.array([found[cell.place] for cell in cells])
 
 
 def _clusters(links: int, rng: np.random.Generator) -> list[Links] | None:
@@ -159,14 +178,18 @@ def _permuted(
 
 def cell_weight(cell: Cell, ensemble: Ensemble, covariates: Covariates) -> Floats:
     """Return the weight of each recorded row [n] in a cell: 0/1, or the standardised trend."""
-    name = cell.place.covariate
+    return _weight(cell.place, ensemble, covariates)
+
+
+def _weight(place: Place, ensemble: Ensemble, covariates: Covariates) -> Floats:
+    name = place.covariate
     if name is None:
         return np.ones(len(ensemble.links))
     if name in covariates.groups:
-        return cell.place.weight(covariates.groups[name])
+        return place.weight(covariates.groups[name])
     if name in covariates.numbers:
-        return cell.place.weight(covariates.numbers[name])
-    return cell.place.weight(ensemble.recorded_of(name))
+        return place.weight(covariates.numbers[name])
+    return place.weight(ensemble.recorded_of(name))
 
 
 def _finding(
@@ -273,7 +296,16 @@ def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
 
 
 def _link_offsets(values: Floats, code: Links) -> Floats:
-    """Return the median of values [n] over the rows of each link [L]."""
+    """Return by how much most rows of each link are off at least, from values [n]: [L].
+
+    Half of an even number is not most: of two rows that which is less off.
+    """
     order = np.argsort(code, kind="stable")
     parts = np.split(values[order], np.flatnonzero(np.diff(code[order])) + 1)
-    return np.array([np.nanmedian(part) if np.isfinite(part).any() else np.nan for part in parts])
+    return np.array([_of_most(part[np.isfinite(part)]) for part in parts])
+
+
+def _of_most(values: Floats) -> float:
+    """Return the median; of an even number the middle one that is nearer to zero."""
+    middle = np.sort(values)[(len(values) - 1) // 2 : len(values) // 2 + 1]
+    return float(middle[np.abs(middle).argmin()]) if len(middle) else float("nan")

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
@@ -43,7 +44,10 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
     level = FAMILY_WISE / 2 if few else FAMILY_WISE  # two searches share the error of one
     crowding, number = search.comparison.crowding(seen), search.seed + turn
     alone = 1.0 if search.comparison.paired(seen) else crowding
-    located = locate(ensemble.first(own), seen.covariates, number, level, crowding=alone)
+    located = locate(
+        ensemble.first(own), seen.covariates, number, level, crowding=alone,
+        reused=reuse(search.comparison, seen),
+    )  # fmt: skip
     if located.significant or not few:
         return located
     beside = ensemble.beside(own)

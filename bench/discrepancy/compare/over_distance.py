@@ -1,0 +1,63 @@
+"""What a simulated table's observables do over the distance: a matched row is rarely just as far.
+
+Matching on covariates leaves a difference where the mixes differ; a regression on the simulated
+side takes it out (bias-corrected matching: Abadie and Imbens 2011). Free space is the first guess
+of levels, none of all else; so accumulators that are scaled to one peak are seen to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bench.discrepancy.data.observables import RANGE, Observables
+from bench.discrepancy.data.split import Rows
+from bench.physics.units import Floats
+
+LEVELS = (
+    "rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db", "peak_counts_db",
+)  # fmt: skip  # observables that follow the distance in free space
+FREE_SPACE_DB = -20.0  # per decade (Friis)
+FEWEST = 8  # links, to tell a slope [convention]
+
+
+def slopes(observed: Observables, range_m: Floats, links: Rows) -> dict[str, float]:
+    """Return the change of every observable but the range per decade of distance.
+
+    Over means of `links` [n], by least squares; as far as it is told from the first guess.
+    """
+    decades = _decades(range_m)
+    first = {name: FREE_SPACE_DB * (name in LEVELS) for name in observed.names if name != RANGE}
+    return {name: _slope(observed.column(name), decades, links, of) for name, of in first.items()}
+
+
+def nearer(
+    names: tuple[str, ...], over: Mapping[str, float], ours: Floats, theirs: Floats
+) -> Floats:
+    """Return by how much observables [n, p] change from one distance [n] in metres to our own."""
+    change = _decades(ours) - _decades(theirs)
+    slope = np.array([over.get(name, 0.0) for name in names])
+    return np.asarray(np.nan_to_num(change)[:, None] * slope)
+
+
+def _slope(values: Floats, decades: Floats, links: Rows, first: float) -> float:
+    """Return a slope, nearer to the first guess the less it is told from that."""
+    known = np.isfinite(values) & np.isfinite(decades)
+    code = np.unique(links[known], return_inverse=True)[1]
+    count = np.bincount(code)
+    if len(count) < FEWEST:
+        return first
+    far, high = (np.bincount(code, one[known]) / count for one in (decades, values))
+    far, high = far - far.mean(), high - high.mean() - first * (far - far.mean())
+    square = float(far @ far)
+    if square <= 0:
+        return first
+    more = float(far @ high) / square
+    error = float(((high - more * far) ** 2).sum()) / (len(far) - 2) / square
+    return first + more**3 / max(more**2 + error, 1e-30)
+
+
+def _decades(range_m: Floats) -> Floats:
+    """Return the logarithm of distances, unknown where they are none."""
+    return np.asarray(np.log10(np.where(range_m > 0, range_m, np.nan)), np.float64)
