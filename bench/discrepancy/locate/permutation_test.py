@@ -141,10 +141,14 @@ def _wider(
         return np.ones(len(cells))
     code = np.unique(ensemble.links, return_inverse=True)[1]
     found = {
-        place: widening(np.bincount(code, _weight(place, ensemble, covariates)), reused)
+        place: widening(_of_links(code, _weight(place, ensemble, covariates)), reused)
         for place in dict.fromkeys(cell.place for cell in cells)
     }
     return np.array([found[cell.place] for cell in cells])
+
+
+def _of_links(code: Links, weight: Floats) -> Floats:
+    return np.asarray(np.bincount(code, weight), np.float64)
 
 
 def _clusters(links: int, rng: np.random.Generator) -> list[Links] | None:
