@@ -88,7 +88,7 @@ def received(rows: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
     """Return the table that the orchard's own radio makes of rows, with complex waveforms."""
     size = len(rows)
     start, symbols = WIDE_LEAD + 1 + rng.random(size), 65.0 - rng.geometric(0.55, size)
-    scatter = rng.normal(36.0, 1.4, size)
+    scatter = rng.normal(24.0, 0.9, size)
     cir = _in_the_air(rows, start, rng) * (symbols * 10 ** (FULL_DB / 20))[:, None]
     cir = cir + scatter[:, None] * (rng.normal(size=(*cir.shape, 2)) @ [1, 1j])
     index = np.floor(constant_fraction(cir, SURE * scatter) * 64) / 64
@@ -106,7 +106,7 @@ def _in_the_air(rows: pd.DataFrame, start: Floats, rng: np.random.Generator) -> 
     far, size = rows["true_range_m"].to_numpy(np.float64), len(rows)
     which, links = pd.factorize(rows["link"])
     trailer = np.array([row == ["metal"] for row in rows["obstacles"]])
-    straight = np.where(trailer, 1 / rng.uniform(1.6, 5.5, len(links))[which], 1.0)
+    straight = np.where(trailer, 1 / rng.uniform(1.6, 4.5, len(links))[which], 1.0)
     middle = start + HALF_WIDTH / 2
     cir = (straight * _turn(rng, size))[:, None] * bells(middle)
     for longer, echo in _ways(rows, far):

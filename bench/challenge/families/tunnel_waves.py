@@ -91,7 +91,7 @@ def received(rows: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
     """Return the table that the tunnel's own radio makes of rows, with complex waveforms."""
     size = len(rows)
     start, symbols = WIDE_LEAD + 1 + rng.random(size), 128.0 - rng.integers(0, 5, size)
-    sigma = 41.0 * rng.lognormal(0, 0.05, size)
+    sigma = 29.0 * rng.lognormal(0, 0.05, size)
     waves = _channel(rows, start, rng) * (symbols * 10 ** (UNIT_DB / 20))[:, None]
     noise = rng.standard_normal((2, *waves.shape))
     waves = waves + sigma[:, None] * (noise[0] + 1j * noise[1])
