@@ -19,7 +19,7 @@ Examples:
   bench plan --diagnosis diagnosis
   bench plan --diagnosis diagnosis --links 20 -o plan.csv
 """
-SHOWN = 12
+SHOWN, PAIRS = 12, 4  # measurements, and the pairs of explanations that are hardest to tell
 
 
 @click.command(epilog=EPILOG, no_args_is_help=True)
@@ -72,11 +72,16 @@ def _print(answer: Answer) -> None:
     )
     rows = [_ranked(answer, worth) for worth in answer.worth[:SHOWN]]
     print_table(title, columns, rows)
-    say(f"Plan: {sum(answer.links)} links of {answer.rows} rows each")
+    links = sum(answer.links)
+    say(f"Plan: {links} links of {answer.rows} rows each, {links * answer.rows} rows in all")
     for measurement, count in answer.planned():
-        say(f"  {count} x {measurement.words}")
-    for pair, nats in answer.nats.items():
+        say(f"  {count} links: {measurement.words}")
+        say(f"    {answer.why(measurement)}")
+    least = sorted(answer.nats.items(), key=lambda one: one[1])
+    for pair, nats in least[:PAIRS]:
         say(f"  expected for {pair}: {nats:.1f} nats")
+    if len(least) > PAIRS:
+        say(f"  and {len(least) - PAIRS} pairs with more")
     sure = f"expected to settle it in {answer.probability:.0%} of cases"
     say(sure if answer.sure else f"NOT ENOUGH: {sure}; more links, or another kind of measurement")
     say("Record these with everything else as before, append them, and diagnose again.")

@@ -227,6 +227,11 @@ class Effect(ABC):
         """Return the forms that its mark cannot tell apart, the simplest first."""
         return (self,)
 
+    @classmethod
+    def tellable(cls, rows: Scene) -> bool:  # noqa: ARG003
+        """Return whether these rows vary what it follows: else it may only stand beside another."""
+        return True
+
     @property
     def freed(self) -> int:
         """How many values a fit sets free: what its gain has to pay for."""

@@ -15,7 +15,7 @@ from bench.planning.settings import (
     DISTANCES_M,
     FARTHER,
     FARTHEST_LEAST_M,
-    HEADINGS_DEG,
+    FULL_TURN_DEG,
     HEIGHTS_M,
     LESS_POWER_DB,
     REPLIES,
@@ -33,11 +33,15 @@ LISTED = ("obstacle_thickness_m", "obstacle_at", "obstacle_clearance_m",
 
 @dataclass(frozen=True)
 class Measurement:
-    """One thing to measure: which `knob` is turned, in `words`, and the columns that says."""
+    """One thing to measure: which `knob` is turned, in `words`, and the columns that says.
+
+    `around`: the antenna is turned by equal steps from row to row, once around.
+    """
 
     knob: str
     words: str
     settings: dict[str, Any]
+    around: bool = False
 
     def rows(self, reference: pd.Series, rows: int, link: str) -> pd.DataFrame:
         """Return the rows of one link so measured, all else as in a recorded row."""
@@ -49,7 +53,9 @@ class Measurement:
             settings = {**_moved(reference, settings["true_range_m"]), **settings}
         one: dict[str, Any] = {str(name): cell for name, cell in reference.items()}
         one |= {**settings, "link": link}
-        return pd.DataFrame([one] * rows)
+        made = pd.DataFrame([one] * rows)
+        turned = {"azimuth_deg": FULL_TURN_DEG * np.arange(rows) / rows}
+        return made.assign(**turned) if self.around else made
 
 
 def reference_row(frame: pd.DataFrame) -> pd.Series:
@@ -88,7 +94,8 @@ Offers = Iterator[Measurement]
 
 def _distances(site: Site) -> Offers:
     longest = float(site.frame["true_range_m"].max())
-    limit = longest if "room_x_m" in site.frame else max(FARTHER * longest, FARTHEST_LEAST_M)
+    placed = {"tx_x_m", "rx_x_m"} <= set(site.frame)  # in a hall, whose size they show
+    limit = longest if placed else max(FARTHER * longest, FARTHEST_LEAST_M)
     for distance in DISTANCES_M:
         if distance <= limit:
             yield Measurement("distance", f"{distance:g} m apart", {"true_range_m": distance})
@@ -131,9 +138,10 @@ def _powers(site: Site) -> Offers:
 
 
 def _headings(site: Site) -> Offers:
-    for heading in HEADINGS_DEG if "azimuth_deg" in site.frame else ():
-        words = f"antenna turned to {heading:g} degrees"
-        yield Measurement("heading", words, {"azimuth_deg": heading})
+    # Single headings would leave a pattern and a difference between links alike.
+    if "azimuth_deg" in site.frame:
+        words = "antenna turned once around, by equal steps from row to row"
+        yield Measurement("heading", words, {}, around=True)
 
 
 def _warmth(site: Site) -> Offers:
@@ -141,7 +149,7 @@ def _warmth(site: Site) -> Offers:
         words = f"devices at {degrees:g} degrees C"
         yield Measurement("temperature", words, {"temperature_c": degrees})
     for since in SWITCHED_ON_S if "time_s" in site.frame else ():
-        words = f"{since / 60:g} min after switching on"
+        words = f"{since / 60:g} min into a session, devices switched on at its start"
         yield Measurement("warm-up", words, {"time_s": since})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +15,7 @@ from bench.planning.alternatives import Alternative
 from bench.planning.measurements import Measurement
 from bench.planning.scatter import Floats, Scatter
 from bench.planning.settings import FIT_MEMBERS, SCATTER_MEMBERS
-from bench.planning.world import World
+from bench.planning.world import Added, World
 
 Counts = np.ndarray
 
@@ -40,10 +40,14 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Outlook:
-    """The predictions of all explanations, `names` [k], for the same measurements [c]."""
+    """The predictions of all explanations, `names` [k], for the same measurements [c].
+
+    `bare` [c, p] is what is simulated without any of them.
+    """
 
     names: tuple[str, ...]
     predictions: tuple[Prediction, ...]
+    bare: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
     def apart(self) -> list[list[Floats]]:
@@ -86,13 +90,16 @@ def outlook(
     reference: pd.Series,
     rows: int,
     noise: Scatter,
+    rest: Added = (),
 ) -> Outlook:
-    """Return what the explanations predict for measurements of `rows` rows a link."""
+    """Return what explanations predict for measurements of `rows` rows a link, beside `rest`."""
     frames = [one.rows(reference, rows, f"plan {i}") for i, one in enumerate(offered)]
     frame = pd.concat(frames, ignore_index=True)
     planned = scene(frame, "plan")
     made = [_prediction(world, one, planned, rows, noise.of_means(rows)) for one in alternatives]
-    return Outlook(tuple(one.name for one in alternatives), tuple(made))
+    bare = world.values(planned, rest, FIT_MEMBERS).mean(axis=0)
+    means = bare.reshape(-1, rows, bare.shape[-1]).mean(axis=1)
+    return Outlook(tuple(one.name for one in alternatives), tuple(made), means)
 
 
 def _prediction(

@@ -25,7 +25,9 @@ from bench.planning.settings import (
     SURE_NATS,
     WAVE_ROWS,
 )
+from bench.planning.strays import stray_links
 from bench.planning.trends import trends
+from bench.planning.words import expected
 from bench.planning.world import World
 
 
@@ -36,7 +38,7 @@ class Answer:
     `offered` [c] are the measurements, `worth` what each brings alone (best first), `links` [c]
     how many of each are planned, with `rows` rows each, measured as in `reference` but for what
     is planned; `progress` are the nats that this brings towards an answer. `note` says why there
-    is no plan.
+    is no plan. `observables` [p] are what predictions are about.
     """
 
     question: str
@@ -49,6 +51,7 @@ class Answer:
     outlook: Outlook | None = None
     reference: pd.Series | None = None
     progress: float = 0.0
+    observables: tuple[str, ...] = ()
 
     @property
     def nats(self) -> dict[str, float]:
@@ -74,6 +77,11 @@ class Answer:
         """Return the measurements to make, with how many links of each."""
         return [(m, n) for m, n in zip(self.offered, self.links, strict=True) if n]
 
+    def why(self, measurement: Measurement) -> str:
+        """Return what each explanation predicts for a measurement, in words."""
+        assert self.outlook is not None
+        return expected(self.outlook, self.observables, self.offered.index(measurement))
+
     def geometry(self, prefix: str = "plan") -> pd.DataFrame:
         """Return one row for every range to record, with all that is known before measuring."""
         assert self.reference is not None
@@ -93,7 +101,9 @@ class Answer:
             "expected_nats": self.nats,
             "probability_of_95_percent": self.probability if self.offered else None,
             "rows_per_link": self.rows,
-            "plan": [_described(m) | {"links": n} for m, n in self.planned()],
+            "plan": [
+                _described(m) | {"links": n, "expected": self.why(m)} for m, n in self.planned()
+            ],
             "measurements": [_described(self.offered[w.place]) | _worth(w) for w in self.worth],
         }
 
@@ -111,11 +121,12 @@ class MeasurementPlan:
         made: list[dict[str, Any]] = []
         for answer in self.answers:
             for measurement, count in answer.planned():
-                row = _described(measurement) | {"rows": answer.rows}
-                made += [{"question": answer.question, **row} for _ in range(count)]
+                row: dict[str, Any] = {"question": answer.question, "rows": answer.rows}
+                row |= _described(measurement) | {"expected": answer.why(measurement)}
+                made += [row] * count
         table = pd.DataFrame(made)
         table.insert(0, "planned_link", [f"plan {n + 1}" for n in range(len(made))])
-        return table
+        return table[[*(name for name in table if name != "expected"), "expected"]]
 
     def summary(self) -> dict[str, Any]:
         """Return the plan as plain data."""
@@ -148,13 +159,15 @@ def answer(
     if question.fault:
         note = f"{question.fault}: put that right, record a few links again, and diagnose again"
         return Answer(question.words, (), note=note)
+    if first := _before(past, question):
+        return Answer(question.words, (), note=first)
     every, noise = _alternatives(past, question, seed)
     names = tuple(one.name for one in every)
     if len(every) < 2:
         return Answer(question.words, names, note=_alone(names))
     offered = measurements(evidence.frame, simulator.base)
     reference, rows = reference_row(evidence.frame), _rows_per_link(evidence)
-    seen = outlook(past.world, every, offered, reference, rows, noise)
+    seen = outlook(past.world, every, offered, reference, rows, noise, question.rest)
     scale = Scale.of(seen, len(offered))
     every_worth = ranked(scale)
     repeat = next(w for w in every_worth if offered[w.place].knob == REPEAT)
@@ -165,7 +178,8 @@ def answer(
     counts = chosen(scale, links)
     progress = float(scale.progress(counts).min())
     return Answer(question.words, names, offered, tuple(worth), _plain(counts), rows,
-                  outlook=seen, reference=reference, progress=progress)  # fmt: skip
+                  outlook=seen, reference=reference, progress=progress,
+                  observables=evidence.names)  # fmt: skip
 
 
 def _plain(counts: Counts) -> tuple[int, ...]:
@@ -202,6 +216,26 @@ def _likely(
         one
         for place, (one, score) in enumerate(zip(made, scores, strict=True))
         if place < asked or score > least
+    )
+
+
+def _before(past: Past, question: Question) -> str:
+    """Return what to do about something without a name before a plan helps, "" where one does."""
+    if question.options or question.law:
+        return ""
+    return _elsewhere(question, past.evidence) or stray_links(past, question.rest)
+
+
+def _elsewhere(question: Question, evidence: Evidence) -> str:
+    """Return that what has no name shows in nothing that is predicted here, "" where it does."""
+    if not question.seen or any(one.startswith(evidence.names) for one in question.seen):
+        return ""
+    where = question.seen[0].split(":")[0]
+    return (
+        f"it shows in {where}, not in ranges or levels, and nothing predicts that without a name, "
+        "so no measurement can be ranked. Record the same links again with one thing changed at "
+        "a time (the place or height of one antenna, its heading, what stands near it), and "
+        "diagnose again"
     )
 
 

@@ -27,7 +27,7 @@ class Question:
 
     `rest` are the effects that are named beside it; `near` those that did nearly as well.
     `law` is the law that was found for it, drawn within its constants' intervals, and `fault` what
-    was said of the set-up.
+    was said of the set-up; `seen` are the findings that stay without a name, in words.
     """
 
     words: str
@@ -36,6 +36,7 @@ class Question:
     near: Added = ()
     law: tuple[Law, ...] = ()
     fault: str = ""
+    seen: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ def _questions(
             words = " or ".join(effect.physics for effect in options)
             out.append(Question(words, options, rest, _near(options, (*rest, *options), tried)))
         elif verdict["verdict"] == "unknown":
-            out.append(Question("what no known effect explains", options, rest))
+            seen = tuple(map(str, verdict.get("findings", ())))
+            out.append(Question("what no known effect explains", options, rest, seen=seen))
     return out
 
 

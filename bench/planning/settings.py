@@ -42,6 +42,12 @@ TREND_REACH: Final = 5.0  # spans beyond the recorded values to which a trend is
 TREND_NATS: Final = 6.0  # behind the best trend: likelier ones stay in question [convention]
 SEED_FIRST: Final = 20_000  # of replicates: apart from those of a diagnosis
 
+# --- What stays without a name (strays, trends) ---------------------------------------------------
+STRAY_STD: Final = 5.0  # of the other links' offsets, from which on a link is far off [convention]
+STRAY_M: Final = 0.1  # and at least so far [convention]
+STRAY_SHARE: Final = 0.34  # of the links: more of them are no exceptions [convention]
+MOST_STRAYS: Final = 5  # that are listed [convention]
+
 # --- What can be measured (measurements) ---------------------------------------------------------
 DISTANCES_M: Final = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
 FARTHER: Final = 2.0  # than recorded: a hall has an end
@@ -49,7 +55,7 @@ FARTHEST_LEAST_M: Final = 8.0  # that is always offered: most rooms have a diago
 REPLIES: Final = (0.5, 2.0, 4.0, 8.0)  # times the recorded reply time
 REPLY_S: Final = (1e-4, 2e-2)  # shortest and longest a chip can keep
 LESS_POWER_DB: Final = (6.0, 12.0)  # below the recorded transmit power
-HEADINGS_DEG: Final = (0.0, 90.0, 180.0, 270.0)
+FULL_TURN_DEG: Final = 360.0
 TEMPERATURES_C: Final = (5.0, 40.0)  # a fridge, a warm air blower
 SWITCHED_ON_S: Final = (0.0, 300.0, 3600.0)  # since switching on
 SPEEDS_M_PER_S: Final = (0.0, 1.5, -1.5)  # standing, walking away, walking near

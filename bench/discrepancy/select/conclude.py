@@ -325,8 +325,5 @@ def left_out(
 
 def separating(options: tuple[LeftOut, ...]) -> str:
     """Return which measurement would tell the options apart."""
-    kinds = [type(option.effect) for option in options]
-    wanted = [f"{k.name} vanishes in {k.control}" for k in kinds if k.control]
-    if wanted:
-        return f"record rows where only one must vanish: {'; '.join(dict.fromkeys(wanted))}"
-    return "compare signatures: " + "; ".join(f"{k.name}: {k.signature}" for k in kinds)
+    each = (f"{option.names[0]}: {type(option.effect).signature}" for option in options)
+    return f"vary what only one of them follows: {'; '.join(each)}"

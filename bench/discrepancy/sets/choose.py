@@ -126,7 +126,8 @@ class Contest:
     ) -> None:
         self.evidence, self.kinds, self.crowding = evidence, kinds, crowding
         self.rows, self.known = rows, known
-        self.library = frozenset(kinds)
+        self.library = frozenset(n for n, kind in kinds.items() if kind.tellable(rows.scene))
+        self.untold = frozenset(kinds) - self.library
         self.pays: dict[str, float] = {}
         self._nats: dict[Set, float] = {}
 
@@ -168,7 +169,7 @@ class Contest:
 
     def _able(self) -> Set:
         """Return every name, and the laws that do most."""
-        laws = [name for name in self.evidence.blocks if name not in self.library]
+        laws = [one for one in self.evidence.blocks if one not in self.library | self.untold]
         names = self.best(tuple(self.library))
         alone = sorted(laws, key=lambda law: -self.nats((law,)))[:MOST_LAWS]
         beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
@@ -203,7 +204,7 @@ class Contest:
         return self.nats(causes) - sum(map(self._price, causes))
 
     def _price(self, one: str) -> float:
-        if one in self.library:
+        if one in self.library | self.untold:
             return NAME_NATS
         if one in self.pays:
             return NAME_NATS + self.pays[one]
@@ -230,12 +231,27 @@ class Contest:
         return max(seen, key=self.worth)
 
     def rivals(self, causes: Set, name: str) -> Set:
-        """Return the names that could stand in the place of one."""
+        """Return the names that could stand in the place of one.
+
+        Those of as much evidence, and those of which one value does the same to every row: freedom
+        that a name does not need here is nothing against it.
+        """
         rest, least = _but(causes, name), self.worth(causes) - RIVAL_NATS
+        others = sorted((self.library | self.untold) - set(causes))
+        same = self._same_rows(causes, name, tuple(others))
+        able = [o for o in others if o in same or self.worth((*rest, o)) > least]
+        return tuple(o for o in able if o in same or self._possible((*rest, o), o))
+
+    def _same_rows(self, causes: Set, name: str, others: Set) -> Set:
+        """Return of which others one value does to every row what a name does, within scatter."""
+        made = self.evidence.of(causes)
+        target = self.evidence.toward(self.evidence.response(made, name))
+        near = {one: target.nearest(one, made) for one in others}
         return tuple(
-            other
-            for other in sorted(self.library - set(causes))
-            if self.worth((*rest, other)) > least
+            one
+            for one, (nats, shift_m) in near.items()
+            if nats / self.crowding < RIVAL_NATS
+            and self.kinds[one].possible(self.rows.scene, _spread(shift_m, self))
         )
 
     def _beyond_deformed(self, causes: Set) -> Set:

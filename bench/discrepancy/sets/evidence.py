@@ -96,6 +96,12 @@ class Evidence:
         made.weights = np.where(rows, self.weights, NOTHING)
         return made
 
+    def toward(self, target_m: Floats) -> Evidence:
+        """Return the evidence of other residual ranges [n] in the same rows."""
+        made = self.with_blocks(self.blocks)
+        made.left_m = target_m
+        return made
+
     def reweigh(self, causes: Sequence[str]) -> int:
         """Give rows and links the weights that they have beside a set of causes.
 
@@ -165,6 +171,19 @@ class Evidence:
             log += float(np.log1p(wide * product[-1, -1]))
             self._products[ratio] = product[:-1, :-1] - own * np.outer(of_mean, of_mean), log
         return self._products[ratio]
+
+    def nearest(self, cause: str, made: Weighed) -> tuple[float, Floats]:
+        """Return how far one value of a cause is from the ranges, in nats, and what it does [n].
+
+        One value only: many together follow nearly everything, which is no reason to name them.
+        Rows and links scatter as in `made`; the value pays for a size beyond what is typical.
+        """
+        product, places = self._product(made.ratio)[0] / made.variance_m2, self.places[cause]
+        right = product[places, -1]
+        factors = right / (np.diag(product)[places] + 1 / SIZE_BOUNDS[1])
+        best = int(np.argmax(factors * right))
+        far = float(product[-1, -1] - factors[best] * right[best])
+        return far / 2, np.asarray(self.columns[:, places[best]] * factors[best])
 
     def _at(self, causes: tuple[str, ...], ratio: float) -> Weighed:
         product, log = self._product(ratio)

@@ -16,6 +16,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, regresse
 from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import struck_round
+from bench.discrepancy.sets.blocks import named_kinds
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import (
@@ -62,7 +63,7 @@ def best_form(search: Search, added: Added, name: str) -> Effect | None:
 
 
 def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Effect]:
-    kind = search.kinds.get(name)
+    kind = named_kinds(search.kinds, search.sharpest).get(name)
     if kind is None:
         return []
     try:

@@ -20,7 +20,7 @@ from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
-from bench.planning.alternatives import posterior
+from bench.planning.alternatives import Past, posterior
 from bench.planning.choose import probability
 from bench.planning.measurements import measurements, reference_row
 from bench.planning.outlook import Outlook, Prediction
@@ -28,6 +28,9 @@ from bench.planning.plan import Answer, answer
 from bench.planning.questions import Question
 from bench.planning.scatter import Scatter, components, log_likelihood
 from bench.planning.settings import ASSURED_NATS, SURE, SURE_NATS
+from bench.planning.strays import stray_links
+from bench.planning.trends import trends
+from bench.planning.world import World
 
 DELAY, CLOCK = AntennaDelay(delay_ns=0.7), ClockOffset(offset_ppm=0.7)
 
@@ -218,7 +221,8 @@ def test_an_unknown_cause_is_asked_what_it_follows(tmp_path: Path):
     one = bench.plan(folder).answers[0]
     assert one.names[0] == "law: a * (true_range_m > t)"
     assert one.question == "what no known effect explains"
-    assert set(one.names[1:]) <= {"the error follows distance", "the error follows temperature"}
+    follows = {f"the error follows {what}" for what in ("distance", "temperature")}
+    assert set(one.names[1:]) <= {*follows, "the error is the same everywhere"}
     assert "distance" in {m.knob for m, _ in one.planned()}
     report["setup_fault"] = {"words": "a fault of the set-up: a2 hangs elsewhere"}
     (folder / "diagnosis.json").write_text(json.dumps(report))
@@ -254,3 +258,38 @@ def test_effects_of_a_folder_are_checked(tmp_path: Path):
         bench.plan(folder_with(tmp_path, [wrong]))
     with pytest.raises(BenchError, match="--links 0"):
         bench.plan(tmp_path, links=0)
+
+
+def test_each_planned_line_says_what_every_explanation_predicts(planned: Answer):
+    measurement, _ = planned.planned()[0]
+    why = planned.why(measurement)
+    assert why.startswith("recorded - simulated range: ")
+    assert "m if antenna-delay" in why
+    assert "m if clock-offset; a link's mean scatters by" in why
+    assert float(why.split("range: ")[1].split(" m if")[0]) == pytest.approx(0.105, abs=0.02)
+
+
+def test_few_links_far_off_are_to_be_looked_at_first():
+    found = evidence(0.0)
+    far = found.recorded + np.where(found.links < 2, 0.6, 0.0)[:, None] * [1, 0]
+    past = Past(World(Simulator(Base()), found.names, False), found)
+    assert stray_links(past, ()) == ""
+    struck = Past(past.world, Evidence(found.frame, found.names, far, found.simulated))
+    assert "2 of 24 links" in stray_links(struck, ())
+    assert "l0 (+0.6" in stray_links(struck, ())
+
+
+def test_an_error_that_follows_nothing_is_an_explanation_too():
+    past = Past(World(Simulator(Base()), evidence().names, False), evidence())
+    found = {one.name: one for one in trends(past, (), 0)}
+    (effect,) = found["the error is the same everywhere"].draws[0]
+    assert np.ptp(effect.shifts_m) == 0
+    assert effect.shifts_m[0] == pytest.approx(0.105, abs=0.02)
+
+
+def test_what_shows_in_waveforms_alone_gets_no_plan_over_ranges():
+    words = "profile_db[3.5..6.5ns] as a trend over rx_y_m: recorded - simulated = 2.9 dB"
+    question = Question("what no known effect explains", (), (), seen=(words,))
+    made = answer(question, evidence(), Simulator(Base()), None, 0)
+    assert not made.planned()
+    assert made.note.startswith("it shows in profile_db[3.5..6.5ns] as a trend over rx_y_m, not")

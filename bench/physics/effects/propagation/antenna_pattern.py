@@ -18,6 +18,7 @@ from bench.physics.units import C_M_PER_NS, Floats
 TYPICAL_M = 0.1  # of the first harmonic [source: Ledergerber 2018]
 KNOWN_SHARE = 0.9  # of the headings
 SECTORS = 12  # of a circle
+WIDEST_GAP = 2 * np.pi / 3  # between headings that lie all around: three are enough
 
 
 @dataclass(frozen=True)
@@ -45,17 +46,17 @@ class AntennaPattern(Effect):
     @classmethod
     def unmarked(cls, frame: pd.DataFrame) -> str:
         """Return that headings fill no circle: over a few of them a pattern is a constant."""
-        if fills_half(heading_rad(scene(frame, "recorded"))):
+        if all_around(heading_rad(scene(frame, "recorded"))):
             return ""
         return "headings all around (azimuth_deg, or bearings between positions)"
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return the first four harmonics of the heading; None where headings fill no circle."""
+        """Return the first four harmonics of the heading; None where most are unknown."""
         turn = heading_rad(rows)
-        if not fills_half(turn):
-            return None
         known = np.isfinite(turn)
+        if known.mean() < KNOWN_SHARE:
+            return None
         turn = np.where(known, turn, 0.0)
         every = [
             TYPICAL_M / k**1.5 * np.where(known, wave(k * turn), 0.0)
@@ -63,6 +64,11 @@ class AntennaPattern(Effect):
             for wave in (np.sin, np.cos)
         ]
         return (np.stack(every, axis=1),)
+
+    @classmethod
+    def tellable(cls, rows: Scene) -> bool:
+        """Return whether headings lie all around: over a few of them a pattern is a constant."""
+        return all_around(heading_rad(rows))
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Shift and weaken all paths by heading."""
@@ -80,11 +86,18 @@ class AntennaPattern(Effect):
         return ~np.isfinite(heading_rad(batch.rows))
 
 
-def fills_half(turn: Floats) -> bool:
-    """Return whether headings [n] in radians are known and lie in half of a circle's sectors."""
+def all_around(turn: Floats) -> bool:
+    """Return whether headings [n] in radians are known and lie all around.
+
+    In half of a circle's sectors, or nowhere farther apart than a third of the circle.
+    """
     known = np.isfinite(turn)
-    sectors = np.unique(np.floor(turn[known] * SECTORS / 2 / np.pi))
-    return bool(known.mean() >= KNOWN_SHARE and len(sectors) >= SECTORS / 2)
+    if known.mean() < KNOWN_SHARE:
+        return False
+    turn = np.sort(turn[known] % (2 * np.pi))
+    sectors = np.unique(np.floor(turn * SECTORS / 2 / np.pi))
+    gaps = np.diff(turn, append=turn[0] + 2 * np.pi)
+    return bool(len(sectors) >= SECTORS / 2 or gaps.max() <= WIDEST_GAP + 1e-9)
 
 
 def heading_rad(rows: Scene) -> Floats:

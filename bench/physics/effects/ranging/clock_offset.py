@@ -50,21 +50,22 @@ class ClockOffset(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return the reply time x what crystals are typically off, per device; None without any.
+        """Return the reply time x what crystals are typically off; None without any.
 
-        And x what temperature takes from all of them, where it is known: a slope and a bow.
+        Of all transmitters beside all receivers, of each device, and what temperature takes from
+        all of them, where it is known: a slope and a bow.
         """
         reply_s = rows.number("reply_time_s", 0.0)
         if not reply_s.any():
             return None
         tx, rx = device_columns(rows)
         per_ppm = (C_M_PER_NS * 1e3 * reply_s / 2)[:, None]
-        own = TYPICAL_PPM * per_ppm * (tx - rx)
+        every, own = TYPICAL_PPM * per_ppm, TYPICAL_PPM * per_ppm * (tx - rx)
         warm = known_mostly(rows.number("temperature_c", np.nan))
         if warm is None:
-            return (own,)
+            return every, own
         warm = (warm - ROOM_C) / WARMER_C
-        return own, WARMER_PPM * per_ppm * np.stack([warm, warm**2], axis=1)
+        return every, own, WARMER_PPM * per_ppm * np.stack([warm, warm**2], axis=1)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of the exchange."""

@@ -18,6 +18,7 @@ TENTHS = (0.1, 0.9)  # where weak and strong signals begin
 LARGEST, LEVELS_OFF_DB, SLACK_M = 2.5, 4.0, 0.03  # of the published curve: other pulse rates have
 # 2.5 times its size, and budgets are known to some decibels [source: APS011]
 KNOTS_DBM = np.arange(-100.0, -40.0, 3.0)
+ALIKE_DB = 1.5  # between tenths of levels that only scatter: they show no direction
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,8 @@ class PowerBias(Effect):
         low, high = (float(np.mean(level[those])) for those in ends)
         longest, above = (max(_largest(end - LEVELS_OFF_DB), 0) + SLACK_M for end in (low, high))
         shortest = min(_largest(high + LEVELS_OFF_DB), 0) - SLACK_M
-        return bool(weak > strong and weak < longest and shortest < strong < above)
+        rises = weak > strong or high - low < ALIKE_DB
+        return bool(rises and weak < longest and shortest < strong < above)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the bias at each row's true receive level."""

@@ -1,0 +1,35 @@
+"""Few links that are far off all others: to be looked at before anything is measured."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.settings import MAD_TO_STD
+from bench.planning.alternatives import Past
+from bench.planning.scatter import link_means
+from bench.planning.settings import MOST_STRAYS, STRAY_M, STRAY_SHARE, STRAY_STD
+from bench.planning.world import Added
+
+
+def stray_links(past: Past, rest: Added) -> str:
+    """Return which few links are far off, in words; "" where none are, or many."""
+    found = past.evidence
+    if RANGE not in found.names:
+        return ""
+    left = past.residual(rest)[0][:, [found.names.index(RANGE)]]
+    means = link_means(left, found.links)[1][:, 0]
+    middle = float(np.median(means))
+    scale = MAD_TO_STD * float(np.median(np.abs(means - middle)))
+    far = np.flatnonzero(np.abs(means - middle) > max(STRAY_M, STRAY_STD * scale))
+    if not 0 < len(far) <= STRAY_SHARE * len(means):
+        return ""
+    names = np.unique(found.frame["link"].astype(str))
+    worst = far[np.argsort(-np.abs(means[far] - middle))][:MOST_STRAYS]
+    each = ", ".join(f"{names[one]} ({means[one]:+.2f} m)" for one in worst)
+    return (
+        f"first look at the {len(far)} of {len(means)} links that are far off the others "
+        f"({middle:+.2f} m): {each}. If something stands in their way, list it (`obstacles`, "
+        "`los`); if a device or a position is wrong, put it right; diagnose again, and plan what "
+        "stays open"
+    )
