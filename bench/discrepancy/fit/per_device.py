@@ -13,6 +13,7 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.fit.clocks import device_clock
+from bench.discrepancy.fit.ground import ground_ray
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
 from bench.discrepancy.settings import (
@@ -39,12 +40,13 @@ from bench.physics.units import C_M_PER_NS
 Floats = NDArray[np.float64]
 
 
-OWN = ("device-clock", "device-delay", "power-curve", "pattern-curve")  # fitted by code here
+OWN = ("device-clock", "device-delay", "power-curve", "pattern-curve", "ground-ray")  # by code here
 
 
 def latent_effects(comparison: Comparison, view: View, added: Added) -> list[Effect]:
     """Return the effects of ours with values per device or level that the rows support."""
-    curves = power_curve(comparison, view, added), pattern_curve(comparison, view, added)
+    fits = (power_curve, pattern_curve, ground_ray)
+    curves = (fitted(comparison, view, added) for fitted in fits)
     return [*device_terms(comparison, view, added), *(curve for curve in curves if curve)]
 
 

@@ -34,6 +34,8 @@ _DERIVED = {  # what follows from two positions: words, unit
     "rx_z_m - tx_z_m": ("height of rx over tx", "m"),
 }
 
+BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
+
 
 @dataclass(frozen=True)
 class Column:
@@ -257,7 +259,7 @@ def condition(group: str) -> tuple[str, str] | None:
     if name in ("tx", "rx", "environment"):
         return f"({name} == {json.dumps(value)})", f"{name} is {value}"
     if name == "obstacle":
-        return f"(obstacles == {json.dumps(value)})", f"behind {value}"
+        return f"(obstacles == {json.dumps(value)})", f"{BEHIND}{value}"
     if name == "los" and value in ("True", "False"):
         return f"(los {'>' if value == 'True' else '<'} 0.5)", f"line of sight: {value}"
     ends = value.split("->")

@@ -12,7 +12,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
-from bench.discrepancy.law.material import Material, material
+from bench.discrepancy.law.material import BEHIND, Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
@@ -28,6 +28,8 @@ from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law, with_constants
+
+OBSTACLES = "obstacles"
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     """Return the law of what the names leave, or one that does better than all of them."""
     views = (search.fit, search.discover) if search.work is None else (search.work,)
     rest = gathered(search.comparison, views, found.added)
-    after = propose(rest, search.seed) if rest is not None else None
+    after = _proposed(search, rest)
     if after is not None and not _beyond_names(search, found, after):
         after = None
     beside = Weighed(found, after if unknown else None)
@@ -86,7 +88,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
         return beside
     kept = tuple(effect for effect in found.added if effect not in named)
     whole = gathered(search.comparison, views, kept)
-    alone = None if whole is None else propose(whole, search.seed)
+    alone = _proposed(search, whole)
     if alone is None:
         return beside
     struck = [effect for effect in named if type(effect).strikes]
@@ -97,6 +99,18 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if narrower is not None:
         return _weighed(search, narrower, unknown)
     return Weighed(found, alone, _without_names(found, kept))
+
+
+def _proposed(search: Search, rows: Material | None) -> Proposal | None:
+    """Return the law that rows speak for, None where the library has effects for all such laws.
+
+    What holds only behind something in the way is a delay or a detour by it, whatever its form.
+    """
+    law = None if rows is None else propose(rows, search.seed)
+    if law is None or not law.best.structure.where.startswith(BEHIND):
+        return law
+    ways = [way for kind in search.kinds.values() for way in kind.needs]
+    return None if any(OBSTACLES in way for way in ways) else law
 
 
 def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from bench.physics.batch import SPECULAR, Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.specular import in_room
+from bench.physics.effects.propagation.two_rays import pulling_ways
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
-from bench.physics.units import C_M_PER_NS, amplitude, wavelength_m
+from bench.physics.scene import Scene
+from bench.physics.units import C_M_PER_NS, Floats, amplitude, wavelength_m
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,11 @@ class GroundBounce(Effect):
         gain = np.where(self.inert(batch), 0, reference * factor * truth / length * turn)
         paths = (extra / C_M_PER_NS)[:, None], gain.astype(np.complex64)[:, None]
         return batch.with_paths(*paths, SPECULAR)
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return how the reflection may pull the leading edge; None without heights."""
+        return pulling_ways(rows)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows inside a known room."""

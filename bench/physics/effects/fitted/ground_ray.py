@@ -1,0 +1,110 @@
+"""The pull and the fading of a reflection of the ground, for ranges without waveforms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect, parameter
+from bench.physics.effects.propagation.two_rays import (
+    Rays,
+    carriers_ghz,
+    fading_db,
+    pulled_m,
+    rays,
+)
+from bench.physics.randomness import Draws
+from bench.physics.scene import scene
+from bench.physics.units import Floats
+
+LEVELS = ("rx_power_dbm", "first_path_power_dbm")
+GRID: Floats = np.linspace(0.0, 0.95, 20)
+REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
+STEEPNESSES = (0.0, 0.5, 1.5)
+LEAST_ROWS = 12
+
+
+@dataclass(frozen=True)
+class GroundRay(Effect):
+    """Two rays at the heights of the row: the leading edge is pulled, and the level fades.
+
+    The reflection has `size` at grazing incidence, less by (1 - sine)^`steepness` where it is
+    steeper, and overlaps the edge while it is less than about `reach_m` longer. `level_size` is the
+    same for the level, which a pulse blurs otherwise.
+    """
+
+    name = "ground-ray"
+    explains: ClassVar[str] = "ground-bounce"
+    values_unit: ClassVar[str] = "1"
+    fitted: ClassVar[bool] = False
+    stage = "ranging"
+    source = "two-ray model: group delay and sum of two phasors; fitted to recordings"
+    signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
+    needs = (("tx_z_m", "rx_z_m"),)
+
+    size: float = parameter(0.0, "1", 0, 1, "of the reflection", null=0)
+    level_size: float = parameter(0.0, "1", 0, 1, "of the reflection, in levels", null=0)
+    carrier_ghz: float = parameter(6.4896, "GHz", 1, 12, "carrier")
+    reach_m: float = parameter(0.7, "m", 0.05, 5, "excess within a pulse")
+    steepness: float = parameter(0.0, "1", 0, 3, "how much weaker where it is steep")
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        """Pull ranges and change levels where heights are known."""
+        found = rays(batch.rows)
+        if found is None:
+            return batch
+        batch = batch.longer(self._pulled(found))
+        gain = fading_db(found.ray(self.carrier_ghz, self.level_size, self.steepness))
+        known = {name: getattr(batch, name) for name in LEVELS}
+        return replace(batch, **{n: v + gain for n, v in known.items() if v is not None})
+
+    def _pulled(self, found: Rays) -> Floats:
+        ray = found.ray(self.carrier_ghz, self.size, self.steepness)
+        return pulled_m(found.longer_m, ray, self.reach_m)
+
+    def values(self) -> dict[str, float]:
+        """Return the size of the reflection."""
+        return {"size": self.size}
+
+    @classmethod
+    def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:
+        """Return the reflection that leaves least of residual ranges, None where none helps."""
+        rows = scene(frame, "recorded")
+        found, known = rays(rows), np.isfinite(residual_m)
+        if found is None or known.sum() < LEAST_ROWS:
+            return None
+        own = Rays(found.longer_m[known], found.size[known], found.flat[known])
+        left = residual_m[known]
+        tried = [
+            cls(carrier_ghz=carrier, reach_m=reach, steepness=steepness, size=float(size))
+            for carrier, reach, steepness in product(carriers_ghz(rows), REACHES_M, STEEPNESSES)
+            for size in GRID[1::3]
+        ]
+        best = min(tried, key=lambda one: _missed(left, one._pulled(own)))
+        finer = [replace(best, size=float(size)) for size in np.linspace(0.01, 0.95, 95)]
+        best = min(finer, key=lambda one: _missed(left, one._pulled(own)))
+        return best if _missed(left, best._pulled(own)) < _missed(left, np.zeros(1)) else None
+
+    def with_level(self, frame: pd.DataFrame, left_db: Floats) -> GroundRay:
+        """Return it with the size that leaves least of residual levels [n]."""
+        found, known = rays(scene(frame, "recorded")), np.isfinite(left_db)
+        if found is None or not known.any():
+            return self
+
+        def missed(size: float) -> float:
+            gain = fading_db(found.ray(self.carrier_ghz, size, self.steepness))[known]
+            return _missed(left_db[known], gain)
+
+        return replace(self, level_size=float(min(GRID, key=missed)))
+
+
+def _missed(left: Floats, made: Floats) -> float:
+    """Return how much is left around its median, in the mean: a constant is another cause."""
+    rest = left - made
+    return float(np.mean(np.abs(rest - np.median(rest))))
