@@ -1,0 +1,70 @@
+"""The pull and the fading of a reflection of the ground, found from ranges and levels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.physics.base import Base
+from bench.physics.effects.fitted.ground_ray import GroundRay
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.propagation.two_rays import LEAST_POWER, fading_db, pulled_m
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+HIDDEN = GroundRay(size=0.5, level_size=0.4, carrier_ghz=6.4896, reach_m=0.7, steepness=0.5)
+
+
+def _frame() -> pd.DataFrame:
+    rng = np.random.default_rng(1)
+    heights = {"tx_z_m": rng.uniform(1, 2, 200), "rx_z_m": rng.uniform(2, 3, 200)}
+    return pd.DataFrame({"true_range_m": rng.uniform(4, 40, 200), **heights})
+
+
+def _changed(effect: GroundRay) -> tuple[np.ndarray, np.ndarray]:
+    rows = scene(_frame(), "recorded")
+    made, bare = (
+        Simulator(Base(), some, 0).observe(rows, 0, cir=False) for some in ((effect,), ())
+    )
+    assert made.range_m is not None
+    assert bare.range_m is not None
+    assert made.rx_power_dbm is not None
+    assert bare.rx_power_dbm is not None
+    return made.range_m - bare.range_m, made.rx_power_dbm - bare.rx_power_dbm
+
+
+def test_size_and_carrier_are_found_again_beside_a_constant() -> None:
+    pulled, louder = _changed(HIDDEN)
+    noise = 0.02 * np.random.default_rng(2).normal(size=len(pulled))
+    found = GroundRay.fit_values(_frame(), pulled + noise + 0.3)
+    assert isinstance(found, GroundRay)
+    assert found.carrier_ghz == HIDDEN.carrier_ghz
+    assert found.size == pytest.approx(HIDDEN.size, abs=0.08)
+    assert found.with_level(_frame(), louder).level_size == pytest.approx(0.4, abs=0.06)
+
+
+def test_two_rays_within_a_pulse_are_one_edge_and_none_beyond() -> None:
+    ray = np.full(2, -0.5 + 0j)
+    near, far = pulled_m(np.array([0.05, 5.0]), ray, 0.7)
+    assert near == pytest.approx(-0.05, rel=0.01)  # -0.5 / (1 - 0.5) of the excess
+    assert far == pytest.approx(0.0, abs=1e-6)
+    assert fading_db(ray)[0] == pytest.approx(-6.02, abs=0.01)
+    assert fading_db(np.array([-1.0 + 0j]))[0] == pytest.approx(10 * np.log10(LEAST_POWER))
+
+
+def test_noise_is_hardly_a_reflection_and_no_heights_are_none() -> None:
+    noise = 0.02 * np.random.default_rng(3).normal(size=200)
+    found = GroundRay.fit_values(_frame(), noise)
+    assert found is None or found.values()["size"] < 0.2
+    assert GroundRay.fit_values(_frame().drop(columns="rx_z_m"), noise) is None
+
+
+def test_what_it_may_do_holds_what_a_reflection_does() -> None:
+    rows = scene(_frame().assign(channel=5), "recorded")
+    parts = GroundBounce.ways(rows)
+    assert parts is not None
+    assert len(parts) == 1
+    pulled, _ = _changed(HIDDEN)
+    left = pulled - parts[0] @ np.linalg.lstsq(parts[0], pulled, rcond=None)[0]
+    assert np.std(left) < 0.25 * np.std(pulled)
