@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -86,14 +87,15 @@ def _worth(scale: Scale, place: int) -> Worth:
     return Worth(place, total, float(nats.min()), float(nats[most]), names[most], links)
 
 
-def chosen(scale: Scale, links: int | None) -> Counts:
+def chosen(scale: Scale, links: int | None, places: Sequence[int]) -> Counts:
     """Return how many links [c] of each measurement: `links` in all, or until every pair is sure.
 
-    A few links at a time, where they bring the pairs that are not yet sure furthest.
+    A few links at a time, of the measurements at `places`, where they bring the pairs that are not
+    yet sure furthest.
     """
     most = MOST_LINKS if links is None else links
-    steps = np.eye(len(scale.single), dtype=int)
-    made = np.zeros(len(steps), dtype=int)
+    steps = np.eye(len(scale.single), dtype=int)[list(places)]
+    made = np.zeros(len(scale.single), dtype=int)
     while (left := most - made.sum()) > 0:
         now = scale.progress(made)
         if links is None and now.min() >= SURE_NATS:

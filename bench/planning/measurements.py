@@ -18,6 +18,7 @@ from bench.planning.settings import (
     FULL_TURN_DEG,
     HEIGHTS_M,
     LESS_POWER_DB,
+    REPEATS,
     REPLIES,
     REPLY_S,
     SPEEDS_M_PER_S,
@@ -71,9 +72,12 @@ def reference_row(frame: pd.DataFrame) -> pd.Series:
 
 
 def measurements(frame: pd.DataFrame, base: Base) -> tuple[Measurement, ...]:
-    """Return everything offered for these recordings; what nothing reacts to sorts itself out."""
+    """Return everything offered for these recordings; what nothing reacts to sorts itself out.
+
+    The first are repeats of what was recorded: by how much they differ is chance.
+    """
     site = Site(frame, reference_row(frame), base)
-    made = [Measurement(REPEAT, "as recorded, on new links", {})]
+    made = [Measurement(REPEAT, "as recorded, on new links", {})] * REPEATS
     for offer in (_distances, _walls, _replies, _powers, _headings, _warmth, _speeds, _devices,
                   _heights):  # fmt: skip
         made += list(offer(site))
@@ -123,8 +127,11 @@ def _listed(cell: Any) -> list[str]:
 
 def _replies(site: Site) -> Offers:
     now = float(site.typical.get("reply_time_s", np.nan))
-    for factor in REPLIES if np.isfinite(now) and now > 0 else ():
-        reply = float(np.clip(now * factor, *REPLY_S))
+    longest = max(now, REPLY_S[1])
+    wanted = [float(np.clip(now * factor, REPLY_S[0], longest)) for factor in REPLIES]
+    for reply in dict.fromkeys(wanted) if np.isfinite(now) and now > 0 else ():
+        if reply == now:
+            continue
         words = f"reply time {reply * 1e3:.3g} ms instead of {now * 1e3:.3g} ms"
         yield Measurement("reply time", words, {"reply_time_s": reply})
 
@@ -155,7 +162,8 @@ def _warmth(site: Site) -> Offers:
 
 def _speeds(site: Site) -> Offers:
     for speed in SPEEDS_M_PER_S if SPEED in site.frame else ():
-        words = f"moving apart at {speed:g} m/s" if speed else "standing still"
+        way = "apart" if speed > 0 else "nearer"
+        words = f"moving {way} at {abs(speed):g} m/s" if speed else "standing still"
         yield Measurement("speed", words, {SPEED: speed})
 
 

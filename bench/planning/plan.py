@@ -19,6 +19,7 @@ from bench.planning.questions import Question
 from bench.planning.scatter import Scatter
 from bench.planning.settings import (
     BEHIND_NATS,
+    CHANCE_STD,
     LEAST_NATS,
     MOST_ALTERNATIVES,
     ROWS_PER_LINK,
@@ -170,12 +171,13 @@ def answer(
     seen = outlook(past.world, every, offered, reference, rows, noise, question.rest)
     scale = Scale.of(seen, len(offered))
     every_worth = ranked(scale)
-    repeat = next(w for w in every_worth if offered[w.place].knob == REPEAT)
-    worth = [w for w in every_worth if w.nats > repeat.nats + LEAST_NATS]
+    repeats = [w.nats for w in every_worth if offered[w.place].knob == REPEAT]
+    least = float(np.mean(repeats)) + CHANCE_STD * float(np.std(repeats)) + LEAST_NATS
+    worth = [w for w in every_worth if w.nats > least and offered[w.place].knob != REPEAT]
     if not worth:
         note = "nothing that can be changed here tells them apart: they predict the same"
         return Answer(question.words, names, note=note)
-    counts = chosen(scale, links)
+    counts = chosen(scale, links, [one.place for one in worth])
     progress = float(scale.progress(counts).min())
     return Answer(question.words, names, offered, tuple(worth), _plain(counts), rows,
                   outlook=seen, reference=reference, progress=progress,

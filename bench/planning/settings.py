@@ -24,6 +24,10 @@ MOST_ALTERNATIVES: Final = 5  # [cost]
 STEP_LINKS: Final = 2  # that are added at once [cost]
 MOST_LINKS: Final = 80  # that are counted out before "cannot be told" is said [convention]
 LEAST_NATS: Final = 0.01  # per link; a measurement that brings less is not listed [convention]
+CHANCE_STD: Final = (
+    3.0  # of the nats of repeats, that it must bring more: nats of random simulations
+)
+# are estimates [convention]
 ROWS_PER_LINK: Final = (3, 20)  # of a planned link: as recorded, within these [convention]
 
 # --- What the recordings leave open (alternatives) -----------------------------------------------
@@ -49,6 +53,7 @@ STRAY_SHARE: Final = 0.34  # of the links: more of them are no exceptions [conve
 MOST_STRAYS: Final = 5  # that are listed [convention]
 
 # --- What can be measured (measurements) ---------------------------------------------------------
+REPEATS: Final = 8  # of what was recorded, each with random numbers of its own [cost]
 DISTANCES_M: Final = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
 FARTHER: Final = 2.0  # than recorded: a hall has an end
 FARTHEST_LEAST_M: Final = 8.0  # that is always offered: most rooms have a diagonal of it
