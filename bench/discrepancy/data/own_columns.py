@@ -26,8 +26,9 @@ STANDARD = {
 WORDS = {
     "amplitude", "ampl", "cir", "confidence", "energy", "error", "fp", "kurtosis", "level",
     "noise", "peak", "power", "quality", "rssi", "rsl", "rtd", "rtt", "snr", "residual", "spread",
-    "std", "timestamp", "tof", "ts",
-}  # fmt: skip  # in the name of what a receiver reports
+    "std", "timestamp", "tof", "ts", "bias", "correction",
+    "fpindex", "ldethres", "ppampl", "rcphase", "rsmpdel", "rxpacc", "rxtofs",
+}  # fmt: skip  # in the name of what a receiver reports; the last row: registers of the DW1000
 STAMPS = {"ts", "timestamp", "tick", "ticks"}  # of a counter, whichever condition it is named for
 CONDITIONS = {
     "age", "angle", "azimuth", "battery", "channel", "heading", "humidity", "orientation", "pitch",
@@ -36,7 +37,8 @@ CONDITIONS = {
 }  # fmt: skip  # in the name of what is so whatever the receiver reports, however it scatters
 RULE = (
     "a column of your own is taken as measured where its name has a word of what receivers report "
-    "(level, peak, quality, snr, tof, timestamp, ...), or where it scatters from row to row of a "
+    "(level, peak, quality, snr, tof, timestamp, ...) or all words of a measured column of ours "
+    "(poll_preamble_count), or where it scatters from row to row of a "
     "link about as widely as over the whole table, unless it is named for a condition "
     "(temperature, humidity, supply, time, speed, ...); --measured and --known say otherwise"
 )
@@ -63,12 +65,19 @@ def measured_columns(
     return tuple(n for n in dict.fromkeys([*measured, *guessed]) if n not in MEASURED)
 
 
+def _of_standard(words: set[str]) -> bool:
+    """Return whether a name holds that of a measured column: poll_preamble_count, range_raw_m."""
+    names = (_words(name) for name in MEASURED - {"link", "cir", "sample_period_ns"})
+    return "true" not in words and any(name <= words for name in names)
+
+
 def doubtful_columns(measured: tuple[str, ...], said: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Return those of the measured columns that only their scatter speaks for, no name.
 
     `said` are those that the user said are measured.
     """
-    return tuple(n for n in measured if n not in said and not WORDS & _words(n))
+    guessed = (name for name in measured if name not in said)
+    return tuple(n for n in guessed if not (WORDS & _words(n) or _of_standard(_words(n))))
 
 
 def _words(name: str) -> set[str]:
@@ -80,7 +89,7 @@ def _looks_measured(frame: pd.DataFrame, name: str) -> bool:
     if not pd.api.types.is_numeric_dtype(frame[name]):
         return False
     words = _words(name)
-    if STAMPS & words:
+    if STAMPS & words or _of_standard(words):
         return True
     return not CONDITIONS & words and (bool(WORDS & words) or _scatters(frame, name))
 

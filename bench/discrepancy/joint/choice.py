@@ -13,9 +13,9 @@ class WaveChoice:
 
     `rivals` maps their names to effects that would do as well in their place; `nats` to what each
     brings. `explained`: the evidence of the set over none, `left`: that of something without a
-    form beside it, both in nats. `unexplained`: so much is left that no name can be stated. `best`:
-    what fits best then. `marked`: names that bear a mark of their own; `scattering`: of those by
-    which links scatter more than without them.
+    form beside it, both in nats. `unexplained`: so much is left that names do not tell all.
+    `marked`: names that bear a mark of their own; `scattering`: of those by which links scatter
+    more than without them; `doubted`: of those that something without a form would do as well as.
     """
 
     added: Added = ()
@@ -26,10 +26,10 @@ class WaveChoice:
     unexplained: bool = False
     marked: tuple[str, ...] = ()
     scattering: tuple[str, ...] = ()
+    doubted: tuple[str, ...] = ()
 
     @property
     def named(self) -> Added:
-        """The effects that are named: none but marked ones where too much is left."""
-        if not self.unexplained:
-            return self.added
-        return tuple(effect for effect in self.added if effect.name in self.marked)
+        """The effects that are named: those that bear a mark, or that are not doubted."""
+        doubted = set(self.doubted) - set(self.marked)
+        return tuple(effect for effect in self.added if effect.name not in doubted)

@@ -104,8 +104,8 @@ def _evidence(
 ) -> float:
     matrices, volume = whitener(given, moments, responses)
     flat = white(matrices, moments.left)
-    columns = [_columns(matrices, form * response, given.ways) for response in responses]
-    columns.append(_columns(matrices, np.full_like(moments.left, free[0]), free[1]))
+    columns = [columns_of(matrices, form * response, given.ways) for response in responses]
+    columns.append(columns_of(matrices, np.full_like(moments.left, free[0]), free[1]))
     nats = _integrated(flat, np.concatenate(columns, axis=2)) - 0.5 * volume
     return paid(given, nats, parameters)
 
@@ -127,7 +127,7 @@ def _integrated(flat: Floats, columns: Floats) -> float:
     return nats - 0.5 * float(factors @ factors) - 0.5 * float(np.linalg.slogdet(inner)[1])
 
 
-def _columns(matrices: Floats, part: Floats, ways: Floats) -> Floats:
+def columns_of(matrices: Floats, part: Floats, ways: Floats) -> Floats:
     """Return what every statistic may do by itself, over every way, whitened [L, p, k]."""
     acts = np.flatnonzero(np.abs(part).max(axis=0) > ACTS * FORMS[0])
     out = [

@@ -2,8 +2,8 @@
 
 Every effect is tried at many points; the likeliest few are fitted, alone and then as pairs and
 triples, all members of a set at once. A member is named only if the set without it is less likely
-although forms of the others may differ; a set that leaves much which something without a form would
-explain is no answer.
+although forms of the others may differ, and if something without a form would not do as well in
+its place; where much is left that such a thing explains, it must bring more than that.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from bench.discrepancy.joint.settings import (
     STEPS,
 )
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.unformed import beside_unformed
 from bench.discrepancy.select.deformation import within
 from bench.errors import BenchError
 from bench.physics.effect import Effect
@@ -77,7 +78,20 @@ class Sets:
         much = much or (self._scatters(best, self.none) and free[1] > LEFT_NATS)
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
-        return WaveChoice(best.effects, rivals, brings, explained, left, much, marked, wider)
+        doubted = self._doubted(best, much)
+        return WaveChoice(
+            best.effects, rivals, brings, explained, left, much, marked, wider, doubted
+        )
+
+    def _doubted(self, best: Fit, much: bool) -> tuple[str, ...]:
+        """Return the members whose form is not needed beside something without one.
+
+        Where `much` is left, nor is one that brings less than that thing does beside the set.
+        """
+        whole = beside_unformed(self.given, best)
+        least = max(NAME_NATS, whole - self.worth(best)) if much else NAME_NATS
+        rests = {one: beside_unformed(self.given, self._without(best, one)) for one in best.names}
+        return tuple(name for name, rest in rests.items() if whole - rest < least)
 
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
         """Return the likeliest set of needed members, and what would do as well as each.
@@ -109,18 +123,17 @@ class Sets:
                 break
 
     def _larger(self, sets: Sequence[Fit]) -> list[Added]:
-        """Return the likeliest sets with one effect more, as far as the screen tells."""
-        grown = [
-            (one.nats, (*fit.effects, one.effect))
-            for fit in sets
-            for one in self.screen.beside(fit.effects)
-            if one.gained > -NAME_NATS / 2
-        ]
-        grown.sort(key=lambda each: -each[0])
+        """Return the likeliest sets with one effect more of each, as far as the screen tells.
+
+        Of each, because what leaves all links far off is not told from what leaves some: of two
+        causes that both are loud either alone is about as likely as whatever widens the scatter.
+        """
         out: dict[frozenset[str], Added] = {}
-        for _, effects in grown:
-            out.setdefault(_key(effects), effects)
-        return [effects for key, effects in out.items() if key not in self.fits][:GROWN]
+        for fit in sets:
+            able = [one for one in self.screen.beside(fit.effects) if one.gained > -NAME_NATS / 2]
+            for one in able[:GROWN]:
+                out.setdefault(_key((*fit.effects, one.effect)), (*fit.effects, one.effect))
+        return [effects for key, effects in out.items() if key not in self.fits]
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in (polished(self.given, one, steps) for one in sets) if fit]

@@ -50,6 +50,13 @@ def test_a_counter_is_measured_whatever_it_is_named_for(frame):
     assert {"resp_tx_ts", "tx_timestamp"} <= set(measured_columns(named))
 
 
+def test_a_second_receivers_registers_are_measured_too(frame):
+    slow = frame["humidity"]
+    names = ("poll_preamble_count", "range_raw_m", "bias_correction_m", "rxpacc_tag")
+    named = frame.assign(**dict.fromkeys(names, slow), true_range_of_survey_m=slow)
+    assert set(measured_columns(named)) == {"mystery", "chip_snr_db", *names}
+
+
 def test_the_user_knows_better(frame):
     said = measured_columns(frame, ("humidity",), ("mystery", "chip_snr_db"))
     assert said == ("humidity",)

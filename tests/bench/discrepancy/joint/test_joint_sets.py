@@ -17,7 +17,9 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import fitness
 from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
 from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.unformed import beside_unformed
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
@@ -110,3 +112,21 @@ def test_a_fit_of_all_parameters_at_once_is_likelier_than_where_it_began():
 def test_shares_of_bounds_lead_back_to_the_values():
     (made,) = with_shares((RINGING,), shares((RINGING,)))
     assert vars(made) == pytest.approx(vars(RINGING))
+
+
+@pytest.mark.parametrize(("listed", "needed"), [(True, True), (False, False)])
+def test_a_form_that_is_right_is_needed_beside_something_without_one(
+    listed: bool, needed: bool
+) -> None:
+    frame = recordings((RINGING,))
+    if not listed:  # all of it once more, later than any ringing
+        frame = recordings()
+        frame = frame.assign(cir=[cir + 0.5 * np.roll(cir, 9) for cir in frame["cir"]])
+    comparison, rows = compared(frame)
+    given = Statistics(comparison, rows)
+    bare, named = fitted(given, ()), polished(given, (RINGING,))
+    assert bare is not None
+    assert named is not None
+    brings = beside_unformed(given, named) - beside_unformed(given, bare)
+    assert (brings > NAME_NATS) is needed
+    assert named.nats > bare.nats + NAME_NATS  # by itself it brings much

@@ -51,11 +51,11 @@ def test_marks_and_ranges_stand_beside_a_refused_name():
     assert REFUSED in held
 
 
-def test_where_too_much_is_left_only_marks_are_named():
+def test_what_is_doubted_is_named_only_by_its_mark():
     both = (PulseRinging(ring_db=-10.0), Quantisation())
-    found = WaveChoice(both, unexplained=True, marked=("quantisation",))
+    found = WaveChoice(both, marked=("quantisation",), doubted=("pulse-ringing", "quantisation"))
     assert [effect.name for effect in found.named] == ["quantisation"]
-    assert WaveChoice(both).named == both
+    assert WaveChoice(both, unexplained=True).named == both
 
 
 def test_fewer_rows_are_of_all_links():

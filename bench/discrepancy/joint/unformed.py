@@ -1,0 +1,78 @@
+"""What a name brings beside something without a form: whether its own form is needed.
+
+What nobody listed often looks a little like a listed effect, and that then brings much. So every
+statistic may also move by factors of its own, over a constant and the distance, each as far as the
+recordings ask (automatic relevance determination: Tipping 2001). An effect of the right form makes
+most of these needless, and tells links apart as they cannot; one of the wrong form does neither.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.joint.likelihood import columns_of, paid, white, whitener
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import (
+    ACTIVE_SIZE,
+    FORMS,
+    SIZE_LARGEST,
+    SIZE_LEAST,
+    SIZE_STEPS,
+    SIZE_WEIGHINGS,
+    TAIL,
+)
+from bench.discrepancy.joint.statistics import Statistics
+
+Floats = NDArray[np.float64]
+
+
+def beside_unformed(given: Statistics, fit: Fit) -> float:
+    """Return the evidence of a set beside what has no form, in nats.
+
+    Every statistic has a size of its own for that, which costs as a parameter does where it is
+    not about zero.
+    """
+    fixed, free, flat, volume = _parts(given, fit)
+    count = flat.shape[1]
+    square, best = np.ones(count), (-np.inf, 0.0)
+    for _ in range(SIZE_STEPS):
+        nats, squares = _likeliest(flat, fixed, free, square)
+        best = max(best, (nats - 0.5 * volume, _active(square)))
+        square = np.clip(squares, SIZE_LEAST**2, SIZE_LARGEST**2)
+    return paid(given, best[0], fit.parameters) - best[1] / 2 * float(np.log(given.links))
+
+
+def _active(square: Floats) -> float:
+    """Return how many sizes are not about zero."""
+    return float((square / (square + ACTIVE_SIZE**2)).sum())
+
+
+def _parts(given: Statistics, fit: Fit) -> tuple[Floats, Floats, Floats, float]:
+    """Return the whitened columns of forms and of what has none, what is left, and the volume."""
+    matrices, volume = whitener(given, fit.moments, fit.responses)
+    flat = white(matrices, fit.moments.left)
+    forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
+    fixed = np.concatenate([np.zeros((*flat.shape, 0)), *forms], axis=2)
+    return fixed, columns_of(matrices, np.ones_like(flat), given.ways), flat, volume
+
+
+def _likeliest(flat: Floats, fixed: Floats, free: Floats, square: Floats) -> tuple[float, Floats]:
+    """Return the log likelihood at the likeliest factors, and the squared sizes [p] that they ask.
+
+    `free` [L, p, p w] holds all ways of the first statistic, of the second, ...
+    """
+    sizes = np.sqrt(np.repeat(square, free.shape[2] // len(square)))
+    columns = np.concatenate([fixed, free * sizes], axis=2)
+    freedom, count = TAIL + flat.shape[1], columns.shape[2]
+    left, factors, inner = flat, np.zeros(count), np.eye(count)
+    for _ in range(SIZE_WEIGHINGS):
+        weights = freedom / (TAIL + (left**2).sum(axis=1))
+        heavy = (columns * weights[:, None, None]).reshape(-1, count)
+        inner = heavy.T @ columns.reshape(-1, count) + np.eye(count)
+        factors = np.linalg.solve(inner, heavy.T @ flat.ravel())
+        left = flat - columns @ factors
+    nats = -0.5 * freedom * float(np.log1p((left**2).sum(axis=1) / TAIL).sum())
+    nats -= 0.5 * float(factors @ factors) + 0.5 * float(np.linalg.slogdet(inner)[1])
+    moved = (factors**2 + np.diag(np.linalg.inv(inner)))[fixed.shape[2] :] * sizes**2
+    return nats, np.asarray(moved.reshape(len(square), -1).mean(axis=1))
