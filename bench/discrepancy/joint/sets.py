@@ -84,12 +84,12 @@ class Sets:
         )
 
     def _doubted(self, best: Fit, much: bool) -> tuple[str, ...]:
-        """Return the members whose form is not needed beside something without one.
+        """Return the members that bring nothing beside something without a form.
 
-        Where `much` is left, nor is one that brings less than that thing does beside the set.
+        Where `much` is left, those that bring less than that thing does beside the set.
         """
         whole = beside_unformed(self.given, best)
-        least = max(NAME_NATS, whole - self.worth(best)) if much else NAME_NATS
+        least = max(NAME_NATS, whole - self.worth(best)) if much else 0.0
         rests = {one: beside_unformed(self.given, self._without(best, one)) for one in best.names}
         return tuple(name for name, rest in rests.items() if whole - rest < least)
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from bench.discrepancy.joint.likelihood import columns_of, paid, white, whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import (
-    ACTIVE_SIZE,
     FORMS,
     SIZE_LARGEST,
     SIZE_LEAST,
@@ -28,24 +27,18 @@ Floats = NDArray[np.float64]
 
 
 def beside_unformed(given: Statistics, fit: Fit) -> float:
-    """Return the evidence of a set beside what has no form, in nats.
+    """Return the evidence of a set beside what has no form, of a size for every statistic, in nats.
 
-    Every statistic has a size of its own for that, which costs as a parameter does where it is
-    not about zero.
+    The sizes cost nothing: what must be asked of a name is then that it brings anything at all.
     """
     fixed, free, flat, volume = _parts(given, fit)
     count = flat.shape[1]
-    square, best = np.ones(count), (-np.inf, 0.0)
+    square, best = np.ones(count), -np.inf
     for _ in range(SIZE_STEPS):
         nats, squares = _likeliest(flat, fixed, free, square)
-        best = max(best, (nats - 0.5 * volume, _active(square)))
+        best = max(best, nats - 0.5 * volume)
         square = np.clip(squares, SIZE_LEAST**2, SIZE_LARGEST**2)
-    return paid(given, best[0], fit.parameters) - best[1] / 2 * float(np.log(given.links))
-
-
-def _active(square: Floats) -> float:
-    """Return how many sizes are not about zero."""
-    return float((square / (square + ACTIVE_SIZE**2)).sum())
+    return paid(given, best, fit.parameters)
 
 
 def _parts(given: Statistics, fit: Fit) -> tuple[Floats, Floats, Floats, float]:
