@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from bench.discrepancy.compare.settings import FREE_SPACE_DB, SLOPE_LINKS
 from bench.discrepancy.data.observables import RANGE, Observables
 from bench.discrepancy.data.split import Rows
 from bench.physics.units import Floats
@@ -18,8 +19,6 @@ from bench.physics.units import Floats
 LEVELS = (
     "rx_power_dbm", "first_path_power_dbm", "energy_db", "max_amplitude_db", "peak_counts_db",
 )  # fmt: skip  # observables that follow the distance in free space
-FREE_SPACE_DB = -20.0  # per decade (Friis)
-FEWEST = 8  # links, to tell a slope [convention]
 
 
 def slopes(observed: Observables, range_m: Floats, links: Rows) -> dict[str, float]:
@@ -46,7 +45,7 @@ def _slope(values: Floats, decades: Floats, links: Rows, first: float) -> float:
     known = np.isfinite(values) & np.isfinite(decades)
     code = np.unique(links[known], return_inverse=True)[1]
     count = np.bincount(code)
-    if len(count) < FEWEST:
+    if len(count) < SLOPE_LINKS:
         return first
     far, high = (np.bincount(code, one[known]) / count for one in (decades, values))
     far, high = far - far.mean(), high - high.mean() - first * (far - far.mean())
