@@ -21,6 +21,7 @@ from bench.discrepancy.settings import (
     CONFIRM_MEMBERS,
     FARTHER_SHARE,
     HIGH_QUANTILE,
+    LEAST_NOTICED_M,
     NOTICED_SHARE,
 )
 
@@ -123,9 +124,10 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
 def is_farther(nearer_m: Estimate, means_m: Pair, medians_m: Pair) -> bool:
     """Return whether range errors are larger after, by their means and medians before and after.
 
-    Beyond chance and by a share that anybody would notice, or by so much that chance is no comfort.
+    Beyond chance, and by a share and millimetres that anybody would notice; or by so much that
+    chance is no comfort.
     """
-    noticed = means_m[1] > (1 + NOTICED_SHARE) * means_m[0]
+    noticed = means_m[1] > max((1 + NOTICED_SHARE) * means_m[0], means_m[0] + LEAST_NOTICED_M)
     return (nearer_m.high < 0 and noticed) or much_farther(*means_m) or much_farther(*medians_m)
 
 

@@ -79,6 +79,7 @@ FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
 FARTHER_SHARE: Final = 0.25  # more range error after than before is worse, by chance or not: few
 # sealed links prove nothing [convention]
+LEAST_NOTICED_M: Final = 0.0023  # half a time stamp of the DW1000: less is no worse [data sheet]
 NOTICED_SHARE: Final = 0.02  # less of it is worse for nobody, however sure [convention]
 HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
 
@@ -196,6 +197,10 @@ HEADING_BENDS: Final = (0.03, 0.1, 0.3, 1.0)  # weights of its bends, tried on l
 HEADING_FOLDS: Final = 4  # [convention]
 HEADING_SECTOR_DEG: Final = 30.0  # twelfths of a circle
 HEADING_SECTORS: Final = 6  # of 12: headings that fill fewer are no circle [convention]
+MOST_PATTERN_GAIN_DB: Final = 15.0  # of a pattern: that of the library's [convention]
+PATTERN_GAIN_SHARE: Final = 0.05  # of the error of levels, that following the heading must take off
+# [convention]
+LEAST_HALF: Final = 1e-6  # of an interval, in m or ns: a grid is known to the last digit [derived]
 MOST_PATTERN_BIAS_M: Final = 0.3  # [source] Ledergerber 2018: 10-20 cm over direction; more of it
 # is no antenna
 UNNAMED_KNOTS: Final = 9  # of the curve of what has no name [convention]

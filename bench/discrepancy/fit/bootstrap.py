@@ -24,6 +24,7 @@ from bench.discrepancy.settings import (
     HEADING_STEP_DEG,
     INTERVAL_LEVEL,
     KNOT_ROWS,
+    LEAST_HALF,
     LEVEL_KNOTS_DBM,
     RESIDUAL_MEMBERS,
     VALUE_DRAWS,
@@ -35,7 +36,6 @@ from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
-LEAST_HALF = 1e-6  # of an interval, in m or ns: a grid is known to the last digit of its ranges
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Values = Callable[[Rows, Floats, bool], Floats]

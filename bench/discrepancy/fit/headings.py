@@ -15,14 +15,14 @@ from bench.discrepancy.settings import (
     HEADING_SECTORS,
     HEADING_STEP_DEG,
     MOST_PATTERN_BIAS_M,
+    MOST_PATTERN_GAIN_DB,
+    PATTERN_GAIN_SHARE,
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 LEVEL = "rx_power_dbm"
-MOST_GAIN_DB = 15.0  # of a pattern: that of the library's
-PATTERN_GAIN_SHARE = 0.05  # of the error of levels, that following the heading must take off
 Floats = NDArray[np.float64]
 HEADINGS_DEG = tuple(np.arange(-HALF_TURN_DEG, HALF_TURN_DEG, HEADING_STEP_DEG).tolist())
 
@@ -62,7 +62,9 @@ def gain_over(comparison: Comparison, view: View, added: Added) -> tuple[float, 
     smooth, missed, plain = _left_out(heading, left_db - np.nanmedian(left_db), view.links)
     if missed > (1 - PATTERN_GAIN_SHARE) * plain:
         return ()
-    gain = np.clip(curve_over(heading, left_db, smooth, False), -MOST_GAIN_DB, MOST_GAIN_DB)
+    gain = np.clip(
+        curve_over(heading, left_db, smooth, False), -MOST_PATTERN_GAIN_DB, MOST_PATTERN_GAIN_DB
+    )
     return tuple(gain.tolist())
 
 

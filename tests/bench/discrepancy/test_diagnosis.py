@@ -190,7 +190,7 @@ def test_table_against_table(paired):
 
 
 def test_table_with_cirs_takes_effects_on_the_waveform():
-    rows = _rows(0, links=24)
+    rows = _rows(0, links=40)
     hidden = BASE.with_effect(PulseRinging(ring_db=-9.0, ring_delay_ns=8.0))
     recorded = Recordings(hidden.simulate(rows, 1).frame, "test")
     frames = [BASE.simulate(rows, seed).frame for seed in (2, 3)]

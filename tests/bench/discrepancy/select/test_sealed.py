@@ -132,6 +132,7 @@ def test_worse_is_what_anybody_would_notice() -> None:
     sure, maybe = Estimate(-0.01, -0.02, -0.001), Estimate(-0.01, -0.02, 0.001)
     assert is_farther(sure, (1.0, 1.03), (1.0, 1.0))
     assert not is_farther(sure, (1.0, 1.01), (1.0, 1.0))
+    assert not is_farther(sure, (0.021, 0.0224), (0.02, 0.02))
     assert not is_farther(maybe, (1.0, 1.2), (1.0, 1.0))
     assert is_farther(maybe, (1.0, 1.0), (1.0, 1.3))
 
