@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from bench.discrepancy.settings import CHOICES_PER_ROW, ROWS_ASSIGNED_AT_ONCE, SAME_PLACE_M, TIE
+from bench.discrepancy.compare.settings import (
+    CHOICES_PER_ROW,
+    ROWS_ASSIGNED_AT_ONCE,
+    SAME_PLACE_M,
+    TIE,
+)
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

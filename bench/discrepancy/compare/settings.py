@@ -9,3 +9,15 @@ from typing import Final
 
 FREE_SPACE_DB: Final = -20.0  # that a level changes per decade of distance (Friis) [physics]
 SLOPE_LINKS: Final = 8  # at least, to tell what a table does over the distance [convention]
+ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
+CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
+TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
+MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
+SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the
+# median are other links: names such as A1 are used again in every building
+FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [convention]
+CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]
+DEVICE_STD: Final = 0.3  # that another device counts as: it varies less than a room [convention]
+OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart, to go on [convention]
+OVERLAP_LINKS: Final = 16  # or as many links: four to confirm on, a dozen to work with [convention]
+LEAST_STD: Final = 1e-9  # keeps a constant covariate finite [derived]

@@ -14,13 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.settings import CATEGORY_STD, DEVICE_STD, LEAST_STD
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.settings import (
-    CATEGORY_STD,
-    DEVICE_STD,
-    LEAST_STD,
-    MOST_CATEGORIES,
-)
+from bench.discrepancy.settings import MOST_CATEGORIES
 
 Floats = NDArray[np.float64]
 NUMBERS = (

@@ -25,6 +25,13 @@ from bench.discrepancy.compare.matching import (
     same_places,
 )
 from bench.discrepancy.compare.over_distance import nearer, slopes
+from bench.discrepancy.compare.settings import (
+    FAR_STD,
+    LEAST_STD,
+    MOST_VERSIONS,
+    OVERLAP_LINKS,
+    OVERLAP_SHARE,
+)
 from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
@@ -43,16 +50,11 @@ from bench.discrepancy.data.observables import (
 )
 from bench.discrepancy.data.split import Rows, link_codes
 from bench.discrepancy.settings import (
-    FAR_STD,
     KEPT_MATCHES,
     KEPT_NOISE,
     KEPT_PATH_REPLICATES,
     KEPT_SHAPES,
     KEPT_TABLES,
-    LEAST_STD,
-    MOST_VERSIONS,
-    OVERLAP_LINKS,
-    OVERLAP_SHARE,
 )
 from bench.errors import BenchError
 from bench.physics.base import Base

@@ -12,10 +12,11 @@ import re
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.compare.settings import LEAST_STD
 from bench.discrepancy.compare.shared import CATEGORIES, NUMBERS
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import MEASURED
-from bench.discrepancy.settings import LEAST_STD, MEASURED_SCATTER, MEASURED_VALUES
+from bench.discrepancy.settings import MEASURED_SCATTER, MEASURED_VALUES
 from bench.errors import BenchError
 from bench.recordings.motion import SPEED
 from bench.recordings.table import FLOAT_COLUMNS, STRING_COLUMNS

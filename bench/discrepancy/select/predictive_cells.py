@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.settings import TIE
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.locate.hypotheses import Place
 from bench.discrepancy.settings import (
@@ -23,7 +24,6 @@ from bench.discrepancy.settings import (
     ADEQUACY_WIDEST,
     MAD_TO_STD,
     RESOLUTION,
-    TIE,
 )
 
 Floats = NDArray[np.float64]
