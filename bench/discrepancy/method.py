@@ -38,7 +38,7 @@ from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.sealed import unrefused
-from bench.discrepancy.select.second_level import beyond_geometry
+from bench.discrepancy.select.second_level import beyond_geometry, calmed
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -290,6 +290,9 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
         again = safely("fitting again", kept(polished), added)  # by what was not struck
         return replace(state, search=search, added=again(search.comparison, search.fit, added))
     if best is None:
+        located = safely("levels left", kept(calmed), located)(search, added, located, turn)
+        if not located.significant:
+            return state.after(Round(located, None, None), finished=True)
         scatter = safely("scatter alone", kept(scatter_alone), None)
         found = scatter(search, added, explanation, located)
         last = struck_round(located, explanation, found) if found else None

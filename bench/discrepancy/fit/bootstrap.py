@@ -97,13 +97,16 @@ ESTIMATORS: Mapping[type[Effect], Callable[[View, Effect], tuple[tuple[str, ...]
 
 
 def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
-    """Return the bias at every heading in metres, NaN where hardly a row is near it."""
+    """Return the bias at every heading in metres, NaN where hardly a row is near it.
+
+    Its mean over the circle is zero: which constant a curve has beside it is no part of it.
+    """
     turn = np.degrees(heading[rows])[:, None] - np.array(HEADINGS_DEG)
     near = (
         np.abs((turn + HALF_TURN_DEG) % (2 * HALF_TURN_DEG) - HALF_TURN_DEG) < HEADING_STEP_DEG
     ).sum(axis=0)
     curve = curve_over(heading[rows], residual_m[rows], HEADING_BENDS[0])
-    return np.where(near >= KNOT_ROWS, curve, np.nan)
+    return np.where(near >= KNOT_ROWS, curve - curve.mean(), np.nan)
 
 
 def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:

@@ -34,6 +34,8 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_delay import DeviceDelay
+from bench.physics.effects.fitted.ground_ray import GroundRay
+from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
 from bench.physics.units import C_M_PER_NS
 
@@ -43,11 +45,22 @@ Floats = NDArray[np.float64]
 OWN = ("device-clock", "device-delay", "power-curve", "pattern-curve", "ground-ray")  # by code here
 
 
-def latent_effects(comparison: Comparison, view: View, added: Added) -> list[Effect]:
-    """Return the effects of ours with values per device or level that the rows support."""
-    fits = (power_curve, pattern_curve, ground_ray)
-    curves = (fitted(comparison, view, added) for fitted in fits)
-    return [*device_terms(comparison, view, added), *(curve for curve in curves if curve)]
+def latent_effects(
+    comparison: Comparison, view: View, added: Added, physics: str = ""
+) -> list[Effect]:
+    """Return the effects of ours with values per device or level that the rows support.
+
+    With `physics` only those that stand for it.
+    """
+    fits = {
+        PowerCurve.explains: power_curve,
+        PatternCurve.explains: pattern_curve,
+        GroundRay.explains: ground_ray,
+    }
+    wanted = [one for name, one in fits.items() if physics in ("", name)]
+    curves = [one for fitted in wanted if (one := fitted(comparison, view, added))]
+    terms = [] if physics in fits else device_terms(comparison, view, added)
+    return [*(one for one in terms if physics in ("", one.physics)), *curves]
 
 
 def fits_itself(kind: type[Effect]) -> bool:

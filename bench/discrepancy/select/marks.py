@@ -23,7 +23,6 @@ from bench.discrepancy.select.refute import Checked, announced
 from bench.discrepancy.select.settings import MARK_SHARE
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choose import worth_beside
-from bench.discrepancy.sets.settings import RIVAL_NATS
 from bench.discrepancy.settings import FIT_MEMBERS, MAD_TO_STD, RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
 
@@ -94,8 +93,7 @@ def _likeliest(search: Search, effect: Effect) -> Effect:
     """Return the form of an effect beside which ranges speak most for a set of causes."""
     forms = effect.forms()
     worth = [worth_beside(search, (form,)) for form in forms] if len(forms) > 1 else [0.0]
-    best = int(np.argmax(worth))
-    return forms[best] if worth[best] > worth[0] + RIVAL_NATS else forms[0]
+    return forms[int(np.argmax(worth))]
 
 
 def _first_round(search: Search, located: Located, before: Added, effect: Effect) -> Round:

@@ -16,16 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import moves_ranges
 from bench.discrepancy.select.settings import (
     LEVEL_FOLDS,
     LEVEL_HARMONICS,
+    LEVEL_LEFT,
     LEVEL_RIDGE,
     LEVEL_SHARE,
 )
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.select.within_links import LEVEL
+from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import FIT_MEMBERS, ONE_SIDED_95
 from bench.physics.base import Base
 from bench.physics.effect import Effect
@@ -34,6 +38,7 @@ from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.two_rays import fading_ways
 
 Floats = NDArray[np.float64]
+OBSTACLES, OBSTACLE = "obstacles", "obstacle="  # the column, and how its groups begin
 
 
 def beyond_geometry(search: Search, added: Added, explanation: Explanation) -> Explanation:
@@ -45,6 +50,33 @@ def beyond_geometry(search: Search, added: Added, explanation: Explanation) -> E
         return explanation
     able = tuple(c for c in explanation.contenders if _second(search, search.work, added, c))
     return replace(explanation, contenders=able)
+
+
+def calmed(search: Search, added: Added, located: Located, turn: int) -> Located:
+    """Return what is located where levels may do what other forms of the named effects do.
+
+    As it was, where ranges differ too or levels still do: only what all of these leave counts.
+    """
+    rows, seen = search.work, {finding.cell.observable for finding in located.findings}
+    if rows is None or search.fit.waveform or not added or seen != {LEVEL}:
+        return located
+    left = search.comparison.ensemble(rows, added, FIT_MEMBERS).residual_of(LEVEL)
+    known = np.isfinite(left)
+    design = np.hstack([np.ones((len(left), 1)), *_reasons(search, rows, added)])
+    shift = np.zeros(len(left))
+    shift[known] = _ridge(design[known], left[known], design[known])
+    bent = replace(search, comparison=Shifted(search.comparison, shift, LEVEL))
+    again = locate_left(bent, added, turn)
+    if not again.significant:
+        return again
+    small = _missed(left[known], design[known], rows.links[known]) < LEVEL_LEFT
+    return replace(again, findings=()) if small else located
+
+
+def _missed(left_db: Floats, design: Floats, links: NDArray[np.intp]) -> float:
+    """Return the share of the squares of levels [n] that a design leaves on links left out."""
+    missed = _left_out(left_db, design, np.unique(links, return_inverse=True)[1])
+    return float((missed**2).sum() / max(float((left_db**2).sum()), 1e-12))
 
 
 def _second(search: Search, rows: View, added: Added, contender: Contender) -> bool:
@@ -64,9 +96,12 @@ def _second(search: Search, rows: View, added: Added, contender: Contender) -> b
     return predicts(left[known], change[known], others[known], rows.links[known])
 
 
-def _reasons(search: Search, rows: View, added: Added, effect: Effect) -> list[Floats]:
+def _reasons(
+    search: Search, rows: View, added: Added, effect: Effect | None = None
+) -> list[Floats]:
     """Return what else levels may do beside an effect, columns [n, k] each."""
-    out = [fading_ways(rows.scene)] if effect.physics != GroundBounce.name else []
+    own = effect is not None and effect.physics == GroundBounce.name
+    out = [] if own else [fading_ways(rows.scene)]
     paths = Base().paths(rows.scene)
     for known in added:
         if known.physics == AntennaPattern.name:
@@ -74,6 +109,9 @@ def _reasons(search: Search, rows: View, added: Added, effect: Effect) -> list[F
         acts = ~known.inert(paths)
         if not acts.all():
             out.append(acts[:, None].astype(np.float64))
+        if any(OBSTACLES in way for way in known.needs):
+            kinds = rows.covariates.groups.items()
+            out += [mask[:, None].astype(np.float64) for n, mask in kinds if n.startswith(OBSTACLE)]
         out.append(_deformed(search, rows, added, known))
     return out
 
@@ -113,12 +151,16 @@ def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[
 
 def _left_out(values: Floats, design: Floats, codes: NDArray[np.intp]) -> Floats:
     """Return what ridge regressions [n, k] on other links leave of values [n]."""
-    size = np.sqrt((design**2).mean(axis=0))
-    design = design[:, size > 0] / size[size > 0]
     out = np.empty_like(values)
     for fold in range(LEVEL_FOLDS):
         held = codes % LEVEL_FOLDS == fold
-        known = design[~held]
-        square = known.T @ known + LEVEL_RIDGE * len(known) * np.eye(known.shape[1])
-        out[held] = values[held] - design[held] @ np.linalg.solve(square, known.T @ values[~held])
+        out[held] = values[held] - _ridge(design[~held], values[~held], design[held])
     return out
+
+
+def _ridge(design: Floats, values: Floats, wanted: Floats) -> Floats:
+    """Return what a ridge regression on `design` [n, k] says of `wanted` rows [m, k]."""
+    size = np.sqrt((design**2).mean(axis=0))
+    design, wanted = (one[:, size > 0] / size[size > 0] for one in (design, wanted))
+    square = design.T @ design + LEVEL_RIDGE * len(design) * np.eye(design.shape[1])
+    return np.asarray(wanted @ np.linalg.solve(square, design.T @ values))

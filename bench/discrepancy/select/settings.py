@@ -35,3 +35,8 @@ LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
 LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
+LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may leave [convention]
+
+# --- Scatter beside what bears a mark (select/elsewhere) -----------------------------------------
+BEYOND_STD: Final = 3.0  # of simulated ranges, beyond a whole step [convention]
+BEYOND_SHARE: Final = 0.02  # of the rows, that must lie there [convention]

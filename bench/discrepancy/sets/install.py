@@ -51,7 +51,7 @@ def best_form(search: Search, added: Added, name: str) -> Effect | None:
     """
     rows, comparison = search.sharpest, search.comparison
     base = tally(comparison.ensemble(rows, added, FIT_MEMBERS))
-    curves = [e for e in latent_effects(comparison, rows, added) if e.physics == name]
+    curves = latent_effects(comparison, rows, added, name)
     forms = [*_of_library(search, added, name, base), *curves]
     best, most = None, 0.0
     for form in forms:

@@ -16,17 +16,20 @@ from bench.discrepancy.data.observables import RANGE
 class Shifted:
     """Another comparison, every simulated range of its rows longer by `shift_m` [n].
 
+    Or another observable `name` larger, in its unit.
+
     Only for the view whose rows these are.
     """
 
     comparison: Comparison
     shift_m: NDArray[np.float64]
+    name: str = RANGE
 
     def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
         """Return recorded rows beside simulated versions, shifted."""
         made = self.comparison.ensemble(view, added, members, first)
         versions = made.versions.copy()
-        versions[1:, :, made.place(RANGE)] += self.shift_m
+        versions[1:, :, made.place(self.name)] += self.shift_m
         return replace(made, versions=versions)
 
     def distinct(self, view: View) -> int:

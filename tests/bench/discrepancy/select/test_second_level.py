@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.select.second_level import predicts
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.select.second_level import calmed, predicts
+from bench.discrepancy.select.state import Search
+from bench.physics.base import Base
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.two_rays import fading_db, fading_ways, pulling_ways, rays
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
 
 LINKS, ROWS = 40, 10
 
@@ -64,3 +75,35 @@ def test_carriers_are_those_of_the_channel_or_all() -> None:
     told, untold = (scene(_heights(far, channel), "recorded") for channel in (5, None))
     assert len(pulling_ways(told) or ()) == 1
     assert len(pulling_ways(untold) or ()) == 4
+
+
+def _level_search(slope_db: float, seen: tuple[str, ...] = ("rx_power_dbm",)):
+    """Return a search whose levels follow the heading beside a pattern, and what was located."""
+    rng = np.random.default_rng(7)
+    frame = pd.DataFrame(
+        {
+            "link": np.repeat([f"l{i}" for i in range(LINKS)], ROWS),
+            "true_range_m": rng.uniform(5, 60, LINKS * ROWS),
+            "azimuth_deg": rng.uniform(-180, 180, LINKS * ROWS),
+            "temperature_c": rng.uniform(0, 40, LINKS * ROWS),
+        }
+    )
+    world = Resimulation(Simulator(Base(), (TimestampJitter(jitter_samples=0.08),), 3), Window())
+    level = world.simulator.observe(scene(frame, "recorded"), 900, cir=False).rx_power_dbm
+    turn = np.radians(frame["azimuth_deg"])
+    warm = slope_db * (frame["temperature_c"] - 20) / 20
+    frame["rx_power_dbm"] = level + 3 * np.cos(turn) + warm + 0.3 * rng.normal(size=len(frame))
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), ("rx_power_dbm",), False)
+    search = Search(world, rows, rows, {}, 0, work=rows)
+    findings = tuple(SimpleNamespace(cell=SimpleNamespace(observable=one)) for one in seen)
+    return search, SimpleNamespace(findings=findings, significant=True)
+
+
+def test_what_a_named_pattern_does_to_levels_is_nothing_left() -> None:
+    pattern = (AntennaPattern(delay_m=0.1),)
+    search, located = _level_search(0.0)
+    assert not calmed(search, pattern, located, 1).significant  # type: ignore[arg-type]
+    search, located = _level_search(3.0)
+    assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
+    search, located = _level_search(0.0, ("rx_power_dbm", "error_m"))
+    assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
