@@ -15,7 +15,6 @@ from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.settings import BEYOND_SHARE, BEYOND_STD
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import (
     CONTROL_ROWS,
@@ -25,7 +24,6 @@ from bench.discrepancy.settings import (
     SCORE_MEMBERS,
 )
 from bench.physics.base import Base
-from bench.physics.effect import Effect
 
 
 def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Explanation:
@@ -70,24 +68,7 @@ def _beyond_marks(search: Search, added: Added, contender: Contender) -> bool:
         )
         change = with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)
         sizes.append(float(np.nanstd(change)))
-    return sizes[0] > FORMS_OF_MARK * max(sizes[1:]) or _beyond_a_step(search, added, marks)
-
-
-def _beyond_a_step(search: Search, added: Added, marks: list[Effect]) -> bool:
-    """Return whether rows lie farther off than a whole step takes them, however they are rounded.
-
-    Rounding moves a range by half a step, by chance or twice over by a whole one.
-    """
-    rows = search.searched
-    whole, bare = (
-        search.comparison.ensemble(rows, some, SCORE_MEMBERS, SCORE_FIRST)
-        for some in (added, tuple(effect for effect in added if effect not in marks))
-    )
-    step = 2 * float(np.nanmax(np.abs(whole.simulated_of(RANGE) - bare.simulated_of(RANGE))))
-    own = bare.simulated_of(RANGE) - bare.simulated_of(RANGE).mean(axis=0)
-    left = bare.residual_of(RANGE)
-    left = np.abs(left - np.nanmedian(left))
-    return bool(np.mean(left > step + BEYOND_STD * float(np.nanstd(own))) > BEYOND_SHARE)
+    return sizes[0] > FORMS_OF_MARK * max(sizes[1:])
 
 
 def without_others(rows: View, added: Added) -> list[View]:

@@ -137,15 +137,26 @@ def _deformed(search: Search, rows: View, added: Added, known: Effect) -> Floats
 
 
 def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[np.intp]) -> bool:
-    """Return whether a change [n] helps `others` [n, k] to predict levels [n] of links left out."""
+    """Return whether a change [n] predicts levels [n] of links left out as `others` [n, k] do not.
+
+    Beside them, or alone as well as all of these do, which are many.
+    """
     codes = np.unique(links, return_inverse=True)[1]
-    missed = [
+    flat = np.ones((len(left_db), 1))
+    alone = np.column_stack([flat, change_db])
+    nothing, single, many, both = (
         np.bincount(codes, _left_out(left_db, design, codes) ** 2)
-        for design in (others, np.column_stack([others, change_db]))
-    ]
-    gained = missed[0] - missed[1]
+        for design in (flat, alone, others, np.column_stack([others, change_db]))
+    )
+    simpler = float(single.sum()) <= float(many.sum()) and _better(single, nothing)
+    return simpler or _better(both, many)
+
+
+def _better(after: Floats, before: Floats) -> bool:
+    """Return whether squares per link [L] fall by a share that matters, beyond doubt."""
+    gained = before - after
     error = float(gained.std()) * np.sqrt(len(gained))
-    worth = float(gained.sum()) > LEVEL_SHARE * float(missed[0].sum())
+    worth = float(gained.sum()) > LEVEL_SHARE * float(before.sum())
     return worth and float(gained.sum()) > ONE_SIDED_95 * error
 
 

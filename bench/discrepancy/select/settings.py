@@ -36,7 +36,3 @@ LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
 LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may leave [convention]
-
-# --- Scatter beside what bears a mark (select/elsewhere) -----------------------------------------
-BEYOND_STD: Final = 3.0  # of simulated ranges, beyond a whole step [convention]
-BEYOND_SHARE: Final = 0.02  # of the rows, that must lie there [convention]

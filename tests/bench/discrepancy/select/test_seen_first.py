@@ -16,7 +16,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.per_device import latent_effects
 from bench.discrepancy.law.material import material
 from bench.discrepancy.law.rounding import roundings
-from bench.discrepancy.select import elsewhere, marks
+from bench.discrepancy.select import marks
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.ranging.range_rounding import RangeRounding
@@ -81,23 +81,6 @@ def test_no_law_says_again_that_ranges_are_rounded() -> None:
     given = material(rows.frame, made[1], rows.links)
     assert list(roundings(given))
     assert not list(roundings(SimpleNamespace(rounded=True)))  # type: ignore[arg-type]
-
-
-def _jittered(jitter_m: float) -> View:
-    rng = np.random.default_rng(6)
-    frame = _view(step_m=0.0).frame
-    range_m = frame["range_m"].to_numpy() + jitter_m * rng.normal(size=len(frame))
-    range_m = np.rint(range_m / STEP_M) * STEP_M
-    frame = frame.assign(range_m=range_m, error_m=range_m - frame["true_range_m"])
-    rows = np.arange(len(frame))
-    return view(frame, link_codes(frame), rows, Window(), ("error_m",), False)
-
-
-def test_rows_farther_off_than_a_step_scatter_beside_the_grid() -> None:
-    grid = RangeRounding(STEP_M)
-    for jitter_m, beyond in ((0.0, False), (0.2, True)):
-        search = _search(_jittered(jitter_m))
-        assert elsewhere._beyond_a_step(search, (grid,), [grid]) == beyond
 
 
 def test_only_the_asked_physics_is_fitted() -> None:
