@@ -145,7 +145,7 @@ def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[
     flat = np.ones((len(left_db), 1))
     alone = np.column_stack([flat, change_db])
     nothing, single, many, both = (
-        np.bincount(codes, _left_out(left_db, design, codes) ** 2)
+        np.asarray(np.bincount(codes, _left_out(left_db, design, codes) ** 2), np.float64)
         for design in (flat, alone, others, np.column_stack([others, change_db]))
     )
     simpler = float(single.sum()) <= float(many.sum()) and _better(single, nothing)
