@@ -113,20 +113,30 @@ class Position:
 
 
 def positions(given: Material) -> Iterator[Position]:
-    """Yield a moved position for every device, and for all at one end together."""
+    """Yield a moved position for every device that stands still, and for all at one end together.
+
+    A name that is recorded at several places is a part (anchor, tag), not one thing that stands.
+    """
     ends = {
         name: tuple(e for e in ("tx", "rx") if (given.devices[e] == name).any())
         for name in sorted({*given.devices.get("tx", ()), *given.devices.get("rx", ())})
         if set(given.devices) == {"tx", "rx"}
     }
     seen = {
-        n: at for n, at in ends.items() if _rows_of(given, n, at).sum() >= LAW_DEVICE_ROWS
+        n: at for n, at in ends.items()
+        if _rows_of(given, n, at).sum() >= LAW_DEVICE_ROWS and _stands(given, n, at)
     }  # fmt: skip
     flat = not any(np.ptp(given.ends[end][:, 2]) for end in given.ends)
     for axes in ((0, 1),) if flat else ((0, 1), (0, 1, 2)):
         for name, at in seen.items():
             yield Position(name, at, axes, given.axes, len(seen) + 1)
         yield Position("", ("rx",), axes, given.axes, len(seen) + 1)
+
+
+def _stands(given: Material, device: str, ends: tuple[str, ...]) -> bool:
+    """Return whether a device is recorded at one place."""
+    places = np.concatenate([given.ends[end][given.devices[end] == device] for end in ends])
+    return bool(np.ptp(places, axis=0).max() <= LAW_SAME_PLACE_M)
 
 
 def _rows_of(given: Material, device: str, ends: tuple[str, ...]) -> NDArray[np.bool_]:
