@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.report.evidence import Evidence
 from bench.physics.simulator import Simulator
 from bench.planning.alternatives import Alternative, Past, alternative
@@ -21,6 +22,7 @@ from bench.planning.settings import (
     BEHIND_NATS,
     CHANCE_STD,
     LEAST_NATS,
+    LINK_NATS,
     MOST_ALTERNATIVES,
     ROWS_PER_LINK,
     SURE_NATS,
@@ -172,6 +174,9 @@ def answer(
     scale = Scale.of(seen, len(offered))
     every_worth = ranked(scale)
     repeats = [w.nats for w in every_worth if offered[w.place].knob == REPEAT]
+    if question.options and min(repeats) > LINK_NATS / 2 and len(evidence.names) > 1:
+        # Levels would tell, but the diagnosis had such rows and was not settled by them.
+        return answer(question, evidence.only(RANGE), simulator, links, seed)
     least = float(np.mean(repeats)) + CHANCE_STD * float(np.std(repeats)) + LEAST_NATS
     worth = [w for w in every_worth if w.nats > least and offered[w.place].knob != REPEAT]
     if not worth:

@@ -50,6 +50,11 @@ class Evidence:
         frame = self.frame.iloc[kept].reset_index(drop=True)
         return Evidence(frame, self.names, self.recorded[kept], self.simulated[kept])
 
+    def only(self, name: str) -> Evidence:
+        """Return the same rows with one observable."""
+        at = [self.names.index(name)]
+        return Evidence(self.frame, (name,), self.recorded[:, at], self.simulated[:, at])
+
     @property
     def units(self) -> tuple[str, ...]:
         """The units of the observables [p]."""
