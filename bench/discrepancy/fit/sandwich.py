@@ -36,6 +36,7 @@ from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
 PerLink = Callable[[Floats], Tally]
+Intervals = Callable[[Comparison, View, Added, Effect], tuple[ParameterEstimate, ...]]
 
 
 def parameter_intervals(

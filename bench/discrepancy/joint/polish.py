@@ -69,7 +69,7 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
     """Return a set of effects fitted from where they are, None where they cannot be simulated."""
     best = fitted(given, effects)
-    slopes = _slopes(given, best) if best and len(shares(effects)) else None
+    slopes = slopes_of(given, best) if best and len(shares(effects)) else None
     for _ in range(steps if slopes is not None else 0):
         assert best is not None
         assert slopes is not None
@@ -88,15 +88,15 @@ def _statistics(moments: Moments) -> Floats:
     return np.hstack([moments.left, moments.spread_left])
 
 
-def _slopes(given: Statistics, now: Fit) -> Floats:
-    """Return how what is fitted changes with every share [L, 2 p, k]."""
+def slopes_of(given: Statistics, now: Fit, step: float = STEP) -> Floats:
+    """Return how what is fitted changes with every share [L, 2 p, k], `step` of the bounds on."""
     here, at = _statistics(now.moments), shares(now.effects)
     slopes = np.zeros((*here.shape, len(at)))
     for place, share in enumerate(at):
-        step = STEP if share + STEP <= 1 else -STEP
-        moved = given.moments(with_shares(now.effects, at + step * (np.arange(len(at)) == place)))
+        way = step if 0 <= share + step <= 1 else -step
+        moved = given.moments(with_shares(now.effects, at + way * (np.arange(len(at)) == place)))
         if moved is not None:
-            slopes[..., place] = (_statistics(moved) - here) / step
+            slopes[..., place] = (_statistics(moved) - here) / way
     return slopes
 
 
@@ -109,13 +109,9 @@ def _corrected(slopes: Floats, before: Fit, after: Fit) -> Floats:
 
 def _step(given: Statistics, now: Fit, slopes: Floats) -> Fit | None:
     """Return a likelier set one step on, None where none is found."""
-    matrices, _ = whitener(given, now.moments, now.responses)
-    square = (white(matrices, now.moments.left) ** 2).sum(axis=1)
-    weights = np.sqrt((TAIL + matrices.shape[1]) / (TAIL + square))[:, None]
-    here = _weighed(matrices, weights, _statistics(now.moments))
-    each = [_weighed(matrices, weights, slope) for slope in np.moveaxis(slopes, 2, 0)]
-    ways, at = np.stack(each, axis=1), shares(now.effects)
-    inner, right = ways.T @ ways, ways.T @ here
+    here, each = at_work(given, now, slopes)
+    at, ways = shares(now.effects), each.reshape(len(each), -1)
+    inner, right = ways @ ways.T, ways @ here.ravel()
     for damping in DAMPING:
         ridge = damping * np.diag(inner) + 1e-3 * np.trace(inner) / len(at) + 1e-9
         way = -np.linalg.solve(inner + np.diag(ridge), right)
@@ -138,12 +134,19 @@ def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:
     return better if better and better.nats > now.nats else None
 
 
+def at_work(given: Statistics, now: Fit, slopes: Floats) -> tuple[Floats, Floats]:
+    """Return what is fitted [L, 2 p] and its slopes [k, L, 2 p], as they weigh in the fit."""
+    matrices, _ = whitener(given, now.moments, now.responses)
+    square = (white(matrices, now.moments.left) ** 2).sum(axis=1)
+    weights = np.sqrt((TAIL + matrices.shape[1]) / (TAIL + square))[:, None]
+    here = _weighed(matrices, weights, _statistics(now.moments))
+    return here, np.stack([_weighed(matrices, weights, one) for one in np.moveaxis(slopes, 2, 0)])
+
+
 def _weighed(matrices: Floats, weights: Floats, values: Floats) -> Floats:
-    """Return what is fitted [L, 2 p] as one vector, as it weighs."""
+    """Return what is fitted [L, 2 p] as it weighs."""
     means, spreads = np.hsplit(values, 2)
-    return np.concatenate(
-        [(weights * white(matrices, means)).ravel(), SPREAD_WEIGHT * spreads.ravel()]
-    )
+    return np.hstack([weights * white(matrices, means), SPREAD_WEIGHT * spreads])
 
 
 def shares(effects: Added) -> Floats:

@@ -57,3 +57,8 @@ LEFT_SHARE: Final = 0.15  # and of all that is explained then [joint]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it
+BOUNDS_INFORMATION: Final = 12.0  # of a parameter that lies anywhere between its bounds [derived]
+SIZE_STEP: Final = 0.06  # of the bounds, both ways, for intervals of parameters [convention]
+SIZE_MEMBERS: Final = 8  # simulated versions for them [cost]
+SIZE_WIDER: Final = 3.0  # times what slopes say: valleys bend, and fits end before their floor.
+# Measured on recordings of known effects, seeds 52960 and 73311: 86 % hold the truth so, 61 % at 1

@@ -52,15 +52,19 @@ class Moments:
 class Statistics:
     """Statistics of the rows of a view beside those that a comparison simulates.
 
-    `beside` are effects that are in place. Raises BenchError where waveforms show nothing.
+    `beside` are effects that are in place, `members` simulated versions of each link. Raises
+    BenchError where waveforms show nothing.
     """
 
-    def __init__(self, comparison: Comparison, rows: View, beside: Added = ()) -> None:
+    def __init__(
+        self, comparison: Comparison, rows: View, beside: Added = (), members: int = MEMBERS
+    ) -> None:
         self.comparison, self.rows, self.beside = comparison, rows, beside
+        self.members = members
         self.code = np.unique(rows.links, return_inverse=True)[1]
         self.count = np.bincount(self.code)
         self.crowding = comparison.crowding(rows) ** 2
-        bare = comparison.ensemble(rows, beside, MEMBERS)
+        bare = comparison.ensemble(rows, beside, members)
         known = np.isfinite(bare.versions[:2]).all(axis=0).mean(axis=0) >= KNOWN_SHARE
         self.names = tuple(
             name for name, often in zip(bare.names, known, strict=True) if often and name != RANGE
@@ -96,12 +100,12 @@ class Statistics:
         standard = [np.clip((one - one.mean()) / one.std(), -3, 3) for one in varied]
         return np.stack(standard, axis=1) if standard else np.zeros((self.links, 0))
 
-    def moments(self, added: Added, members: int = MEMBERS) -> Moments | None:
+    def moments(self, added: Added) -> Moments | None:
         """Return the statistics with effects `added`; None where one leaves an observable unknown.
 
         Or where it fails.
         """
-        return self._kept.get((added, members), lambda: self._moments(added, members))
+        return self._kept.get(added, lambda: self._moments(added, self.members))
 
     def mean(self, added: Added) -> Floats | None:
         """Return the statistics of one simulated version [L, p], None as for `moments`."""

@@ -5,23 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.skill import tally
-from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
-from bench.discrepancy.joint.settings import ROWS, SCREEN_ROWS
+from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.marks import forms_of_marks
-from bench.discrepancy.select.range_part import joined, with_range_part
+from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
@@ -59,24 +57,9 @@ def chosen(search: Search) -> WaveChoice:
         kind for kind in search.kinds.values() if kind.stage != "ranging" and not fits_itself(kind)
     ]
     tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
-    rows = fewer(joined(search.fit, search.discover), ROWS)
+    rows = compared_rows(search)
     sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries)
     return sets.chosen()
-
-
-def fewer(rows: View, most: int) -> View:
-    """Return at most so many rows, evenly from all links."""
-    if len(rows.rows) <= most:
-        return rows
-    order = np.argsort(rows.links, kind="stable")
-    keep = np.sort(order[np.linspace(0, len(order) - 1, most).astype(np.intp)])
-    return _taken(rows, keep)
-
-
-def _taken(rows: View, keep: NDArray[np.intp]) -> View:
-    recorded = replace(rows.recorded, values=rows.recorded.values[keep])
-    frame = rows.frame.iloc[keep].reset_index(drop=True)
-    return View(frame, recorded, rows.links[keep], rows.rows[keep], rows.waveform)
 
 
 def rounds_of(search: Search, choice: WaveChoice, located: Located) -> tuple[Round, ...]:

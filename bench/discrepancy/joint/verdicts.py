@@ -8,8 +8,10 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.settings import LOUDER
+from bench.discrepancy.joint.sizes import sizes_seen
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
@@ -48,7 +50,8 @@ def wave_verdicts(
         return (NoMismatch(last.located.detectable, last.located.p),)
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
     turns = [turn for turn in rounds if turn.added and turn.added.name not in quiet]
-    said = {t.added.name: _said(search, t, added, choice) for t in turns if t.added}
+    sizes = sizes_seen(search) if turns else parameter_intervals
+    said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained or quiet:
         return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
@@ -82,7 +85,9 @@ def _ranges_left(last: Round) -> bool:
     return removable.above_zero and removable.value > MARGIN_NATS
 
 
-def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verdict | None:
+def _said(
+    search: Search, turn: Round, added: Added, choice: WaveChoice, sizes: Intervals
+) -> Verdict | None:
     """Return the verdict on what a round added, None where that is no more among the effects.
 
     Where the first of a class is refused, what would do as well is none either.
@@ -91,7 +96,7 @@ def _said(search: Search, turn: Round, added: Added, choice: WaveChoice) -> Verd
     if effect is None or turn.explanation is None:
         return None
     options = [
-        left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0)
+        left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0, sizes)
         for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
     ]
     wider = effect.name in choice.scattering

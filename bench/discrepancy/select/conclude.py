@@ -9,7 +9,7 @@ from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import widened
-from bench.discrepancy.fit.sandwich import parameter_intervals
+from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents, nearly_as_good
 from bench.discrepancy.select.controls import negative_control, struck_control
@@ -308,12 +308,18 @@ def _refuted(turn: Round, note: str) -> Unknown:
 
 
 def left_out(
-    search: Search, turn: Round, effect: Effect, gain: Estimate, added: Added, share: float
+    search: Search,
+    turn: Round,
+    effect: Effect,
+    gain: Estimate,
+    added: Added,
+    share: float,
+    intervals_of: Intervals = parameter_intervals,
 ) -> LeftOut:
     """Return a named effect with its intervals and negative control."""
     others = without(added, turn.added) if turn.added else added
     guard = Guard()
-    sizes = guard.safely("intervals", parameter_intervals, ())
+    sizes = guard.safely("intervals", intervals_of, ())
     intervals = sizes(search.comparison, search.sharpest, others, effect)
     intervals = widened(intervals, effect, search.choice.wider.get(effect.physics, 1.0))
     unknown = Control(type(effect).control, None)

@@ -18,6 +18,7 @@ from bench.discrepancy.joint.likelihood import fitness
 from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.joint.sizes import Sizes
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.physics.base import Base
@@ -130,3 +131,16 @@ def test_a_form_that_is_right_is_needed_beside_something_without_one(
     brings = beside_unformed(given, named) - beside_unformed(given, bare)
     assert (brings > 0) is needed
     assert named.nats > bare.nats + NAME_NATS  # by itself it brings much
+
+
+def test_sizes_hold_what_is_hidden_and_say_what_nothing_tells():
+    frame = recordings((RINGING,))
+    comparison, rows = compared(frame)
+    fit = polished(Statistics(comparison, rows), (replace(RINGING, ring_db=-16.0),))
+    assert fit is not None
+    sizes = Sizes(Statistics(comparison, rows, members=8))
+    found = {one.name: one for one in sizes(comparison, rows, (), fit.effects[0])}
+    for name in ("ring_db", "ring_delay_ns"):
+        assert found[name].determined
+        assert found[name].low <= getattr(RINGING, name) <= found[name].high
+    assert not found["ring_offset_mhz"].determined  # what does not ring on does not turn

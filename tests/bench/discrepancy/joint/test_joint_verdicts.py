@@ -9,7 +9,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.turn import fewer
+from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.verdicts import standing
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.physics.effect import Effect
