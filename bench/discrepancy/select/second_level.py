@@ -62,7 +62,9 @@ def calmed(search: Search, added: Added, located: Located, turn: int) -> Located
         return located
     left = search.comparison.ensemble(rows, added, FIT_MEMBERS).residual_of(LEVEL)
     known = np.isfinite(left)
-    design = np.hstack([np.ones((len(left), 1)), *_reasons(search, rows, added)])
+    design = np.hstack(_reasons(search, rows, added))
+    if not design.any():  # named effects do nothing to levels
+        return located
     shift = np.zeros(len(left))
     shift[known] = _ridge(design[known], left[known], design[known])
     bent = replace(search, comparison=Shifted(search.comparison, shift, LEVEL))
@@ -100,19 +102,20 @@ def _reasons(
     search: Search, rows: View, added: Added, effect: Effect | None = None
 ) -> list[Floats]:
     """Return what else levels may do beside an effect, columns [n, k] each."""
-    own = effect is not None and effect.physics == GroundBounce.name
-    out = [] if own else [fading_ways(rows.scene)]
+    ground = any(one.physics == GroundBounce.name for one in added)
+    fades = ground if effect is None else effect.physics != GroundBounce.name
+    out = [fading_ways(rows.scene)] if fades else []
     paths = Base().paths(rows.scene)
     for known in added:
         if known.physics == AntennaPattern.name:
             out.append(_harmonics(heading_rad(rows.scene)))
-        acts = ~known.inert(paths)
-        if not acts.all():
+        acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
+        if bent.any() and not acts.all():
             out.append(acts[:, None].astype(np.float64))
         if any(OBSTACLES in way for way in known.needs):
             kinds = rows.covariates.groups.items()
             out += [mask[:, None].astype(np.float64) for n, mask in kinds if n.startswith(OBSTACLE)]
-        out.append(_deformed(search, rows, added, known))
+        out.append(bent)
     return out
 
 
@@ -139,7 +142,7 @@ def _deformed(search: Search, rows: View, added: Added, known: Effect) -> Floats
 def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[np.intp]) -> bool:
     """Return whether a change [n] predicts levels [n] of links left out as `others` [n, k] do not.
 
-    Beside them, or alone as well as all of these do, which are many.
+    Beside them, or alone as well as all of these do, which are many; or where these do nothing.
     """
     codes = np.unique(links, return_inverse=True)[1]
     flat = np.ones((len(left_db), 1))
@@ -148,6 +151,8 @@ def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[
         np.asarray(np.bincount(codes, _left_out(left_db, design, codes) ** 2), np.float64)
         for design in (flat, alone, others, np.column_stack([others, change_db]))
     )
+    if not _better(many, nothing):  # what explains nothing is no rival
+        return True
     simpler = float(single.sum()) <= float(many.sum()) and _better(single, nothing)
     return simpler or _better(both, many)
 

@@ -16,6 +16,7 @@ from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.two_rays import fading_db, fading_ways, pulling_ways, rays
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -39,11 +40,12 @@ def test_a_gain_over_headings_is_no_path_loss_and_a_slope_is_one() -> None:
     assert predicts(gain + 0.5 * slope, slope, waves, links)
 
 
-def test_what_every_link_keeps_for_itself_is_no_slope() -> None:
-    rng, far, _, links = _made()
-    shadowing = rng.normal(size=LINKS)[links] * 3
-    slope = -10 * np.log10(np.repeat(far[::ROWS], ROWS) / 20)
-    assert not predicts(shadowing, slope, np.ones((len(far), 1)), links)
+def test_reasons_that_explain_nothing_are_no_rivals() -> None:
+    rng, far, heading, links = _made()
+    slope = -10 * np.log10(far / 20)
+    level = 0.3 * slope + rng.normal(size=LINKS)[links] * 3
+    waves = np.stack([np.ones(len(far)), np.cos(heading), np.sin(heading)], axis=1)
+    assert predicts(level, slope, waves, links)
 
 
 def _heights(far, channel=None) -> pd.DataFrame:
@@ -107,3 +109,8 @@ def test_what_a_named_pattern_does_to_levels_is_nothing_left() -> None:
     assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
     search, located = _level_search(0.0, ("rx_power_dbm", "error_m"))
     assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
+
+
+def test_a_level_off_everywhere_is_left_beside_a_delay() -> None:
+    search, located = _level_search(3.0)
+    assert calmed(search, (AntennaDelay(delay_ns=1.0),), located, 1) is located  # type: ignore[arg-type]
