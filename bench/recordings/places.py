@@ -50,8 +50,12 @@ def _moving(frame: pd.DataFrame, columns: Sequence[str]) -> NDArray[np.bool_]:
 
 
 def _named(frame: pd.DataFrame, columns: Sequence[str]) -> pd.Series:
-    """Return the link and the place of every row as one name; what is not known is place 0."""
-    known = frame[list(columns)].astype("float64").fillna(0.0).to_numpy()
-    cells = np.floor(known / PLACE_M).astype(np.int64)
-    where = [",".join(map(str, cell)) for cell in cells.tolist()]
-    return frame["link"].astype(str) + " @ " + pd.Series(where, frame.index)
+    """Return the link and the lower corner of every row's place, of what moves, as one name.
+
+    What is not known is place 0.
+    """
+    within = frame.groupby("link", dropna=True)[list(columns)].agg(np.ptp).max()
+    known = frame[[name for name in columns if within[name] > 0]].astype("float64").fillna(0.0)
+    cells = np.floor(known.to_numpy() / PLACE_M) * PLACE_M
+    where = [" ".join(f"{side:g}" for side in cell) for cell in cells.tolist()]
+    return frame["link"].astype(str) + " at " + pd.Series(where, frame.index) + " m"
