@@ -37,6 +37,7 @@ Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
 ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
+PER_DEVICE = (AntennaDelay, ClockOffset)
 Kinds = Mapping[str, type[Effect]]
 
 
@@ -55,6 +56,19 @@ def of_library(kinds: Kinds, rows: View) -> Blocks:
     """Return the parts [n, k] of what every effect can do, by its name."""
     found = {n: kind.ways(rows.scene) for n, kind in named_kinds(kinds, rows).items()}
     return {name: block for name, block in found.items() if block is not None}
+
+
+def of_one_device(blocks: Blocks) -> dict[str, Blocks]:
+    """Return, by effect, the parts of which one column alone acts: a single device that is off.
+
+    Where most devices are as they should be, values of one common size are not what is there.
+    """
+    out: dict[str, Blocks] = {}
+    for name in (kind.name for kind in PER_DEVICE if kind.name in blocks):
+        wide = max(blocks[name], key=lambda part: part.shape[1])
+        columns = [wide[:, [i]] for i in range(wide.shape[1])]
+        out[name] = {f"{name} of device {i}": (one,) for i, one in enumerate(columns)}
+    return out
 
 
 def of_laws(kinds: Kinds, rows: View) -> Blocks:

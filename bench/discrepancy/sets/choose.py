@@ -20,11 +20,12 @@ from bench.discrepancy.sets.blocks import (
     named_kinds,
     of_laws,
     of_library,
+    of_one_device,
     of_setup,
     usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice, Set
-from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.evidence import Evidence, Weighed
 from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import (
@@ -129,6 +130,9 @@ class Contest:
         self.library = frozenset(n for n, kind in kinds.items() if kind.tellable(rows.scene))
         self.untold = frozenset(kinds) - self.library
         self.pays: dict[str, float] = {}
+        self.single = of_one_device(evidence.blocks)
+        every = [block for blocks in self.single.values() for block in blocks.items()]
+        self.evidence = evidence.with_blocks(evidence.blocks | dict(every))
         self._nats: dict[Set, float] = {}
 
     def settled(self) -> Choice:
@@ -169,7 +173,9 @@ class Contest:
 
     def _able(self) -> Set:
         """Return every name, and the laws that do most."""
-        laws = [one for one in self.evidence.blocks if one not in self.library | self.untold]
+        parts = {one for blocks in self.single.values() for one in blocks}
+        none = self.library | self.untold | parts
+        laws = [one for one in self.evidence.blocks if one not in none]
         names = self.best(tuple(self.library))
         alone = sorted(laws, key=lambda law: -self.nats((law,)))[:MOST_LAWS]
         beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
@@ -193,11 +199,22 @@ class Contest:
         return {one: _spread(self.evidence.response(made, one), self) for one in causes}
 
     def nats(self, causes: Set) -> float:
-        """Return the log evidence of a set."""
+        """Return the log evidence of a set; of devices all may be off, or one alone."""
         key = tuple(sorted(causes))
         if key not in self._nats:
-            self._nats[key] = self.evidence.of(key).nats / self.crowding
+            made = self.evidence.of(key)
+            alone = [self._of_one(made, name) for name in key if name in self.single]
+            self._nats[key] = max(made.nats, *alone, -np.inf) / self.crowding
         return self._nats[key]
+
+    def _of_one(self, made: Weighed, name: str) -> float:
+        """Return the log evidence of a set in which one device alone has a value of an effect."""
+        single = list(self.single[name])
+        mine = self.evidence.places[name][-len(single) :]
+        of_device = made.factors[np.isin(made.places, mine)]
+        loudest = single[int(np.argmax(np.abs(of_device)))]
+        other = self.evidence.of((*_but(made.causes, name), loudest))
+        return other.nats - float(np.log(len(single)))
 
     def worth(self, causes: Set) -> float:
         """Return the log evidence of a set less what its names must bring."""
