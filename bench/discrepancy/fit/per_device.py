@@ -195,4 +195,48 @@ def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
     """Return the delay of every device in ns from the residual ranges of some rows."""
     names, tx, rx = ends(view)
     design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2)
-    return robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))
+    found = robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))
+    return fewest_off(found, tx[rows], rx[rows])
+
+
+def fewest_off(delays_ns: Floats, tx: NDArray[np.intp], rx: NDArray[np.intp]) -> Floats:
+    """Return the delays of the same sums of which most are near zero.
+
+    Where tags range with anchors alone, a constant may stand in all tags or, with the other sign,
+    in all anchors: no recording tells.
+    """
+    out, side = delays_ns.copy(), sides(tx, rx, len(delays_ns))
+    for part in np.unique(np.abs(side[side != 0])):
+        mine = np.abs(side) == part
+        sign = np.sign(side[mine])
+        out[mine] -= sign * np.median(sign * out[mine])
+    return out
+
+
+def sides(tx: NDArray[np.intp], rx: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Return which devices [count] range with one another: +k on one side of part k, -k opposite.
+
+    0 where a part has no sides: three devices that all range with each other.
+    """
+    pairs = np.unique(np.sort(np.stack([tx, rx], axis=1), axis=1), axis=0)
+    near: list[list[int]] = [[] for _ in range(count)]
+    for one, two in pairs.tolist():
+        near[one].append(two)
+        near[two].append(one)
+    side = np.zeros(count, np.intp)
+    for first in range(count):
+        if side[first] == 0 and near[first]:
+            _spread_sides(first, near, side)
+    return side
+
+
+def _spread_sides(first: int, near: list[list[int]], side: NDArray[np.intp]) -> None:
+    """Write the sides of the devices that hang together with one; 0 where these are none."""
+    part, reached = int(np.abs(side).max()) + 1, [first]
+    side[first] = part
+    for one in reached:
+        fresh = [two for two in near[one] if side[two] == 0]
+        side[fresh] = -side[one]
+        reached += fresh
+    if any(side[two] == side[one] for one in reached for two in near[one]):
+        side[reached] = 0

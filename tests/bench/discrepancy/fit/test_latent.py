@@ -10,7 +10,13 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.fit.per_device import device_delay, device_terms, latent_effects, power_curve
+from bench.discrepancy.fit.per_device import (
+    device_delay,
+    device_terms,
+    fewest_off,
+    latent_effects,
+    power_curve,
+)
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.power_curve import PowerCurve, true_level_dbm
@@ -98,3 +104,12 @@ def test_a_compressed_level_is_decompressed_by_the_budget():
     assert level[0] == pytest.approx(-83.5, abs=0.5)
     assert -70 < level[1] < -62
     assert level[2] == pytest.approx(-90.0, abs=0.1)
+
+
+def test_of_delays_with_the_same_sums_most_are_near_zero() -> None:
+    tag, anchors = 0, np.arange(1, 6)
+    tx, rx = np.full(5, tag), anchors
+    found = fewest_off(np.array([0.25, -0.25, -0.25, 1.45, -0.25, -0.25]), tx, rx)
+    np.testing.assert_allclose(found, [0, 0, 0, 1.7, 0, 0], atol=1e-12)
+    ring = np.array([0, 1, 2]), np.array([1, 2, 0])  # every device both ways: nothing is free
+    np.testing.assert_allclose(fewest_off(np.array([0.1, 0.2, 0.3]), *ring), [0.1, 0.2, 0.3])
