@@ -71,3 +71,11 @@ def test_the_effect_finds_whether_it_cuts_down_and_comes_first() -> None:
 
 def test_the_effect_is_not_offered_for_scatter() -> None:
     assert RangeRounding.fit_values(frame(noisy(0.08)), noisy(0.08) - TRUE_M) is None
+
+
+def test_a_bit_that_is_stuck_is_no_rounding() -> None:
+    """Bit 4 of a centimetre register is always set: half of every 32 cm is never reported."""
+    register = np.rint(noisy(0.03) / 0.01).astype(np.int64) | 16
+    stuck = register * 0.01 + np.random.default_rng(4).uniform(-0.005, 0.005, len(register))
+    made = RangeRounding.fit_values(frame(stuck), stuck - TRUE_M)
+    assert made is None

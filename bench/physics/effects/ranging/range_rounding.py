@@ -17,6 +17,8 @@ from bench.physics.units import Floats
 
 LEANS = (0.0, -0.5, 0.5)
 LOWEST_ORIGIN = -0.49  # of a step: half a step below is the same point as half a step above
+CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
+# half filled, as a bit that is stuck leaves them, have 2 / pi
 LEAN_STEPS = 0.1  # off, at most: other causes move the mean as well
 MEDIAN_ERROR = 2 * 1.2533 * 1.4826  # two standard errors of a median, of the median deviation
 
@@ -101,7 +103,7 @@ def _rounding(
     """Return how clear the grid of ranges [n] is, and the rounding; None where there is none."""
     links = np.unique(links, return_inverse=True)[1]
     grid = comb(measured_m, plain_m, links)
-    if grid is None:
+    if grid is None or grid.coherence < CLEAR:
         return None
     lean = _lean(measured_m - plain_m, links, grid.step_m)
     origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
