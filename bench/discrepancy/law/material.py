@@ -35,6 +35,7 @@ _DERIVED = {  # what follows from two positions: words, unit
 }
 
 BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
+NO_SIGHT = "line of sight: False"  # and those of rows without line of sight
 
 
 @dataclass(frozen=True)

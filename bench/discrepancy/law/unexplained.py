@@ -12,7 +12,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
-from bench.discrepancy.law.material import BEHIND, Material, material
+from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
@@ -29,7 +29,7 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law, with_constants
 
-OBSTACLES = "obstacles"
+OBSTACLES, SIGHT = "obstacles", "los"
 
 
 @dataclass(frozen=True)
@@ -107,10 +107,11 @@ def _proposed(search: Search, rows: Material | None) -> Proposal | None:
     What holds only behind something in the way is a delay or a detour by it, whatever its form.
     """
     law = None if rows is None else propose(rows, search.seed)
-    if law is None or not law.best.structure.where.startswith(BEHIND):
+    if law is None or not law.best.structure.where.startswith((BEHIND, NO_SIGHT)):
         return law
+    column = SIGHT if law.best.structure.where.startswith(NO_SIGHT) else OBSTACLES
     ways = [way for kind in search.kinds.values() for way in kind.needs]
-    return None if any(OBSTACLES in way for way in ways) else law
+    return None if any(column in way for way in ways) else law
 
 
 def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:
