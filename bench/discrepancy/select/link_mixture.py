@@ -10,7 +10,7 @@ likelihoods is the evidence. A rival that all links share is put to the same lik
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -169,7 +169,7 @@ def _one(
     effect = _striking(kind, mixed.share, mixed.size)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
     evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
-    parameters = _intervals(likely, mixed, kind)
+    parameters = _intervals(likely, mixed, kind, sizes)
     cost = np.log(len(each))  # of two parameters (Schwarz 1978)
     return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost
 
@@ -323,15 +323,26 @@ def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
 
 
 def _intervals(
-    likely: list[Mixture], best: Mixture, kind: type[Effect]
+    likely: list[Mixture], best: Mixture, kind: type[Effect], sizes: Collection[float]
 ) -> tuple[ParameterEstimate, ...]:
-    """Return share and size with the 90 % intervals of the profile likelihood (on the grid)."""
+    """Return share and size with the 90 % intervals of the profile likelihood.
+
+    On the grids that were tried: an interval ends half way to the next value on either side.
+    """
     share, size = _share_and_size(kind)
     out = []
-    for item, now, near in (
-        (share, best.share, [one.share for one in likely]),
-        (size, best.size, [one.size for one in likely]),
+    for item, now, near, grid in (
+        (share, best.share, [one.share for one in likely], SHARES.tolist()),
+        (size, best.size, [one.size for one in likely], list(sizes)),
     ):
+        low, high = _half_way(min(near), max(near), [item.low, *grid, item.high])
         bound = now >= item.high
-        out.append(ParameterEstimate(item.name, now, min(near), max(near), item.unit, bound))
+        out.append(ParameterEstimate(item.name, now, low, high, item.unit, bound))
     return tuple(out)
+
+
+def _half_way(low: float, high: float, grid: list[float]) -> tuple[float, float]:
+    """Return the ends of a stretch of a grid, half way to the values beside it."""
+    below = max((one for one in grid if one < low), default=low)
+    above = min((one for one in grid if one > high), default=high)
+    return (below + low) / 2, (high + above) / 2
