@@ -217,7 +217,7 @@ def _bad(**changes) -> Recordings:
     ("table", "words"),
     [
         (lambda: replace(_recorded(), frame=_recorded().frame.drop(columns="link")), "link"),
-        (lambda: _bad(link="one"), "at least 4"),
+        (lambda: _bad(link="one", true_range_m=5.0, range_m=5.0, error_m=0.0), "at least 4"),
         (lambda: _bad(error_m=np.nan, range_m=np.nan), "no truth"),
         (lambda: _bad(true_range_m=5000.0), "expected metres"),
         (lambda: _bad(range_m=5e6), "expected metres"),
@@ -233,7 +233,7 @@ def test_bad_input_is_one_clear_line(table, words):
 
 def test_command_line_writes_nothing_on_bad_input(tmp_path):
     path = tmp_path / "r.parquet"
-    write_recordings(_bad(link="one"), path)
+    write_recordings(_bad(link="one", true_range_m=5.0, range_m=5.0, error_m=0.0), path)
     asked = ["--recorded", str(path), "-o", str(tmp_path / "out")]
     result = CliRunner().invoke(command, asked)
     assert isinstance(result.exception, BenchError)
