@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.observables import SCALARS, Floats
-from bench.discrepancy.settings import MOST_CATEGORIES, RAREST_CATEGORY
+from bench.discrepancy.settings import LEAST_VARIATION, MOST_CATEGORIES, RAREST_CATEGORY
 from bench.recordings.table import CIR_COLUMNS
 
 # Columns that are measured, not known before; "link" is the unit, not a covariate.
@@ -51,11 +51,18 @@ def covariates(frame: pd.DataFrame) -> Covariates:
             groups |= _categories(column, frame[column])
         elif pd.api.types.is_numeric_dtype(frame[column]):
             value = np.asarray(frame[column], np.float64)
-            if np.nanmax(value, initial=-np.inf) > np.nanmin(value, initial=np.inf):
+            if _varies(value, column):
                 numbers[column] = value
         else:
             groups |= _categories(column, frame[column])
     return Covariates(numbers, groups | _pairs(frame))
+
+
+def _varies(values: Floats, column: str) -> bool:
+    """Return whether a column varies by more than its last digits; a time may begin anywhere."""
+    known = values[np.isfinite(values)]
+    size = 0.0 if column == "time_s" else float(np.abs(known).max(initial=0.0))
+    return bool(len(known)) and float(np.ptp(known)) > LEAST_VARIATION * size
 
 
 def _holds_lists(values: pd.Series, column: str) -> bool:
