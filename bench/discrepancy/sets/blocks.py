@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import known_columns, numeric
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
@@ -33,6 +34,7 @@ from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.ways import known_mostly, spread_over
 
+LEVEL = "rx_power_dbm"
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
@@ -138,18 +140,36 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
     return out
 
 
-def usual_levels(rows: View) -> NDArray[np.bool_]:
-    """Return which rows [n] have a level as is usual at their distance; all without levels."""
-    level = numeric(rows.frame, "rx_power_dbm")
+def usual_levels(rows: View, made: Ensemble | None = None) -> NDArray[np.bool_]:
+    """Return which rows [n] have a level as is usual at their distance; all without levels.
+
+    With what was simulated (`made`): as is simulated there, but for a line over the distance.
+    What stands in the way only takes: of two levels that are as frequent the stronger is usual.
+    """
+    level = numeric(rows.frame, LEVEL)
+    if made is not None and LEVEL in made.names:
+        level = level - np.nanmean(made.simulated_of(LEVEL), axis=0)
     usual = np.isfinite(level) & (rows.scene.true_range_m > 0)
     if usual.sum() < FEWEST_ROWS:
         return np.ones(len(level), bool)
+    if made is not None and LEVEL in made.names:
+        usual &= (
+            np.abs(np.nan_to_num(level, nan=np.inf) - _strongest(level[usual])) < USUAL_LEVEL_DB
+        )
     far = np.log10(np.maximum(rows.scene.true_range_m, LAW_SAME_PLACE_M))
     for _ in range(LEVEL_PASSES):
         line = np.polynomial.Polynomial.fit(far[usual], level[usual], 1)
         near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < USUAL_LEVEL_DB
         usual = near if near.sum() >= FEWEST_ROWS else usual
     return np.asarray(usual)
+
+
+def _strongest(level_db: Floats) -> float:
+    """Return the strongest level about which half as many rows are as about any other."""
+    width = USUAL_LEVEL_DB / 2
+    places = np.arange(level_db.min(), level_db.max() + width, width / 2)
+    near = (np.abs(level_db[:, None] - places) < width).sum(axis=0)
+    return float(places[np.flatnonzero(near >= near.max() / 2)[-1]])
 
 
 def deformed(response: Floats, rows: View) -> Floats:

@@ -90,7 +90,8 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     every = named_kinds(search.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = search.comparison.crowding(rows) ** 2
-    return Contest(evidence, kinds, crowding, rows, known), ensemble
+    usual = usual_levels(rows, ensemble)[known]
+    return Contest(evidence, kinds, crowding, rows, known, usual), ensemble
 
 
 def decided(search: Search, beside: Added) -> bool:
@@ -114,7 +115,8 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which of them it has. `pays`: what laws of a form cost for it, in nats.
+    the evidence, `known` which of them it has; `usual` which of these have a level as is usual at
+    their distance. `pays`: what laws of a form cost for it, in nats.
     """
 
     def __init__(
@@ -124,8 +126,10 @@ class Contest:
         crowding: float,
         rows: View,
         known: NDArray[np.intp],
+        usual: NDArray[np.bool_] | None = None,
     ) -> None:
         self.evidence, self.kinds, self.crowding = evidence, kinds, crowding
+        self.usual = usual_levels(rows)[known] if usual is None else usual
         self.rows, self.known = rows, known
         self.library = frozenset(n for n, kind in kinds.items() if kind.tellable(rows.scene))
         self.untold = frozenset(kinds) - self.library
@@ -290,8 +294,7 @@ class Contest:
 
         Where something stands in the way signals are weaker for their distance, and longer.
         """
-        usual = usual_levels(self.rows)[self.known]
-        made = self.evidence.among(usual)
+        made = self.evidence.among(self.usual)
         for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
             some = (made.of(each).nats for each in (causes, _but(causes, one)))
             if next(some) - next(some) < NAME_NATS * self.crowding:

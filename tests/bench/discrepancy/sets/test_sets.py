@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
@@ -117,6 +118,21 @@ def test_levels_are_usual_beside_those_of_the_same_distance() -> None:
     usual = usual_levels(rows)
     assert not usual[behind].any()
     assert usual[~behind].mean() > 0.97
+
+
+def test_of_two_levels_as_frequent_the_stronger_is_usual() -> None:
+    """A wall between half of the links, that nobody listed, takes 7 dB of what was simulated."""
+    recorded, _ = tables(7)
+    frame = recorded.frame.assign(link_number=pd.factorize(recorded.frame["link"])[0])
+    behind = (frame["link_number"] % 2 == 0).to_numpy()
+    simulated = frame["rx_power_dbm"].to_numpy(np.float64)
+    frame["rx_power_dbm"] -= 7.0 * behind
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    versions = np.stack([frame["rx_power_dbm"], simulated, simulated])[..., None]
+    made = Ensemble(("rx_power_dbm",), ("dBm",), versions, rows.links)
+    usual = usual_levels(rows, made)
+    assert not usual[behind].any()
+    assert usual[~behind].all()
 
 
 def test_rows_that_take_no_part_have_no_weight() -> None:
