@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
@@ -20,7 +21,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import regressed
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import Checked, announced
-from bench.discrepancy.select.settings import MARK_SHARE
+from bench.discrepancy.select.settings import FORM_LEAD_NATS, MARK_SHARE
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choose import worth_beside
 from bench.discrepancy.settings import FIT_MEMBERS, MAD_TO_STD, RESIDUAL_MEMBERS
@@ -60,14 +61,19 @@ def _grids(search: Search, added: Added) -> Added:
 
 
 def _matters(search: Search, effect: Effect) -> bool:
-    """Return whether what an effect does to ranges is no small part of how rows scatter."""
+    """Return whether what an effect does to ranges is no small part of how rows of a link scatter.
+
+    What links keep by themselves, such as a delay, is not found yet and hides no rounding.
+    """
     made, bare = (
         search.comparison.ensemble(search.sharpest, some, RESIDUAL_MEMBERS)
         for some in ((effect,), ())
     )
     change = made.simulated_of(RANGE) - bare.simulated_of(RANGE)
     left = bare.residual_of(RANGE)
-    own = MAD_TO_STD * float(np.nanmedian(np.abs(left - np.nanmedian(left))))
+    links = pd.Series(left).groupby(search.sharpest.links)
+    within = (left - links.transform("median"))[links.transform("count") > 1]
+    own = MAD_TO_STD * float(np.nanmedian(np.abs(within if len(within) else left)))
     return float(np.nanstd(change)) > MARK_SHARE * own
 
 
@@ -90,10 +96,14 @@ def seen_first(state: State, located: Located) -> State:
 
 
 def _likeliest(search: Search, effect: Effect) -> Effect:
-    """Return the form of an effect beside which ranges speak most for a set of causes."""
+    """Return the form of an effect beside which ranges speak most for a set of causes.
+
+    The first, as rounding to the nearest is, unless another leads it clearly.
+    """
     forms = effect.forms()
     worth = [worth_beside(search, (form,)) for form in forms] if len(forms) > 1 else [0.0]
-    return forms[int(np.argmax(worth))]
+    best = int(np.argmax(worth))
+    return forms[best if worth[best] > worth[0] + FORM_LEAD_NATS else 0]
 
 
 def _first_round(search: Search, located: Located, before: Added, effect: Effect) -> Round:

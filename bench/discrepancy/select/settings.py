@@ -28,6 +28,7 @@ DETECTION_M: Final = (
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
 
 # --- Marks of ranges (select/marks) ---------------------------------------------------------------
+FORM_LEAD_NATS: Final = 3.0  # by which another form of a mark must lead the plain one: 20 to 1
 MARK_SHARE: Final = 0.2  # of the scatter of rows: less adds 2 % to it, as centimetres printed do
 
 # --- Effects on levels beside geometry (select/second_level) -------------------------------------

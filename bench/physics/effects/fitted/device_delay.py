@@ -22,7 +22,10 @@ class DeviceDelay(Effect):
     fitted: ClassVar[bool] = False
     stage = "ranging"
     source = "Decawave application note APS014; delays fitted to recordings"
-    signature = "constant in distance, power and line of sight; separable per pair of devices"
+    signature = (
+        "constant in distance, power and line of sight; of each pair only the sum is seen, so "
+        "the values are those of which most are near zero"
+    )
     needs = (("tx", "rx"),)
 
     devices: tuple[str, ...] = ()
