@@ -61,7 +61,10 @@ def stuck(frame: pd.DataFrame) -> str:
     magnitude = _magnitudes(frame)
     if magnitude.shape[1] < 3 * PULSE_SAMPLES or len(magnitude) < STUCK_PLACES:
         return ""
-    level = 20 * np.log10(np.maximum(magnitude, 1e-3 * np.median(magnitude)))
+    size = float(np.median(magnitude) or magnitude.mean())  # rounded ones are mostly zero
+    if size == 0:
+        return ""
+    level = 20 * np.log10(np.maximum(magnitude, 1e-3 * size))
     apart, error = _standing_out(level)
     middle = float(np.nan_to_num(np.nanmedian(numeric(frame, "first_path_index"))))
     far = np.abs(np.arange(level.shape[1]) - middle) > PULSE_SAMPLES

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
@@ -61,3 +62,11 @@ def test_what_is_seen_takes_every_name() -> None:
     assert found.names == found.added == ()
     assert str(found.verdicts[0]).endswith(words)
     assert "clipped" in words
+
+
+@pytest.mark.filterwarnings("error")
+def test_samples_rounded_to_zero_are_no_fault() -> None:
+    coarse = np.rint(samples() / 4000) * 4000
+    assert np.median(coarse) == 0
+    assert stuck(frame(coarse)) == ""
+    assert stuck(frame(0 * coarse)) == ""
