@@ -28,6 +28,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.recordings.obstacle_names import parse_names
 from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 
 CHUNK_ROWS = 8192
@@ -169,9 +170,9 @@ def _as_bool(column: pd.Series, name: str) -> pd.Series:
 
 
 def _as_names(column: pd.Series) -> pd.Series:
-    """Return `obstacles` as one plain list of names per row; no list = an empty one."""
+    """Return `obstacles` as one plain list of names per row, of text too; empty = nothing."""
     cells = [
-        list(map(str, cell)) if isinstance(cell, list | tuple | np.ndarray) else []
+        list(map(str, cell)) if isinstance(cell, list | tuple | np.ndarray) else parse_names(cell)
         for cell in column
     ]
     return pd.Series(cells, index=column.index, dtype=object)

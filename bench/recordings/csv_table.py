@@ -9,7 +9,6 @@ separated by semicolons, or a JSON list. An empty cell is "not known".
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.recordings.obstacle_names import parse_names
 from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
 
 IMPORT = "bench data import finds its delimiter and decimal mark"
@@ -125,15 +125,3 @@ def parse_numbers(cell: object) -> NDArray[np.float32]:
         return np.array(re.sub("[,;]", " ", text).split(), dtype=np.float32)
     except ValueError:
         return np.empty(0, np.float32)
-
-
-def parse_names(cell: object) -> list[str]:
-    """Return the obstacle names of one cell: a JSON list, or names separated by semicolons."""
-    if not isinstance(cell, str):
-        return []
-    if cell.lstrip().startswith("["):
-        try:
-            return [str(name) for name in json.loads(cell)]
-        except ValueError:
-            return []
-    return [name.strip() for name in cell.split(";") if name.strip()]

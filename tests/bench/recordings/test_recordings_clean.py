@@ -6,7 +6,7 @@ import pytest
 from recordings_factory import cells, make_frame
 
 from bench.errors import BenchError
-from bench.recordings.clean import add_counts, clean, describe
+from bench.recordings.clean import _as_names, add_counts, clean, describe
 
 
 def _with(rows: int = 20, **bad) -> pd.DataFrame:
@@ -105,3 +105,8 @@ def test_counts_add_up_and_read_well() -> None:
     total = add_counts({"a": 1}, {"b": 5, "a": 2})
     assert total == {"a": 3, "b": 5}
     assert describe(total) == "5 b, 3 a"
+
+
+def test_obstacles_as_text_are_names_and_not_nothing() -> None:
+    cells = pd.Series(["metal rack", "", "wall; door", ["person"], None])
+    assert _as_names(cells).tolist() == [["metal rack"], [], ["wall", "door"], ["person"], []]
