@@ -69,6 +69,11 @@ def material(name: str) -> Material:
     return known[name]
 
 
+def is_listed(kind: str) -> bool:
+    """Return whether an obstacle kind is known as it is named, not by a word in its name."""
+    return kind in _obstacles() or kind.casefold() in _materials()
+
+
 def obstacle(kind: str) -> Obstacle:
     """Return what an obstacle kind is made of: by its name, or by the material it names.
 

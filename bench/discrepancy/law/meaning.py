@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bench.discrepancy.law.material import BEHIND
 from bench.discrepancy.law.structures import Structure
 
 _OVER = {
@@ -43,5 +44,7 @@ _FORM = {
 def looks_like(structure: Structure) -> str:
     """Return what a law looks like."""
     over = structure.columns[0] if structure.columns else ""
+    if structure.form == "constant" and structure.where.startswith(BEHIND):
+        return "a delay in what stands there, or a detour around it"
     said = _OVER.get((structure.form, over), _FORM[structure.form])
     return f"{said}, of a part of the rows alone" if structure.where and over == "" else said

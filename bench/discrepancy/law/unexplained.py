@@ -28,8 +28,9 @@ from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law, with_constants
+from bench.physics.materials import is_listed
 
-OBSTACLES, SIGHT = "obstacles", "los"
+OBSTACLES, SIGHT, CONSTANT = "obstacles", "los", "constant"
 
 
 @dataclass(frozen=True)
@@ -104,11 +105,15 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
 def _proposed(search: Search, rows: Material | None) -> Proposal | None:
     """Return the law that rows speak for, None where the library has effects for all such laws.
 
-    What holds only behind something in the way is a delay or a detour by it, whatever its form.
+    What holds only behind something in the way is a delay or a detour by it, whatever its form. A
+    constant behind what the library does not list is said: a rack is more than its metal.
     """
     law = None if rows is None else propose(rows, search.seed)
     if law is None or not law.best.structure.where.startswith((BEHIND, NO_SIGHT)):
         return law
+    of_kind = law.best.structure.where.removeprefix(BEHIND)
+    if law.best.structure.form == CONSTANT and of_kind != law.best.structure.where:
+        return None if is_listed(of_kind) else law
     column = SIGHT if law.best.structure.where.startswith(NO_SIGHT) else OBSTACLES
     ways = [way for kind in search.kinds.values() for way in kind.needs]
     return None if any(column in way for way in ways) else law
