@@ -33,3 +33,9 @@ class WaveChoice:
         """The effects that are named: those that bear a mark, or that are not doubted."""
         doubted = set(self.doubted) - set(self.marked)
         return tuple(effect for effect in self.added if effect.name not in doubted)
+
+    @property
+    def likeness(self) -> str:
+        """What the set looks most like, of effects that are not named, in words."""
+        quiet = [effect.physics for effect in self.added if effect not in self.named]
+        return f"looks most like {' and '.join(quiet)}, but " if quiet else ""

@@ -54,7 +54,7 @@ def wave_verdicts(
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained or quiet:
-        return (*named, _unknown(rounds[0], last, LEFT_OF_WAVES))
+        return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES))
     if not any(one.names for one in named) or _ranges_left(last):
         named = tuple(one for one in named if one.names)
         return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES))

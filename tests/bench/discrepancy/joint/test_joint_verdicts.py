@@ -55,7 +55,9 @@ def test_what_is_doubted_is_named_only_by_its_mark():
     both = (PulseRinging(ring_db=-10.0), Quantisation())
     found = WaveChoice(both, marked=("quantisation",), doubted=("pulse-ringing", "quantisation"))
     assert [effect.name for effect in found.named] == ["quantisation"]
+    assert found.likeness == "looks most like pulse-ringing, but "
     assert WaveChoice(both, unexplained=True).named == both
+    assert WaveChoice(both).likeness == ""
 
 
 def test_fewer_rows_are_of_all_links():
