@@ -30,6 +30,7 @@ from bench.discrepancy.sets.blocks import (
     of_laws,
     of_library,
     of_setup,
+    usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import Contest, judged_by_sets
@@ -130,7 +131,7 @@ class Flattened(Contest):
         known: NDArray[np.intp],
         raw: Blocks,
     ) -> None:
-        super().__init__(evidence, kinds, crowding, rows, known)
+        super().__init__(evidence, kinds, crowding, rows, known, usual_levels(rows)[known])
         self.raw = {name: np.hstack(block) for name, block in raw.items()}
 
     def _shifts(self, causes: tuple[str, ...]) -> dict[str, Floats]:

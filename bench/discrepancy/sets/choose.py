@@ -126,11 +126,10 @@ class Contest:
         crowding: float,
         rows: View,
         known: NDArray[np.intp],
-        usual: NDArray[np.bool_] | None = None,
+        usual: NDArray[np.bool_],
     ) -> None:
-        self.evidence, self.kinds, self.crowding = evidence, kinds, crowding
-        self.usual = usual_levels(rows)[known] if usual is None else usual
-        self.rows, self.known = rows, known
+        self.kinds, self.crowding = kinds, crowding
+        self.rows, self.known, self.usual = rows, known, usual
         self.library = frozenset(n for n, kind in kinds.items() if kind.tellable(rows.scene))
         self.untold = frozenset(kinds) - self.library
         self.pays: dict[str, float] = {}
@@ -214,7 +213,9 @@ class Contest:
     def _of_one(self, made: Weighed, name: str) -> float:
         """Return the log evidence of a set in which one device alone has a value of an effect."""
         single = list(self.single[name])
-        mine = self.evidence.places[name][-len(single) :]
+        widths = self.evidence.widths[name]
+        first = sum(widths[: int(np.argmax(widths))])  # the widest part is that of the devices
+        mine = self.evidence.places[name][first : first + len(single)]
         of_device = made.factors[np.isin(made.places, mine)]
         loudest = single[int(np.argmax(np.abs(of_device)))]
         other = self.evidence.of((*_but(made.causes, name), loudest))

@@ -16,9 +16,10 @@ from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.blocks import usual_levels
 from bench.discrepancy.sets.choice import Choice
-from bench.discrepancy.sets.choose import chosen
+from bench.discrepancy.sets.choose import Contest, chosen
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.install import together
+from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.scene import scene
@@ -157,3 +158,17 @@ def test_what_stands_in_the_way_of_some_links_is_no_constant() -> None:
         evidence = Evidence(left, links, parts)
         evidence.reweigh(())
         assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named
+
+
+def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
+    """A clock has a part of the temperature behind those of its devices."""
+    rng, every = np.random.default_rng(9), np.arange(80)
+    rows = search_of(None, 3).train
+    devices = (every[:, None] % 8 == np.arange(8)).astype(float)
+    name = ClockOffset.name
+    blocks = {name: (np.ones((80, 1)), devices, rng.normal(size=(80, 2)))}
+    evidence = Evidence(0.3 * devices[:, 1] + rng.normal(0, 0.02, 80), every, blocks)
+    contest = Contest(evidence, {name: ClockOffset}, 1.0, rows, every, every >= 0)
+    alone = contest.evidence.of((f"{name} of device 1",)).nats - np.log(8)
+    assert alone > contest.evidence.of((name,)).nats
+    assert contest.nats((name,)) == pytest.approx(alone)
