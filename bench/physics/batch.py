@@ -17,6 +17,7 @@ from bench.physics.shaped import first_edge, shifted, with_pulse
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel
 
 NO_PATH, DIRECT, SPECULAR, DIFFRACTED = 0, 1, 2, 3
+REPORTED_LEVELS = ("rx_power_dbm", "first_path_power_dbm")
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,11 @@ class Batch:
         ratio = np.broadcast_to(ratio, (len(self),))[:, None]
         free = None if self.free_gain is None else self.free_gain * ratio[:, 0]
         return replace(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
+
+    def reported_louder(self, gain_db: Floats) -> Batch:
+        """Return the batch with the levels that are reported so far larger by `gain_db` [n]."""
+        known = {name: getattr(self, name) for name in REPORTED_LEVELS}
+        return replace(self, **{n: v + gain_db for n, v in known.items() if v is not None})
 
     def postponed(self, by_ns: Floats) -> Batch:
         """Return the batch with every path and the tail later by `by_ns` [n]."""

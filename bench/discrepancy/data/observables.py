@@ -32,6 +32,7 @@ from bench.recordings.table import SAMPLE_PERIOD_NS
 Floats = NDArray[np.float64]
 
 RANGE = "error_m"  # the observable every table has
+LEVEL = "rx_power_dbm"  # the receive level, as the receiver reports it
 SCALARS = {
     RANGE: "m",
     "rx_power_dbm": "dB",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
-from bench.discrepancy.fit.headings import LEVEL
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
 from bench.physics.effects.fitted.ground_ray import GroundRay
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.settings import (
     HALF_TURN_DEG,
     HEADING_BENDS,
@@ -22,7 +23,6 @@ from bench.discrepancy.settings import (
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
-LEVEL = "rx_power_dbm"
 Floats = NDArray[np.float64]
 HEADINGS_DEG = tuple(np.arange(-HALF_TURN_DEG, HALF_TURN_DEG, HEADING_STEP_DEG).tolist())
 

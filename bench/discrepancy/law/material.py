@@ -35,7 +35,8 @@ _DERIVED = {  # what follows from two positions: words, unit
 }
 
 BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
-NO_SIGHT = "line of sight: False"  # and those of rows without line of sight
+SIGHT = "line of sight: "  # those of rows with or without line of sight
+NO_SIGHT = f"{SIGHT}False"
 
 
 @dataclass(frozen=True)
@@ -262,7 +263,7 @@ def condition(group: str) -> tuple[str, str] | None:
     if name == "obstacle":
         return f"(obstacles == {json.dumps(value)})", f"{BEHIND}{value}"
     if name == "los" and value in ("True", "False"):
-        return f"(los {'>' if value == 'True' else '<'} 0.5)", f"line of sight: {value}"
+        return f"(los {'>' if value == 'True' else '<'} 0.5)", f"{SIGHT}{value}"
     ends = value.split("->")
     if name != "pair" or len(ends) != 2:
         return None

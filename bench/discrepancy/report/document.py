@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
 from bench.discrepancy.data.own_columns import RULE
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.method import SETTINGS, Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
@@ -150,18 +152,22 @@ def describe(verdict: Verdict) -> list[str]:
     if isinstance(verdict, NoMismatch):
         return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
-        found = list(dict.fromkeys(f"- {finding}" for finding in verdict.findings))[:5]
         how = f"A flexible regression removes {verdict.removable} of held-out score."
         return [
             f"**Something is there that no known effect explains** ({verdict.note}).",
             how,
-            *found,
+            *_findings(verdict.findings, 5),
         ]
     if isinstance(verdict, Ambiguous):
         out = [f"**{' or '.join(verdict.names)}**: these recordings cannot tell them apart."]
         out += [f"To progress: {verdict.separate}."]
         return out + [line for option in verdict.options for line in _option_lines(option)]
     return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict)]
+
+
+def _findings(findings: Sequence[Finding], most: int) -> list[str]:
+    """Return the first findings, each once: intervals of different rows may read alike."""
+    return list(dict.fromkeys(f"- {finding}" for finding in findings))[:most]
 
 
 def nameless_lines(diagnosis: Diagnosis) -> list[str]:
@@ -276,7 +282,7 @@ def _search_lines(diagnosis: Diagnosis) -> list[str]:
     for number, turn in enumerate(diagnosis.selection.rounds, 1):
         state = "nothing significant" if not turn.located.significant else "differs:"
         out += [f"Round {number} ({turn.located.cells} places searched): {state}", ""]
-        out += list(dict.fromkeys(f"- {finding}" for finding in turn.located.findings))[:4]
+        out += _findings(turn.located.findings, 4)
         if turn.explanation:
             for one in turn.explanation.contenders:
                 out += [f"- tried {one.name}: gain {one.gain}"]

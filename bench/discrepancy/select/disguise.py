@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.verdict import LeftOut
 from bench.discrepancy.settings import LEVEL_CURVE_SHARE, WIDE_LEVELS_DB
 from bench.physics.units import Floats
-
-LEVELS = "rx_power_dbm"
 
 
 def without_disguises(options: tuple[LeftOut, ...], rows: View) -> tuple[LeftOut, ...]:
@@ -27,7 +26,7 @@ def without_disguises(options: tuple[LeftOut, ...], rows: View) -> tuple[LeftOut
 
 def _most_levels_dbm(rows: View) -> Floats:
     """Return the recorded levels between which most rows are [2], equal ones without levels."""
-    known = rows.recorded.column(LEVELS) if LEVELS in rows.recorded.names else np.empty(0)
+    known = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else np.empty(0)
     known = known[np.isfinite(known)]
     return np.quantile(known, (0.1, 0.9)) if len(known) else np.zeros(2)
 

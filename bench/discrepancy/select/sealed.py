@@ -29,9 +29,13 @@ def unrefused(
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
+    judged: dict[tuple[str, ...], Served | None] = {}
 
     def change(some: Added) -> Served | None:
-        return step(comparison, sealed, some, seed)
+        key = tuple(effect.name for effect in some)
+        if key not in judged:
+            judged[key] = step(comparison, sealed, some, seed)
+        return judged[key]
 
     names = {effect.name for effect in _serving(added, change)}
     gone = tuple(effect for effect in added if effect.name not in names)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import moves_ranges
@@ -28,7 +29,6 @@ from bench.discrepancy.select.settings import (
 )
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import locate_left
-from bench.discrepancy.select.within_links import LEVEL
 from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import FIT_MEMBERS, ONE_SIDED_95
 from bench.physics.base import Base

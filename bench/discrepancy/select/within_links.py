@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.settings import FEWEST_SEVERAL
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
@@ -20,7 +20,6 @@ from bench.discrepancy.settings import (
 )
 
 Floats = NDArray[np.float64]
-LEVEL = "rx_power_dbm"
 
 
 def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.sets.settings import (
     DEFORMED,
@@ -34,7 +35,6 @@ from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.ways import known_mostly, spread_over
 
-LEVEL = "rx_power_dbm"
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"

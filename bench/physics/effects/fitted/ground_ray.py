@@ -23,7 +23,6 @@ from bench.physics.randomness import Draws
 from bench.physics.scene import scene
 from bench.physics.units import Floats
 
-LEVELS = ("rx_power_dbm", "first_path_power_dbm")
 GRID: Floats = np.linspace(0.0, 0.95, 20)
 REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
@@ -61,8 +60,7 @@ class GroundRay(Effect):
             return batch
         batch = batch.longer(self._pulled(found))
         gain = fading_db(found.ray(self.carrier_ghz, self.level_size, self.steepness))
-        known = {name: getattr(batch, name) for name in LEVELS}
-        return replace(batch, **{n: v + gain for n, v in known.items() if v is not None})
+        return batch.reported_louder(gain)
 
     def _pulled(self, found: Rays) -> Floats:
         ray = found.ray(self.carrier_ghz, self.size, self.steepness)

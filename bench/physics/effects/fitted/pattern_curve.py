@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,8 +13,6 @@ from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats
-
-LEVELS = ("rx_power_dbm", "first_path_power_dbm")
 
 
 @dataclass(frozen=True)
@@ -57,8 +55,7 @@ class PatternCurve(Effect):
         if not self.gain_db:
             return batch
         gain = np.nan_to_num(closed(turn, self.headings_deg, self.gain_db))
-        known = {name: getattr(batch, name) for name in LEVELS}
-        return replace(batch, **{n: v + gain for n, v in known.items() if v is not None})
+        return batch.reported_louder(gain)
 
 
 def closed(heading: Floats, headings_deg: tuple[float, ...], values: tuple[float, ...]) -> Floats:
