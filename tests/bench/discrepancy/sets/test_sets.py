@@ -163,7 +163,7 @@ def test_what_stands_in_the_way_of_some_links_is_no_constant() -> None:
 def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
     """A clock has a part of the temperature behind those of its devices."""
     rng, every = np.random.default_rng(9), np.arange(80)
-    rows = search_of(None, 3).train
+    rows = search_of(None, 3).sharpest
     devices = (every[:, None] % 8 == np.arange(8)).astype(float)
     name = ClockOffset.name
     blocks = {name: (np.ones((80, 1)), devices, rng.normal(size=(80, 2)))}
