@@ -13,7 +13,7 @@ class WaveChoice:
 
     `rivals` maps their names to effects that would do as well in their place; `nats` to what each
     brings. `explained`: the evidence of the set over none, `left`: that of something without a
-    form beside it, both in nats. `unexplained`: so much is left that names do not tell all.
+    form beside it, both in nats. `unexplained`: so much is left that no name is sure.
     `marked`: names that bear a mark of their own; `scattering`: of those by which links scatter
     more than without them; `doubted`: of those that something without a form would do as well as.
     """

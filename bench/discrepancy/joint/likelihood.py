@@ -64,6 +64,16 @@ def fitness(
     return paid(given, nats, parameters)
 
 
+def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
+    """Return the mean square of what a set leaves, in scatters of its links: 1 where it is right.
+
+    A posterior predictive check (Gelman, Meng and Stern 1996): among other sets the likeliest may
+    be far off all the same.
+    """
+    matrices, _ = whitener(given, moments, responses)
+    return float((white(matrices, moments.left) ** 2).mean())
+
+
 def evidence(
     given: Statistics, moments: Moments, responses: Responses, parameters: int, free: Free = NONE
 ) -> float:

@@ -3,7 +3,8 @@
 Every effect is tried at many points; the likeliest few are fitted, alone and then as pairs and
 triples, all members of a set at once. A member is named only if the set without it is less likely
 although forms of the others may differ, and if something without a form would not do as well in
-its place; where much is left that such a thing explains, it must bring more than that.
+its place. Where much is left, or links are farther from the set than its simulated ones, no name
+is sure: what nobody listed looks a little like what is.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.likelihood import evidence, left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -25,6 +26,7 @@ from bench.discrepancy.joint.settings import (
     GROWN,
     LEFT_NATS,
     LEFT_SHARE,
+    MISFIT,
     MOST,
     NAME_NATS,
     NAME_SHARE,
@@ -76,22 +78,23 @@ class Sets:
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         much = much or (self._scatters(best, self.none) and free[1] > LEFT_NATS)
+        much = much or (best.names != marked and self._off(best))
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
-        doubted = self._doubted(best, much)
+        doubted = best.names if much else self._doubted(best)
         return WaveChoice(
             best.effects, rivals, brings, explained, left, much, marked, wider, doubted
         )
 
-    def _doubted(self, best: Fit, much: bool) -> tuple[str, ...]:
-        """Return the members that bring nothing beside something without a form.
+    def _off(self, best: Fit) -> bool:
+        """Return whether recordings are farther from a set than its simulated links are."""
+        return misfit(self.given, best.moments, best.responses) > MISFIT
 
-        Where `much` is left, those that bring less than that thing does beside the set.
-        """
+    def _doubted(self, best: Fit) -> tuple[str, ...]:
+        """Return the members that bring too little beside something without a form."""
         whole = beside_unformed(self.given, best)
-        least = max(NAME_NATS, whole - self.worth(best)) if much else 0.0
         rests = {one: beside_unformed(self.given, self._without(best, one)) for one in best.names}
-        return tuple(name for name, rest in rests.items() if whole - rest < least)
+        return tuple(name for name, rest in rests.items() if whole - rest < NAME_NATS)
 
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
         """Return the likeliest set of needed members, and what would do as well as each.

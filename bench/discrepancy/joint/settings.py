@@ -54,6 +54,8 @@ CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do
 LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is
 # there that no effect explains [convention]
 LEFT_SHARE: Final = 0.15  # and of all that is explained then [joint]
+MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulated links, up to which
+# it may be what is there; right sets leave 0.5 to 0.9 [derived]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it

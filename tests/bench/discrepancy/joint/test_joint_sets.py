@@ -98,6 +98,18 @@ def test_what_no_effect_does_is_no_nearest_name():
     assert names(found) == set()
 
 
+def test_no_name_is_sure_where_links_are_far_off_beside_it():
+    """Every link has an echo of its own beside the ringing: no smooth form of anything."""
+    rng = np.random.default_rng(8)
+    frame = recordings((RINGING,))
+    late = rng.integers(15, 60, LINKS).repeat(len(frame) // LINKS)
+    echoed = [cir + 0.6 * np.roll(cir, by) for cir, by in zip(frame["cir"], late, strict=True)]
+    found = choice_of(frame.assign(cir=echoed))
+    assert found.unexplained
+    assert names(found) == set()
+    assert "looks most like" in found.likeness
+
+
 def test_a_fit_of_all_parameters_at_once_is_likelier_than_where_it_began():
     comparison, rows = compared(recordings((RINGING,)))
     given = Statistics(comparison, rows)
