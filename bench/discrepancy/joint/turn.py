@@ -43,10 +43,10 @@ def selected(state: State, journal: Journal) -> Selection:
     state = replace(state, added=choice.added)
     rounds = safely("rounds", kept(rounds_of), ())(search, choice, located)
     state = replace(state, rounds=rounds or (Round(located, None, None),))
+    state = with_range_part(state, journal, choice.unexplained)
+    if state.search.choice.mistaken:
+        return Selection((), (), (), mistaken=state.search.choice.mistaken)
     if not choice.unexplained:
-        state = with_range_part(state, journal)
-        if state.search.choice.mistaken:
-            return Selection((), (), (), mistaken=state.search.choice.mistaken)
         state = safely("scatter", _with_scatter, state)(state, journal)
     return _said(_with_last(state, journal), choice, journal)
 

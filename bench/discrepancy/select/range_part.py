@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
-from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLISTED_M
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
 from bench.discrepancy.sets.blocks import (
@@ -44,16 +44,18 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.effect import Effect
 from bench.physics.units import Floats
+from bench.physics.ways import known_mostly, spread_over
 
 Turns = tuple[Round, ...]
 NONE: tuple[Added, Turns] = (), ()
 
 
-def with_range_part(state: State, journal: Journal) -> State:
+def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> State:
     """Return the state with the set of causes that ranges speak for beside waveform effects.
 
     Where nothing differed, nothing is asked; names of ranges that scores gave are only added to,
-    and what held-out links lose by is not taken.
+    and what held-out links lose by is not taken. `unlisted`: waveforms show what no effect
+    explains, which may shift ranges too.
     """
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
@@ -61,7 +63,7 @@ def with_range_part(state: State, journal: Journal) -> State:
     ranged = replace(search, work=joined(search.fit, search.discover))
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
-    found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside)
+    found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside, unlisted)
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
     have = {effect.physics for effect in state.added} & names
@@ -91,8 +93,11 @@ def _installed(state: State, found: Choice, added: Added, turns: Turns) -> State
     return replace(state, search=search, added=added, rounds=(*old, *turns, last))
 
 
-def chosen_beside(ranged: Search, beside: Added) -> Choice:
-    """Return the set of causes that ranges of all working rows speak for beside some effects."""
+def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choice:
+    """Return the set of causes that ranges of all working rows speak for beside some effects.
+
+    And, with `unlisted`, beside whatever a cause that nobody listed may do to a detector.
+    """
     rows = ranged.work
     assert rows is not None
     ensemble = ranged.comparison.ensemble(rows, beside, RESIDUAL_MEMBERS)
@@ -101,6 +106,8 @@ def chosen_beside(ranged: Search, beside: Added) -> Choice:
     left = ensemble.residual_of(RANGE)
     known = np.flatnonzero(np.isfinite(left))
     forms = receiver_forms(ranged, rows, ensemble, beside)[known]
+    if unlisted:
+        forms = np.hstack([forms, unlisted_forms(rows)[known]])
     flat = whitening(forms, left[known])
     library = _kept(of_library(ranged.kinds, rows), known)
     laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known)
@@ -158,6 +165,19 @@ def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -
         response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))
         parts += [deformed(response, rows), DETECTION_SHARE * response[:, None]]
     return np.hstack(parts)
+
+
+def unlisted_forms(rows: View) -> Floats:
+    """Return what a changed waveform may do to every detector alike [n, k], in metres.
+
+    Anything smooth over distance and level, and more or less in every group but devices.
+    """
+    groups = [m for n, m in rows.covariates.groups.items() if not n.startswith(("tx=", "rx="))]
+    columns = [np.ones(len(rows.rows)), *(mask.astype(np.float64) for mask in groups)]
+    level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else None
+    over = (known_mostly(v) for v in (rows.scene.true_range_m, level) if v is not None)
+    curves = [spread_over(values) for values in over if values is not None]
+    return np.asarray(UNLISTED_M * np.hstack([np.stack(columns, axis=1), *curves]))
 
 
 def known_columns_of(rows: View) -> Floats:

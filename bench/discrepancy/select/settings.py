@@ -25,6 +25,7 @@ PULSE_SAMPLES: Final = 6  # around the first path, where the pulse itself stands
 DETECTION_M: Final = (
     0.01  # that receivers differ by in what they make of a changed waveform [waves]
 )
+UNLISTED_M: Final = 0.5  # that a changed waveform of no known effect may shift a range [waves]
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
 
 # --- Marks of ranges (select/marks) ---------------------------------------------------------------

@@ -25,11 +25,15 @@ from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.numpy_tables import tables
 
 
-def search_of(constant_m: float) -> tuple[Search, Search]:
-    """Return a search over two halves of tables, `constant_m` hidden, and one over all rows."""
+def search_of(constant_m: float, device: str | None = None) -> tuple[Search, Search]:
+    """Return a search over two halves of tables, `constant_m` hidden, and one over all rows.
+
+    In all rows, or in those of one transmitter.
+    """
     recorded, simulated = tables(3, None)
     frame = recorded.frame
-    frame = frame.assign(**{n: frame[n] + constant_m for n in ("error_m", "range_m") if n in frame})
+    more = constant_m * (frame["tx"] == device if device else 1.0)
+    frame = frame.assign(**{n: frame[n] + more for n in ("error_m", "range_m") if n in frame})
     codes = link_codes(frame)
     odd = codes % 2 == 1
     halves = [
@@ -48,6 +52,14 @@ def test_a_delay_is_found_beside_an_effect_and_a_receivers_shift_is_not(
     search = search_of(constant_m)[1]
     assert chosen_beside(search, beside).names == names
     assert chosen_beside(search, ()).names == ("antenna-delay",)
+
+
+@pytest.mark.parametrize(("of_device", "names"), [(True, ("antenna-delay",)), (False, ())])
+def test_beside_what_nobody_listed_a_delay_is_named_only_where_devices_differ(
+    of_device: bool, names: tuple[str, ...]
+) -> None:
+    search = search_of(0.15, "d1" if of_device else None)[1]
+    assert chosen_beside(search, (), unlisted=True).names == names
 
 
 def test_rows_of_two_views_are_all_there() -> None:
