@@ -18,12 +18,12 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "tunnel"), ("CIR", "box"), ("ranges again", "yard"), ("CIR again", "orchard"),
-    ("ranges", "hall"), ("CIR", "tunnel"), ("ranges again", "depot"), ("CIR again", "wave"),
+    ("ranges", "pool"), ("CIR", "box"), ("ranges again", "yard"), ("CIR again", "market"),
+    ("ranges", "hall"), ("CIR", "pool"), ("ranges again", "depot"), ("CIR again", "wave"),
     ("ranges", "quay"), ("CIR", "attic"), ("ranges again", "abbey"), ("CIR again", "stage"),
-    ("ranges", "mill"), ("CIR", "loft"), ("ranges again", "harbour"), ("CIR again", "clinic"),
-    ("ranges", "orchard"), ("CIR", "orchard"), ("ranges again", "tunnel"), ("CIR again", "tunnel"),
-    ("ranges", "harbour"), ("CIR", "depot"), ("ranges again", "orchard"), ("CIR again", "attic"),
+    ("ranges", "mill"), ("CIR", "loft"), ("ranges again", "tunnel"), ("CIR again", "clinic"),
+    ("ranges", "market"), ("CIR", "market"), ("ranges again", "pool"), ("CIR again", "orchard"),
+    ("ranges", "harbour"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "pool"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
@@ -32,9 +32,9 @@ COARSE = (
     "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("tunnel", "orchard")
+KEPT = ("pool", "market")
 """Families that were written last, and opened for the report alone."""
-WITH_WAVES = ("mill", "depot", "harbour", "attic", "tunnel", "orchard")
+WITH_WAVES = ("mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market")
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 
 

@@ -14,15 +14,24 @@ import pytest
 from bench.challenge import families
 from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, world_of
 
-LAST = ("harbour", "attic", *KEPT)
+LAST = ("harbour", "attic", "tunnel", "orchard", *KEPT)
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
     "seiche": "time_s",
     "drum-off-centre": "cable_out_m",
     "slab-joints": "odometer_m",
     "irrigation-turns": "time_s",
+    "wave-machine": "time_s",
+    "fridges-run": "time_s",
 }
-WORLD_OF_DEVICE = {"crane": "tx", "beam": "rx", "niche": "rx", "post": "rx"}
+WORLD_OF_DEVICE = {
+    "crane": "tx",
+    "beam": "rx",
+    "niche": "rx",
+    "post": "rx",
+    "beacon": "rx",
+    "lamp": "rx",
+}
 
 
 @cache
@@ -76,10 +85,12 @@ def test_their_tables_have_other_columns_and_lengths() -> None:
     assert {"room_x_m"} <= has["attic", "ranges"] - has["harbour", "ranges"]
     assert {"channel", "prf_mhz"} <= has["harbour", "ranges"] - has["attic", "ranges"]
     assert {"room_x_m", "channel"} <= has["tunnel", "ranges"] - has["orchard", "ranges"]
+    assert {"room_x_m"} <= has["pool", "CIR"] - has["market", "CIR"]
+    assert {"channel", "prf_mhz"} <= has["market", "CIR"] - has["pool", "CIR"]
     assert "preamble_count" not in has["harbour", "ranges"]
     assert "temperature_c" not in has["attic", "CIR"]
     lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in LAST}
-    assert lengths == {178, 118, 134, 106}
+    assert lengths == {178, 118, 134, 106, 152, 122}
 
 
 @pytest.mark.parametrize(("family", "mode"), MODES)
