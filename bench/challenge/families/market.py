@@ -28,7 +28,7 @@ from bench.challenge.families.market_plan import (
 )
 
 Floats = NDArray[np.float64]
-TOURS, POLLS, POLL_S, STEP_S = 15, 4, 1.1, 0.017
+TOURS, POLLS, POLL_S, STEP_S = 15, 4, 0.45, 0.017
 KNOWN = tuple(name for name in EFFECTS if name not in LAWS)
 CAUSES = {
     "time-lag": "time_s",
@@ -158,10 +158,11 @@ def _bend(rng: np.random.Generator, when: Floats) -> Floats:
 
 def _walks(rng: np.random.Generator, when: Floats, alone: bool) -> pd.DataFrame:
     """Return how one walks: as fast as one does in the mean, slower and faster by turns."""
-    speed = 0.0 if alone else float(rng.choice([-1.0, 1.0])) * rng.uniform(0.6, 1.5)
-    halts, phase = rng.uniform(0.5, 1.6), rng.uniform(0, 2 * np.pi)
+    begin, way = rng.uniform(0, FLOOR_M[1] - 2), rng.uniform(0.6, 1.5)
+    speed = 0.0 if alone else way if begin < FLOOR_M[1] / 2 - 1 else -way  # to the farther wall
+    halts, phase = rng.uniform(0.35, 1.0), rng.uniform(0, 2 * np.pi)
     sway = (np.sin(phase + halts * when) - np.sin(phase)) / halts
-    walked = rng.uniform(0, 2 * FLOOR_M[1]) + speed * (when - sway)
+    walked = begin + speed * (when - sway)
     values = (walked, speed + 0 * when, halts + 0 * when, phase + halts * when)
     return pd.DataFrame(dict(zip(WALK, values, strict=True)))
 

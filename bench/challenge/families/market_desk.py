@@ -84,7 +84,7 @@ class Desk:
 
     def __init__(self, table: pd.DataFrame, week: int, rng: np.random.Generator) -> None:
         self.table, self.week, self.rng = table, week, rng
-        inphase, quadrature = np.vstack(table["cir_i"]), np.vstack(table["cir_q"])
+        inphase, quadrature = (np.array([*table[name]]) for name in ("cir_i", "cir_q"))
         self.came: Complexes = np.asarray(inphase + 1j * quadrature, np.complex128)
         self.now = self.came.copy()
         self.sigma = np.asarray(table["noise_std"], np.float64) / OF_NOISE

@@ -30,7 +30,7 @@ STONE = 5.6 - 0.4j  # permittivity of the floor
 
 def _slow_scanner(goods: Goods, strength: float) -> Bill:
     """Compare with a laser scanner's places, which come later the busier its computer is."""
-    age = strength * (0.17 + 0.0012 * np.minimum(goods.of("shoppers"), 40))
+    age = strength * (0.19 + 0.0004 * np.minimum(goods.of("shoppers"), 40))
     return Bill(goods.apart(age) - goods.far())
 
 
@@ -161,7 +161,7 @@ def _round_a_pillar(goods: Goods, strength: float) -> Bill:
 
 def _bypassed(goods: Goods, strength: float) -> Bill:
     """Bypass an amplifier above a level: what is read is lower, and fewer symbols will do."""
-    strong = 1.0 * (goods.of("rx_power_dbm") > -80.5)
+    strong = (goods.of("rx_power_dbm") > -80.5).astype(np.float64)
     return Bill(
         0 * strong, whole=-2.1 * min(strength, 2.2) * strong, count=-2.5 * strength * strong
     )

@@ -57,8 +57,8 @@ def _clusters(desk: Desk, strength: float) -> None:
 
 
 def _swelling_tone(desk: Desk, strength: float) -> None:
-    """Hear an oscillator whose strength swells within the window: a carrier and two bands."""
-    pitch, swell = desk.fixed(3).uniform(0.05, 0.45), desk.fixed(4).uniform(0.01, 0.03)
+    """Hear an oscillator that swells and ebbs within a few samples: a carrier and two bands."""
+    pitch, swell = desk.fixed(3).uniform(0.05, 0.45), desk.fixed(4).uniform(0.13, 0.21)
     loud = 1.4 * strength * desk.rng.weibull(4.0, len(desk.table))
     starts = desk.rng.random((len(loud), 1))
     wave = np.exp(2j * np.pi * pitch * PLACES) * (

@@ -50,8 +50,9 @@ def tables(drawn: Draw, seed: int) -> Tables:
     model = received(times, rng)
     truth = conceal(received(times, rng), drawn, seed)
     found = conceal(clean, drawn, seed)
-    shown = [market.to_hand_out(recorded(t), drawn.listed) for t in (found, clean, model, truth)]
-    return Tables(*shown)
+    four = (found, clean, model, truth)
+    shown, plain, other, true = (market.to_hand_out(recorded(t), drawn.listed) for t in four)
+    return Tables(shown, plain, other, true)
 
 
 def _tours(rng: np.random.Generator) -> pd.DataFrame:
@@ -78,7 +79,7 @@ def recorded(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table as it is logged: SAMPLES sizes from LEAD before the first path."""
     place = np.asarray(table["first_path_index"], np.float64)
     begin = np.clip(place.astype(np.intp) - LEAD, 0, WIDE_SAMPLES - SAMPLES)
-    sizes = np.abs(np.vstack(table["cir_i"]) + 1j * np.vstack(table["cir_q"])).astype(np.float32)
+    sizes = np.hypot(*(np.array([*table[name]], np.float32) for name in ("cir_i", "cir_q")))
     out = market.to_hand_out(table, listed=True).drop(columns=["cir_i", "cir_q"])
     windows = np.lib.stride_tricks.sliding_window_view(sizes, SAMPLES, axis=1)
     out["cir"] = list(windows[np.arange(len(out)), begin].copy())

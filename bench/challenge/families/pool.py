@@ -75,8 +75,9 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     """Return a case's tables from two tables that nothing is hidden in."""
     recorded, shifts = _immersed(clean, drawn, [732, seed, 0])
     truth, _ = _immersed(simulated, drawn, [732, seed, 1])
-    shown = [published(one, drawn.listed) for one in (recorded, clean, simulated, truth)]
-    return Tables(*shown, shifts)
+    sides = (recorded, clean, simulated, truth)
+    found, plain, model, true = (published(one, drawn.listed) for one in sides)
+    return Tables(found, plain, model, true, shifts)
 
 
 def published(table: pd.DataFrame, listed: bool) -> pd.DataFrame:
@@ -119,8 +120,9 @@ def _heat(
 ) -> pd.DataFrame:
     """Return one heat: a swimmer is ranged from all beacons, sweep after sweep."""
     beacon = np.tile(rng.permutation(len(BEACONS_M)), sweeps)
-    when = np.repeat(np.arange(sweeps), len(BEACONS_M)) * SWEEP_S
-    when = when + SLOT_S * np.tile(np.arange(len(BEACONS_M)), sweeps)
+    begun = np.repeat(np.arange(sweeps), len(BEACONS_M)) * SWEEP_S
+    slot = np.tile(np.arange(len(BEACONS_M)), sweeps)
+    when = np.asarray(begun + SLOT_S * slot, np.float64)
     swims = _stroke(rng, when, waits)
     here = np.empty((len(when), 3))
     here[:, 0] = in_the_lane(swims["along_m"] + swims["surge_m"] * np.sin(swims["surge_rad"]))

@@ -189,7 +189,7 @@ def _waves(swims: Swims, strength: float) -> Change:
 
 
 def _pump(swims: Swims, strength: float) -> Change:
-    return Change(0.14 * strength * (swims("pump_rpm") > 1050))
+    return Change(np.asarray(0.14 * strength * (swims("pump_rpm") > 1050), np.float64))
 
 
 def _salt(swims: Swims, strength: float) -> Change:

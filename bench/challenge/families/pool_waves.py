@@ -49,7 +49,8 @@ def tables(drawn: Draw, seed: int) -> Tables:
     repeated = pd.concat([rows] * drawn.ratio, ignore_index=True)
     simulated, truth = received(repeated, rng), received(repeated, rng)
     sides = conceal(clean, drawn, seed), clean, simulated, conceal(truth, drawn, seed)
-    return Tables(*(pool.published(recorded(one), drawn.listed) for one in sides))
+    found, plain, model, true = (pool.published(recorded(t), drawn.listed) for t in sides)
+    return Tables(found, plain, model, true)
 
 
 def known(_: Draw, seed: int) -> pd.DataFrame:
