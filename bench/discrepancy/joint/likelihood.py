@@ -74,6 +74,15 @@ def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
     return float((white(matrices, moments.left) ** 2).mean())
 
 
+def link_nats(given: Statistics, moments: Moments, responses: Responses) -> Floats:
+    """Return the log likelihood of every link [L] but for a constant, in nats (see `fitness`)."""
+    matrices, _ = whitener(given, moments, responses)
+    square = (white(matrices, moments.left) ** 2).sum(axis=1)
+    volume = -np.log(np.einsum("lii->li", matrices)).sum(axis=1)
+    freedom = TAIL + moments.left.shape[1]
+    return np.asarray(-0.5 * freedom * np.log1p(square / TAIL) - volume)
+
+
 def evidence(
     given: Statistics, moments: Moments, responses: Responses, parameters: int, free: Free = NONE
 ) -> float:

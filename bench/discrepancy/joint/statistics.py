@@ -9,6 +9,7 @@ Wood 2010), the covariance shrunk to its diagonal.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.settings import (
     DECIBELS,
     FEWEST_ALIKE,
@@ -106,6 +108,29 @@ class Statistics:
         Or where it fails.
         """
         return self._kept.get(added, lambda: self._moments(added, self.members))
+
+    def needed(self, added: Added) -> Moments:
+        """Return the statistics as `moments` does; raises BenchError where there are none."""
+        made = self.moments(added)
+        if made is None:
+            raise BenchError("nothing can be simulated at these rows")
+        return made
+
+    def knowing(self, added: Added) -> Statistics:
+        """Return those of the statistics that effects `added` leave known."""
+        have = self.comparison.ensemble(self.rows, (*self.beside, *added), self.members).names
+        keep = [place for place, name in enumerate(self.names) if name in have]
+        if len(keep) == len(self.names):
+            return self
+        less = copy(self)
+        less.names, less.floor = tuple(self.names[i] for i in keep), self.floor[keep]
+        less._kept = Memory(KEPT)
+        return less
+
+    def worth(self, nats: float, effects: Added) -> float:
+        """Return nats less what the parameters of effects cost, as links count (BIC)."""
+        count = sum(len(free_parameters(type(effect))) for effect in effects)
+        return float(nats) / self.crowding - count / 2 * float(np.log(self.links))
 
     def mean(self, added: Added) -> Floats | None:
         """Return the statistics of one simulated version [L, p], None as for `moments`."""

@@ -15,9 +15,12 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
+from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.candidates import Explanation, contender
+from bench.discrepancy.select.conclude import struck_out
+from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.marks import forms_of_marks
 from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
@@ -25,6 +28,7 @@ from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.stepwise import best_contender, explain_left, locate_left
+from bench.discrepancy.select.verdict import NoMismatch
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -40,9 +44,13 @@ def selected(state: State, journal: Journal) -> Selection:
         return spoilt(state.after(Round(located, None, None)), fault)
     search.progress("comparing sets of effects on waveforms")
     choice = safely("sets of waveform effects", kept(chosen), WaveChoice())(search)
+    found = safely("links struck at random", kept(struck_by), None)(search, choice)
+    if found:
+        state, located, choice = _spared(state, journal, found, located)
+        search = state.search
     state = replace(state, added=choice.added)
     rounds = safely("rounds", kept(rounds_of), ())(search, choice, located)
-    state = replace(state, rounds=rounds or (Round(located, None, None),))
+    state = replace(state, rounds=(*state.rounds, *(rounds or (Round(located, None, None),))))
     state = with_range_part(state, journal, choice.unexplained)
     if state.search.choice.mistaken:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
@@ -51,10 +59,26 @@ def selected(state: State, journal: Journal) -> Selection:
     return _said(_with_last(state, journal), choice, journal)
 
 
+def _spared(
+    state: State, journal: Journal, found: Strike, located: Located
+) -> tuple[State, Located, WaveChoice]:
+    """Return the state without the links that were struck, what differs there, and its set."""
+    safely, kept = state.guard.safely, journal.kept
+    after = state.after(Round(located, None, found.effect, found))
+    after = replace(after, search=state.search.spared(found))
+    left = kept(locate_left)(after.search, (), 1)
+    if not left.significant:
+        return after, left, WaveChoice()
+    again = safely("sets of waveform effects", kept(chosen), WaveChoice())(after.search)
+    return after, left, again
+
+
 def chosen(search: Search) -> WaveChoice:
     """Return the set of effects that waveforms of all working rows speak for."""
     kinds = [
-        kind for kind in search.kinds.values() if kind.stage != "ranging" and not fits_itself(kind)
+        kind
+        for kind in search.kinds.values()
+        if kind.stage != "ranging" and not fits_itself(kind) and kind.strikes is None
     ]
     tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
     rows = compared_rows(search)
@@ -122,8 +146,11 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     """Return the selection with its verdicts, and the simulator that fits best."""
     search, rounds = state.search, state.rounds
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
+    struck = tuple(turn.strike for turn in rounds if turn.strike)
+    names = [struck_out(search, turn, turn.strike, state.added) for turn in rounds if turn.strike]
+    said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))
     held = Checked(state.added, rounds)
-    best = fitting_best(search, held, (), said)
+    best = fitting_best(search, held, tuple(one.effect for one in struck), said)
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
     return Selection(said, best, rounds, skipped, together)

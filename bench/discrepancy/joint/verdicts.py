@@ -49,7 +49,7 @@ def wave_verdicts(
     if not added and not real(search, last):
         return (NoMismatch(last.located.detectable, last.located.p),)
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
-    turns = [turn for turn in rounds if turn.added and turn.added.name not in quiet]
+    turns = [turn for turn in rounds if _named(turn) not in {"", *quiet}]
     sizes = sizes_seen(search) if turns else parameter_intervals
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
@@ -59,6 +59,11 @@ def wave_verdicts(
         named = tuple(one for one in named if one.names)
         return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES))
     return named
+
+
+def _named(turn: Round) -> str:
+    """Return the name of what a round added, "" where nothing, or what strikes links."""
+    return turn.added.name if turn.added and not turn.strike else ""
 
 
 def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...]:

@@ -56,7 +56,7 @@ def verdicts(
     """
     last = rounds[-1]
     beside = whole or added
-    struck = tuple(_struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
+    struck = tuple(struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
     if doubts:
         held = verdicts(search, rounds, added, whole=whole) if added else struck
         known = tuple(v for v in held if not isinstance(v, Unknown))
@@ -100,7 +100,7 @@ def _since_struck(rounds: tuple[Round, ...]) -> Explanation:
     return next(turn.explanation for turn in (*rounds[start:], *rounds) if turn.explanation)
 
 
-def _struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Verdict:
+def struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Verdict:
     """Return the verdict on an effect that strikes links at random.
 
     One that is there too where it must do nothing is no name.

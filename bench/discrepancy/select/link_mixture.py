@@ -10,7 +10,7 @@ likelihoods is the evidence. A rival that all links share is put to the same lik
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -335,10 +335,16 @@ def _intervals(
         (share, best.share, [one.share for one in likely], SHARES.tolist()),
         (size, best.size, [one.size for one in likely], list(sizes)),
     ):
-        low, high = _half_way(min(near), max(near), [item.low, *grid, item.high])
-        bound = now >= item.high
-        out.append(ParameterEstimate(item.name, now, low, high, item.unit, bound))
+        out.append(intervals_of(item, now, near, grid))
     return tuple(out)
+
+
+def intervals_of(
+    item: Parameter, value: float, near: Collection[float], grid: Sequence[float]
+) -> ParameterEstimate:
+    """Return a parameter whose values `near` are about as likely, of those tried (`grid`)."""
+    low, high = _half_way(min(near), max(near), [item.low, *grid, item.high])
+    return ParameterEstimate(item.name, value, low, high, item.unit, value >= item.high)
 
 
 def _half_way(low: float, high: float, grid: list[float]) -> tuple[float, float]:
