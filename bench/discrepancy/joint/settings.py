@@ -65,9 +65,10 @@ SIZE_MEMBERS: Final = 8  # simulated versions for them [cost]
 SIZE_WIDER: Final = 3.0  # times what slopes say: valleys bend, and fits end before their floor.
 # Measured on recordings of known effects, seeds 52960 and 73311: 86 % hold the truth so, 61 % at 1
 
-STRIKE_POINTS: Final = (0.02, 0.05, 0.12, 0.25, 0.45)  # of the bounds, of a strike [cost]
+STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45)  # of the bounds, of a strike [cost]
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
 CALM_FEWEST: Final = 8  # links that were not; and more than struck ones [convention]
-LONGER_ODDS: Final = 0.8  # that a struck link reads longer than a spared one, at least [convention]
-LONGER_M: Final = 0.05  # by which struck links read longer, in the median [convention]
+STRIKE_ALIKE: Final = 0.6  # of what a strike brings, from where another may do as well [convention]
+LONGER_ODDS: Final = 0.7  # that a struck link reads longer than a spared one, at least [convention]
+LONGER_M: Final = 0.03  # by which struck links read longer, in the median [convention]
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck

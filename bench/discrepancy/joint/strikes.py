@@ -6,13 +6,13 @@ statistics have two likelihoods: of a link that is spared and of one that is str
 of being struck, the same for all, their mixture is the evidence (compare
 `bench.discrepancy.select.link_mixture` for ranges alone). It must say more than what all links
 share, alone or beside it. What an obstruction does to ranges depends on the receiver's detector,
-so these are no part of the likelihood but a witness: struck links must read longer.
+so these are no part of the likelihood but an independent witness: struck links must read longer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +30,15 @@ from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
     CALM_FEWEST,
     CLASS_NATS,
-    CLASS_SHARE,
     LONGER_M,
     LONGER_ODDS,
     NAME_NATS,
     PREDICTED_P,
+    STRIKE_ALIKE,
     STRIKE_POINTS,
     STRUCK_FEWEST,
 )
-from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.select.link_mixture import Strike, intervals_of
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
@@ -59,10 +59,10 @@ SHARES: Floats = np.array(STRUCK_SHARES)
 
 @dataclass(frozen=True)
 class Mixed:
-    """A mixture of spared and struck links: where, at which share, and how likely it is.
+    """A mixture of spared and struck links: at which parameters, and how likely it is.
 
-    `nats` is the log likelihood of all links with every share of `SHARES`; `odds` [L] are the log
-    odds of every link at the likeliest share.
+    `nats`: the log likelihood of all links with every share of `SHARES`. `odds` [L]: the log odds
+    of every link at the likeliest share.
     """
 
     values: Values
@@ -92,20 +92,24 @@ class Mixture:
         self.free = [p for p in free_parameters(kind) if p.name != kind.strikes[0]]
         inert = kind().inert(Base().paths(given.rows.scene))
         self.inert = np.bincount(given.code, inert) == given.count
-        self.bare: Moments = given.needed(beside)
+        self.bare = given.needed(beside)
         self.spared = link_nats(given, self.bare, ())
         self.tried: list[Mixed] = []
+        self.begun = self._at({p.name: p.default for p in self.free})
 
     def fitted(self) -> Mixed | None:
-        """Return the likeliest mixture of a search along one parameter after the other."""
-        best = self._at({p.name: p.default for p in self.free})
-        for item in [*self.free, *self.free]:
+        """Return the likeliest mixture of a search along one parameter after the other.
+
+        None where the effect as it is by default strikes no link.
+        """
+        best = self.begun
+        if best is None or best.best < self.spared.sum():
+            return None
+        for item in self.free:
             for share in STRIKE_POINTS:
-                start = best.values if best else {p.name: p.default for p in self.free}
                 value = between(item, item.low, item.high, share)
-                made = self._at({**start, item.name: value})
-                if made and (best is None or made.best > best.best):
-                    best = made
+                made = self._at({**best.values, item.name: value})
+                best = made if made and made.best > best.best else best
         return best
 
     def _at(self, values: Values) -> Mixed | None:
@@ -117,17 +121,16 @@ class Mixture:
             return None
         found = link_nats(self.given, moments, (moments.mean - self.bare.mean,))
         more = np.where(self.inert, -np.inf, found - self.spared)
-        made = _mixed(values, self.spared, more)
-        self.tried.append(made)
-        return made
+        self.tried.append(mixed(values, self.spared, more))
+        return self.tried[-1]
 
     def near(self, best: Mixed) -> list[Mixed]:
         """Return what was tried that is about as likely as the best."""
         return [one for one in self.tried if one.best > best.best - PROFILE_90_NATS]
 
 
-def _mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
-    """Return the mixture of links that are likelier by `more` [L] if struck."""
+def mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
+    """Return the mixture of links, likely by `spared` [L], and by `more` [L] likelier if struck."""
     each = np.logaddexp(np.log1p(-SHARES)[:, None], np.log(SHARES)[:, None] + more)
     nats = (spared + each).sum(axis=1)
     share = SHARES[nats.argmax()]
@@ -164,11 +167,12 @@ def struck_by(search: Search, choice: WaveChoice) -> Strike | None:
     given = _known(Statistics(search.comparison, compared_rows(search)), kinds)
     bases = list(dict.fromkeys(((), choice.added)))
     common = max(_common(given, base) for base in bases)
-    found = [one for base in bases for kind in kinds if (one := _found(given, base, kind))]
+    found = [one for kind in kinds if (one := _found(given, bases, kind))]
     found.sort(key=lambda one: -one.nats)
-    if not found or found[0].nats - common < NAME_NATS or not _alone(found, common):
+    if not found or found[0].nats - common < NAME_NATS or not _witnessed(search, found[0]):
         return None
-    return _strike(found[0], common) if _witnessed(search, found[0]) else None
+    first, *others = (_strike(one, common) for one in _alike(found, common))
+    return replace(first, others=tuple(others))
 
 
 def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
@@ -177,7 +181,7 @@ def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
         assert kind.strikes is not None
         share, size = kind.strikes
         item = next(p for p in kind.parameters() if p.name == size)
-        for point in STRIKE_POINTS:
+        for point in (STRIKE_POINTS[0], STRIKE_POINTS[-1]):
             value = between(item, item.low, item.high, point)
             given = given.knowing((valued(kind, {share: 1.0, size: value}),))
     return given
@@ -188,20 +192,27 @@ def _common(given: Statistics, added: Added) -> float:
     return given.worth(link_nats(given, given.needed(added), ()).sum(), added)
 
 
-def _found(given: Statistics, base: Added, kind: type[Effect]) -> Found | None:
-    mixture = Mixture(given, base, kind)
+def _found(given: Statistics, bases: Sequence[Added], kind: type[Effect]) -> Found | None:
+    """Return the likeliest mixture of a kind of effect, None without one."""
+    every = [Mixture(given, base, kind) for base in bases]
+    begun = [(one, one.begun) for one in every if one.begun]
+    if not begun:
+        return None
+    mixture = max(begun, key=lambda one: given.worth(one[1].best, one[0].beside))[0]
     best = mixture.fitted()
     if best is None:
         return None
-    return Found(mixture, best, given.worth(best.best, (*base, kind())))
+    return Found(mixture, best, given.worth(best.best, (*mixture.beside, kind())))
 
 
-def _alone(found: Sequence[Found], common: float) -> bool:
-    """Return whether no other kind of strike does about as well as the likeliest."""
-    first = found[0]
-    gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (first.nats - common))
-    others = [one for one in found if one.mixture.kind is not first.mixture.kind]
-    return all(one.nats < first.nats - gap for one in others)
+def _alike(found: Sequence[Found], common: float) -> list[Found]:
+    """Return the likeliest kind of strike and those that do about as well: forms are never right.
+
+    What blocks a path and what weakens it do the same to many a link.
+    """
+    least = STRIKE_ALIKE * (found[0].nats - common)
+    gap = min(least, found[0].nats - common - CLASS_NATS)
+    return [one for one in found if one is found[0] or one.nats - common > gap]
 
 
 def _witnessed(search: Search, found: Found) -> bool:
@@ -251,8 +262,7 @@ def _strike(found: Found, common: float) -> Strike:
     """Return the strike with its evidence and intervals."""
     given, kind = found.mixture.given, found.mixture.kind
     links = np.unique(given.rows.links)
-    each = np.log1p(np.exp(np.clip(found.best.odds, None, 0))) + np.clip(found.best.odds, 0, None)
-    each = (each + np.log1p(-found.best.share)) / given.crowding
+    each = (np.logaddexp(0, found.best.odds) + np.log1p(-found.best.share)) / given.crowding
     excess = each.sum() - (found.nats - common)
     evidence = cluster_bootstrap(each * len(each) - excess, links, 0, "nats of likelihood")
     near = found.mixture.near(found.best)

@@ -27,7 +27,12 @@ from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.state import Round, Search, Selection, State
-from bench.discrepancy.select.stepwise import best_contender, explain_left, locate_left
+from bench.discrepancy.select.stepwise import (
+    best_contender,
+    explain_left,
+    locate_left,
+    struck_round,
+)
 from bench.discrepancy.select.verdict import NoMismatch
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
@@ -64,7 +69,8 @@ def _spared(
 ) -> tuple[State, Located, WaveChoice]:
     """Return the state without the links that were struck, what differs there, and its set."""
     safely, kept = state.guard.safely, journal.kept
-    after = state.after(Round(located, None, found.effect, found))
+    differs = kept(left_by)(state.search, (), located)
+    after = state.after(struck_round(located, differs, found))
     after = replace(after, search=state.search.spared(found))
     left = kept(locate_left)(after.search, (), 1)
     if not left.significant:

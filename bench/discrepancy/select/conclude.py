@@ -101,17 +101,25 @@ def _since_struck(rounds: tuple[Round, ...]) -> Explanation:
 
 
 def struck_out(search: Search, turn: Round, found: Strike, added: Added) -> Verdict:
-    """Return the verdict on an effect that strikes links at random.
+    """Return the verdict on an effect that strikes links at random, or on some that do as well.
 
     One that is there too where it must do nothing is no name.
     """
+    options = [_struck_option(search, turn, one, added) for one in (found, *found.others)]
+    passed = tuple(one for one in options if one.control.passed is not False)
+    if options[0] not in passed:
+        words = options[0].control.words
+        note = f"{found.effect.physics} gains most, but it is there too in {words}"
+        return _refuted(turn, note)
+    return of_class(turn, passed, search.fit.waveform)
+
+
+def _struck_option(search: Search, turn: Round, found: Strike, added: Added) -> LeftOut:
+    """Return what can be said of one effect that strikes links at random."""
     unknown = Control(type(found.effect).control, None)
     control = Guard().safely("negative control", struck_control, unknown)(
         search, added, found.effect
     )
-    if control.passed is False:
-        note = f"{found.effect.physics} gains most, but it is there too in {control.words}"
-        return _refuted(turn, note)
     return LeftOut(
         found.effect,
         found.parameters,

@@ -59,7 +59,7 @@ class Strike:
     """An effect that strikes links at random, with the evidence for it.
 
     `evidence`: log likelihood over that of the simulator with wild links, in nats; `struck` are
-    the link codes that are outliers; `judged`: what the evidence is in.
+    the link codes that are outliers; `judged`: what the evidence is in; `others` would do as well.
     """
 
     effect: Effect
@@ -67,6 +67,7 @@ class Strike:
     parameters: tuple[ParameterEstimate, ...]
     struck: NDArray[np.intp]
     judged: str = "evidence in the offsets of links"
+    others: tuple[Strike, ...] = ()
 
 
 @dataclass(frozen=True)

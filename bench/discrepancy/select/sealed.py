@@ -42,7 +42,7 @@ def unrefused(
     if not gone:
         return found, more
     seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
-    held = {e.physics for e in gone if e.name in seen and not _surely_worse(change((e,)))}
+    held = {e.physics for e in gone if e.name in seen and not _surely_worse(sealed, change((e,)))}
     held |= {e.physics for e in gone if sealed.waveform and _surely_better(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
     words = {e.physics: str(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
@@ -54,9 +54,15 @@ def _surely_better(effect: Effect, found: Served | None) -> bool:
     return effect.stage != "ranging" and found is not None and found.gain.above_zero
 
 
-def _surely_worse(found: Served | None) -> bool:
-    """Return whether an effect makes held-out links worse beyond chance."""
-    return found is not None and (found.farther or found.gain.high <= 0)
+def _surely_worse(sealed: View, found: Served | None) -> bool:
+    """Return whether an effect makes held-out links worse beyond chance.
+
+    Of waveforms: their ranges. What strikes links at random was seen in links one by one; a score
+    of twenty figures asks for its form in all.
+    """
+    if found is None:
+        return False
+    return found.farther or (found.gain.high <= 0 and not sealed.waveform)
 
 
 def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:
