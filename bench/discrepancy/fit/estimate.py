@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-from bench.physics.effect import Effect
+from bench.physics.effect import Effect, Parameter
 
 PURE = ("1", "ratio")  # numbers without a unit
 
@@ -44,3 +45,21 @@ def widened(
         below, above = (times * abs(end - one.value) for end in (one.low, one.high))
         out.append(replace(one, low=max(one.value - below, low), high=min(one.value + above, high)))
     return tuple(out)
+
+
+def profiled(
+    item: Parameter, value: float, near: Collection[float], grid: Sequence[float]
+) -> ParameterEstimate:
+    """Return a parameter that was tried on a grid, values `near` being about as likely.
+
+    Its interval ends half way to the next value on either side.
+    """
+    low, high = _half_way(min(near), max(near), [item.low, *grid, item.high])
+    return ParameterEstimate(item.name, value, low, high, item.unit, value >= item.high)
+
+
+def _half_way(low: float, high: float, grid: Sequence[float]) -> tuple[float, float]:
+    """Return the ends of a stretch of a grid, half way to the values beside it."""
+    below = max((one for one in grid if one < low), default=low)
+    above = min((one for one in grid if one > high), default=high)
+    return (below + low) / 2, (high + above) / 2

@@ -11,7 +11,7 @@ so these are no part of the likelihood but an independent witness: struck links 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from scipy.stats import norm, rankdata
 
 from bench.discrepancy.compare.crps import cluster_bootstrap
-from bench.discrepancy.compare.view import Added
+from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between, free_parameters
 from bench.discrepancy.joint.choice import WaveChoice
@@ -39,7 +39,7 @@ from bench.discrepancy.joint.settings import (
     STRUCK_FEWEST,
 )
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.select.link_mixture import Strike, intervals_of
+from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
 from bench.discrepancy.settings import (
@@ -163,13 +163,25 @@ def struck_by(search: Search, choice: WaveChoice) -> Strike | None:
 
     `choice` is what waveforms say of all links alike: with it, or instead of it.
     """
-    kinds = [kind for kind in search.kinds.values() if kind.strikes is not None]
-    given = _known(Statistics(search.comparison, compared_rows(search)), kinds)
-    bases = list(dict.fromkeys(((), choice.added)))
+    return strike_beside(
+        search.comparison, compared_rows(search), search.kinds.values(), choice.added
+    )
+
+
+def strike_beside(
+    comparison: Comparison, rows: View, kinds: Iterable[type[Effect]], added: Added
+) -> Strike | None:
+    """Return which of `kinds` strikes links at random, beside the effects `added` or without them.
+
+    None where neither says more than these or nothing, or links are not as one struck.
+    """
+    able = [kind for kind in kinds if kind.strikes is not None]
+    given = _known(Statistics(comparison, rows), able)
+    bases = list(dict.fromkeys(((), added)))
     common = max(_common(given, base) for base in bases)
-    found = [one for kind in kinds if (one := _found(given, bases, kind))]
+    found = [one for kind in able if (one := _found(given, bases, kind))]
     found.sort(key=lambda one: -one.nats)
-    if not found or found[0].nats - common < NAME_NATS or not _witnessed(search, found[0]):
+    if not found or found[0].nats - common < NAME_NATS or not _witnessed(comparison, found[0]):
         return None
     first, *others = (_strike(one, common) for one in _alike(found, common))
     return replace(first, others=tuple(others))
@@ -215,7 +227,7 @@ def _alike(found: Sequence[Found], common: float) -> list[Found]:
     return [one for one in found if one is found[0] or one.nats - common > gap]
 
 
-def _witnessed(search: Search, found: Found) -> bool:
+def _witnessed(comparison: Comparison, found: Found) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
     Some are struck and more are not, nothing known tells which, their ranges are longer, and
@@ -225,7 +237,7 @@ def _witnessed(search: Search, found: Found) -> bool:
     if struck.sum() < STRUCK_FEWEST or (able & ~struck).sum() < max(CALM_FEWEST, struck.sum()):
         return False
     given = found.mixture.given
-    made = search.comparison.ensemble(given.rows, found.mixture.beside, SCORE_MEMBERS, SCORE_FIRST)
+    made = comparison.ensemble(given.rows, found.mixture.beside, SCORE_MEMBERS, SCORE_FIRST)
     if RANGE not in made.names or rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
         return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
@@ -277,11 +289,11 @@ def _share(found: Found) -> ParameterEstimate:
     name = found.mixture.kind.strikes[0]
     item = next(p for p in found.mixture.kind.parameters() if p.name == name)
     near = SHARES[found.best.nats > found.best.best - PROFILE_90_NATS].tolist()
-    return intervals_of(item, found.best.share, near, SHARES.tolist())
+    return profiled(item, found.best.share, near, SHARES.tolist())
 
 
 def _size(item: Parameter, found: Found, near: Sequence[Mixed]) -> ParameterEstimate:
     """Return a parameter with what was tried of it and is about as likely."""
     grid = {one.values[item.name] for one in found.mixture.tried}
     some = [one.values[item.name] for one in near]
-    return intervals_of(item, found.best.values[item.name], some, sorted(grid))
+    return profiled(item, found.best.values[item.name], some, sorted(grid))

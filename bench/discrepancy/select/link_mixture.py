@@ -10,7 +10,7 @@ likelihoods is the evidence. A rival that all links share is put to the same lik
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -23,7 +23,7 @@ from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.select.within_links import link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
     BEHIND_M,
@@ -336,20 +336,5 @@ def _intervals(
         (share, best.share, [one.share for one in likely], SHARES.tolist()),
         (size, best.size, [one.size for one in likely], list(sizes)),
     ):
-        out.append(intervals_of(item, now, near, grid))
+        out.append(profiled(item, now, near, grid))
     return tuple(out)
-
-
-def intervals_of(
-    item: Parameter, value: float, near: Collection[float], grid: Sequence[float]
-) -> ParameterEstimate:
-    """Return a parameter whose values `near` are about as likely, of those tried (`grid`)."""
-    low, high = _half_way(min(near), max(near), [item.low, *grid, item.high])
-    return ParameterEstimate(item.name, value, low, high, item.unit, value >= item.high)
-
-
-def _half_way(low: float, high: float, grid: list[float]) -> tuple[float, float]:
-    """Return the ends of a stretch of a grid, half way to the values beside it."""
-    below = max((one for one in grid if one < low), default=low)
-    above = min((one for one in grid if one > high), default=high)
-    return (below + low) / 2, (high + above) / 2

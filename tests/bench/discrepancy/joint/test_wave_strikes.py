@@ -1,0 +1,99 @@
+"""Links struck at random, seen in waveforms: which, by what, and that chance alone tells which."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import Added, View, view
+from bench.discrepancy.data.observables import window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.joint.strikes import is_longer, mixed, predicted, strike_beside
+from bench.discrepancy.select.link_mixture import Strike
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.propagation.obstructed_path import ObstructedPath
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS = 60
+KINDS: tuple[type[Effect], ...] = (ObstructedPath, BlockedPath, PulseRinging)
+STRUCK = ObstructedPath(share=0.3, loss_db=18.0, delay_m=0.3)
+
+
+def recordings(hidden: Added, seed: int = 3) -> pd.DataFrame:
+    """Return rows of 60 links with CIRs; SIMULATED."""
+    rng = np.random.default_rng(seed)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(LINKS)],
+            "true_range_m": rng.uniform(2, 15, LINKS),
+            "tx": [f"t{i % 3}" for i in range(LINKS)],
+            "rx": [f"r{i % 4}" for i in range(LINKS)],
+        }
+    )
+    made = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77)
+    return made.table(frame)
+
+
+def compared(frame: pd.DataFrame) -> tuple[Resimulation, View]:
+    """Return rows beside a simulator that hides nothing."""
+    window = window_of(frame)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), window)
+    return Resimulation(Simulator(Base(), (), 11, "test"), window), rows
+
+
+def found_in(frame: pd.DataFrame, added: Added = ()) -> Strike | None:
+    """Return what strikes links beside `added`."""
+    return strike_beside(*compared(frame), KINDS, added)
+
+
+def test_an_obstruction_of_some_links_is_found_with_the_links_and_their_share():
+    frame = recordings((STRUCK,))
+    found = found_in(frame)
+    assert found is not None
+    assert found.effect.name == "obstructed-path"
+    assert found.evidence.value > NAME_NATS
+    share = found.parameters[0]
+    assert share.low <= STRUCK.share <= share.high
+    late = frame.groupby(link_codes(frame))["error_m"].median()
+    assert late[found.struck].median() > late.drop(found.struck).median() + STRUCK.delay_m / 2
+
+
+@pytest.mark.parametrize("hidden", [(), (PathLoss(shadowing_db=4.0),), (PulseRinging(),)])
+def test_what_strikes_no_links_is_no_obstruction(hidden: Added):
+    assert found_in(recordings(hidden)) is None
+
+
+def test_an_obstruction_beside_what_all_links_share_is_found_beside_it():
+    ringing = PulseRinging(ring_db=-10.0, ring_delay_ns=5.0)
+    found = found_in(recordings((ringing, STRUCK)), (ringing,))
+    assert found is not None
+    assert found.effect.name == "obstructed-path"
+
+
+def test_the_mixture_has_the_share_of_links_that_are_likelier_struck():
+    more = np.where(np.arange(100) < 25, 50.0, -50.0)
+    found = mixed({}, np.zeros(100), more)
+    assert found.share == pytest.approx(0.25)
+    assert ((found.odds > 0) == (more > 0)).all()
+    assert found.best == pytest.approx(25 * (50 + np.log(0.25)) + 75 * np.log(0.75))
+
+
+def test_struck_links_must_read_longer_and_by_chance():
+    rng = np.random.default_rng(4)
+    struck = np.arange(80) < 20
+    offset_m = rng.normal(0, 0.02, 80)
+    assert is_longer(offset_m + 0.3 * struck, struck)
+    assert not is_longer(offset_m - 0.3 * struck, struck)
+    assert not is_longer(offset_m, struck)
+    known = rng.normal(size=(80, 3))
+    assert not predicted(known, struck)
+    known[:, 1] += 2 * struck
+    assert predicted(known, struck)
