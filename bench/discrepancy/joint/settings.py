@@ -69,6 +69,8 @@ STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45)  # of the bounds, of a strike [co
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
 CALM_FEWEST: Final = 8  # links that were not; and more than struck ones [convention]
 STRIKE_ALIKE: Final = 0.6  # of what a strike brings, from where another may do as well [convention]
-LONGER_ODDS: Final = 0.7  # that a struck link reads longer than a spared one, at least [convention]
+LONGER_ODDS: Final = (
+    0.75  # that a struck link reads longer than a spared one, at least [convention]
+)
 LONGER_M: Final = 0.03  # by which struck links read longer, in the median [convention]
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck

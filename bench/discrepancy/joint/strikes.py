@@ -33,6 +33,7 @@ from bench.discrepancy.joint.settings import (
     LONGER_M,
     LONGER_ODDS,
     NAME_NATS,
+    NAME_SHARE,
     PREDICTED_P,
     STRIKE_ALIKE,
     STRIKE_POINTS,
@@ -178,10 +179,12 @@ def strike_beside(
     able = [kind for kind in kinds if kind.strikes is not None]
     given = _known(Statistics(comparison, rows), able)
     bases = list(dict.fromkeys(((), added)))
-    common = max(_common(given, base) for base in bases)
+    shared = [_common(given, base) for base in bases]
+    common = max(shared)
+    least = max(NAME_NATS, NAME_SHARE * (common - shared[0]))  # less may only mend a form
     found = [one for kind in able if (one := _found(given, bases, kind))]
     found.sort(key=lambda one: -one.nats)
-    if not found or found[0].nats - common < NAME_NATS or not _witnessed(comparison, found[0]):
+    if not found or found[0].nats - common < least or not _witnessed(comparison, found[0]):
         return None
     first, *others = (_strike(one, common) for one in _alike(found, common))
     return replace(first, others=tuple(others))
