@@ -79,12 +79,12 @@ def rates(outcomes: list[Outcome]) -> list[Rate]:
         _rate("right name or class, above the limit", above, _is(*RIGHT), least=0.9),
         _rate("right name alone, above the limit", above, _is("right"), least=0.8),
         _rate(
-            "outside the library: not given a library name", outside, lambda o: not o.names,
+            "outside the library: not given a library name", outside, _not_named,
             least=0.95,
         ),
         _rate(
             "outside the library, above the limit: something is there",
-            [o for o in outside if o.above_limit], lambda o: o.score in ("unknown", "wrong"),
+            [o for o in outside if o.above_limit], _is("unknown", "wrong", *RIGHT),
         ),
         *_law_rates([o for o in outside if o.above_limit]),
         _covered(outcomes),
@@ -97,6 +97,11 @@ def rates(outcomes: list[Outcome]) -> list[Rate]:
 
 
 Test = Callable[[Outcome], bool]
+
+
+def _not_named(one: Outcome) -> bool:
+    """Return whether nothing is named, or, in every class, what is hidden but cannot be tried."""
+    return all(set(group) & set(one.hidden) for group in one.names)
 
 
 def _is(*scores: str) -> Test:

@@ -110,7 +110,9 @@ def scored(case: Case, found: Diagnosis) -> str:
     """Return right, ambiguous, partly, wrong, unknown, missed, or (empty cases) clean, alarm.
 
     Something without a name beside the right ones is true where something is outside the library,
-    and where errors were bent into another histogram, which no effect does.
+    and where errors were bent into another histogram, which no effect does. A hidden effect of the
+    library that could not be tried (into another simulator's table not every one can be put) need
+    not be named; a class that has it is no wrong name.
     """
     verdicts = found.selection.verdicts
     said = {name for group in found.selection.names for name in group}
@@ -122,7 +124,7 @@ def scored(case: Case, found: Diagnosis) -> str:
     if not said:
         return "unknown"
     truth = set(case.drawn.hidden) - set(case.outside)
-    side = _side(case)
+    side = _side(case) | set(case.outside)
     if any(not (truth | side) & set(group) for group in found.selection.names):
         return "wrong"
     if not truth <= said or len(found.selection.names) < len(truth):

@@ -115,6 +115,8 @@ class Effect(ABC):
     `last`: it acts on what the other effects of its stage made, so it comes behind them; `first`:
     it comes before them.
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
+    `by_rows`: what it does to a waveform is drawn anew for every row, so scatter tells more of it
+    than means do.
     `marked`: it is fitted only where recordings bear a mark that no scatter can leave.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
@@ -141,6 +143,7 @@ class Effect(ABC):
     last: ClassVar[bool] = False
     first: ClassVar[bool] = False
     independent: ClassVar[bool] = False
+    by_rows: ClassVar[bool] = False
     marked: ClassVar[bool] = False
     follows: ClassVar[str] = ""
     without_cir: ClassVar[bool] = True

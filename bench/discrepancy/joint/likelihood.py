@@ -61,7 +61,7 @@ def fitness(
     square = (white(matrices, left) ** 2).sum(axis=1)
     freedom = TAIL + left.shape[1]
     nats = -0.5 * freedom * float(np.log1p(square / TAIL).sum()) - 0.5 * volume
-    return paid(given, nats, parameters)
+    return paid(given, nats + moments.within, parameters)
 
 
 def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
@@ -126,7 +126,7 @@ def _evidence(
     columns = [columns_of(matrices, form * response, given.ways) for response in responses]
     columns.append(columns_of(matrices, np.full_like(moments.left, free[0]), free[1]))
     nats = _integrated(flat, np.concatenate(columns, axis=2)) - 0.5 * volume
-    return paid(given, nats, parameters)
+    return paid(given, nats + moments.within, parameters)
 
 
 def _integrated(flat: Floats, columns: Floats) -> float:

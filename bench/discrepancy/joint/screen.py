@@ -73,12 +73,23 @@ class Screen:
         mean = self.given.mean((*self.start, effect))
         if mean is None:
             return None
+        if kind.by_rows:
+            return self._scattered(effect)
         response = mean - self._mean
         if (white(self._flat, response) ** 2).sum() < TOUCHES:
             return None
         count = len(free_parameters(kind))
         left = self.begin.left - response
         return Tried(effect, response, fitness(self.given, self.begin, left, (response,), count))
+
+    def _scattered(self, effect: Effect) -> Tried | None:
+        """Return one point of an effect that draws rows anew, by what it does to scatter."""
+        made = self.given.moments((*self.start, effect))
+        if made is None:
+            return None
+        response = made.mean - self.begin.mean
+        count = len(free_parameters(type(effect)))
+        return Tried(effect, response, fitness(self.given, made, made.left, (response,), count))
 
     def singly(self) -> list[Tried]:
         """Return the likeliest point of every effect, likeliest first."""
@@ -97,6 +108,8 @@ class Screen:
 
     def _best_beside(self, now: Fit, points: Sequence[Tried]) -> Tried:
         """Return the likeliest of some points beside a set: of those that leave least."""
+        if type(points[0].effect).by_rows:
+            return self._scattered_beside(now, points)
         matrices, _ = whitener(self.given, now.moments, now.responses)
         flat = white(matrices, now.moments.left)
         weights = 1 / (TAIL + (flat**2).sum(axis=1))[:, None]
@@ -104,6 +117,14 @@ class Screen:
         falls = [float((weights * (2 * flat - each) * each).sum()) for each in moved]
         some = np.argsort(falls)[-TRIED_BESIDE:]
         return max((self._added(now, points[i]) for i in some), key=lambda one: one.nats)
+
+    def _scattered_beside(self, now: Fit, points: Sequence[Tried]) -> Tried:
+        """Return the likeliest point of an effect that draws rows anew beside a set."""
+        best = sorted(points, key=lambda one: -one.nats)[:TRIED_BESIDE]
+        made = ((one, fitted(self.given, (*now.effects, one.effect))) for one in best)
+        nats = [(one, fit.nats if fit else -np.inf) for one, fit in made]
+        one, most = max(nats, key=lambda each: each[1])
+        return Tried(one.effect, one.response, most, most - now.nats)
 
     def _added(self, now: Fit, one: Tried) -> Tried:
         """Return a point with how likely it is about beside a set."""

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
@@ -29,6 +30,7 @@ from bench.discrepancy.joint.settings import (
     LEAST_EIGENVALUE,
     MEMBERS,
     NOISE_LEAST,
+    TAIL,
 )
 from bench.errors import BenchError
 from bench.physics.memory import Memory
@@ -42,13 +44,15 @@ class Moments:
 
     `left` [L, p]: recorded minus simulated mean; `mean` [L, p]: the simulated mean; `covariances`
     maps numbers of rows of a link to the covariance of `left` [p, p]; `spread_left` [L, p]: how
-    much larger the logarithm of squared deviations is.
+    much larger the logarithm of squared deviations is. `within`: the log likelihood of how rows
+    of a link scatter about its mean, in nats.
     """
 
     left: Floats
     mean: Floats
     covariances: Mapping[int, Floats]
     spread_left: Floats
+    within: float = 0.0
 
 
 class Statistics:
@@ -63,6 +67,7 @@ class Statistics:
     ) -> None:
         self.comparison, self.rows, self.beside = comparison, rows, beside
         self.members = members
+        self.by_rows = isinstance(comparison, Resimulation)
         self.code = np.unique(rows.links, return_inverse=True)[1]
         self.count = np.bincount(self.code)
         self.crowding = comparison.crowding(rows) ** 2
@@ -168,17 +173,42 @@ class Statistics:
         scatter = np.maximum(np.diag(between), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
         usual = np.log(NOISE_LEAST + own**2 * (1 + 1 / members) / scatter).mean(axis=0)
-        covariances = self._covariances(own - of_links[:, self.code], between, members)
+        rows = self._of_rows(own - of_links[:, self.code], members)
         return Moments(
-            self._of_links(left), self._of_links(mean), covariances, self._of_links(wide - usual)
+            self._of_links(left),
+            self._of_links(mean),
+            self._covariances(rows, between, members),
+            self._of_links(wide - usual),
+            self._within(left, rows, members),
         )
 
-    def _covariances(self, within: Floats, between: Floats, members: int) -> dict[int, Floats]:
-        """Return the covariance of means over so many rows of a link, by their number."""
+    def _of_rows(self, within: Floats, members: int) -> Floats:
+        """Return the covariance [p, p] of rows about the mean of their link."""
         loose = len(self.code) - self.links
         rows = np.einsum("mni,mnj->ij", within, within) / max(loose * members, 1)
-        if not loose:
-            rows = np.zeros_like(rows)
+        return np.asarray(rows if loose else np.zeros_like(rows))
+
+    def _within(self, left: Floats, rows: Floats, members: int) -> float:
+        """Return the log likelihood of how rows of a link scatter about its mean, in nats.
+
+        What draws every row anew is told by this from what links keep, which means alone hide.
+        """
+        if not self.by_rows or len(self.code) == self.links:
+            return 0.0
+        about = left - self._of_links(left)[self.code]
+        shrunk = min(len(self.names) / (members * (len(self.code) - self.links)), 1.0)
+        wide = self._shrunk(rows, shrunk) * (1 + 1 / members) + np.diag(self.floor)
+        root = np.linalg.cholesky(wide)
+        square = (np.linalg.solve(root, about.T) ** 2).sum(axis=0)
+        share = (1 - 1 / self.count)[self.code]  # of a row, that its link's mean leaves
+        told = share > 0
+        freedom = TAIL + len(self.names)
+        nats = 0.5 * freedom * np.log1p(square[told] / share[told] / TAIL)
+        nats += float(np.log(np.diag(root)).sum())
+        return -float((nats * share[told]).sum())
+
+    def _covariances(self, rows: Floats, between: Floats, members: int) -> dict[int, Floats]:
+        """Return the covariance of means over so many rows of a link, by their number."""
         link = between - rows * float(np.mean(1 / self.count))
         shrunk = min(len(self.names) / max(members * self.links, 1), 1.0)
         return {

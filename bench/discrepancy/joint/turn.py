@@ -16,6 +16,7 @@ from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
+from bench.discrepancy.joint.untried import with_untried
 from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.candidates import Explanation, contender
@@ -152,6 +153,7 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     """Return the selection with its verdicts, and the simulator that fits best."""
     search, rounds = state.search, state.rounds
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
+    said = state.guard.safely("untried effects", with_untried, said)(search, state.added, said)
     struck = tuple(turn.strike for turn in rounds if turn.strike)
     names = [struck_out(search, turn, turn.strike, state.added) for turn in rounds if turn.strike]
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))

@@ -38,7 +38,7 @@ def beside_unformed(given: Statistics, fit: Fit) -> float:
         nats, squares = _likeliest(flat, fixed, free, square)
         best = max(best, nats - 0.5 * volume)
         square = np.clip(squares, SIZE_LEAST**2, SIZE_LARGEST**2)
-    return paid(given, best, fit.parameters)
+    return paid(given, best + fit.moments.within, fit.parameters)
 
 
 def _parts(given: Statistics, fit: Fit) -> tuple[Floats, Floats, Floats, float]:

@@ -29,7 +29,8 @@ class Search:
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
     where that would cost too much. `choice`: the set of causes that ranges speak for. `doubtful`:
-    columns of all recorded rows that were set aside as measured by their scatter alone.
+    columns of all recorded rows that were set aside as measured by their scatter alone. `untried`:
+    effects that cannot be put into another simulator's table.
     """
 
     comparison: Comparison
@@ -41,6 +42,7 @@ class Search:
     work: View | None = None
     choice: Choice = field(default_factory=Choice)
     doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
+    untried: Mapping[str, type[Effect]] = field(default_factory=dict)
 
     @property
     def sharpest(self) -> View:

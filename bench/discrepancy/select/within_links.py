@@ -90,7 +90,7 @@ def of_links(ensemble: Ensemble, name: str) -> tuple[float, float]:
     links = len(np.unique(code[several]))
     if links < FEWEST_SEVERAL:
         return float("nan"), float("nan")
-    parts = np.array([_components(each[several], code[several]) for each in values])
+    parts = np.array([components(each[several], code[several]) for each in values])
     between, within = parts[0] - parts[1:].mean(axis=0)
     share = max(between, 0.0) / max(max(between, 0.0) + max(within, 0.0), 1e-12)
     return float(share), float((1 - share**2) / np.sqrt(links - 1.5))
@@ -102,13 +102,16 @@ def drawn_by_rows(change: Floats, links: NDArray[np.intp]) -> bool:
     several = np.bincount(code)[code] > 1
     if not several.any() or not np.isfinite(change).all():
         return False
-    parts = np.array([_components(one[several], code[several]) for one in change])
+    parts = np.array([components(one[several], code[several]) for one in change])
     between, within = np.maximum(parts.mean(axis=0), 0.0)
     return bool(within > between)
 
 
-def _components(values: Floats, code: NDArray[np.intp]) -> tuple[float, float]:
-    """Return the variance between links and within them, of values [n] of links with 2 rows."""
+def components(values: Floats, code: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the variance between links and within them, of values [n] of links with 2 rows.
+
+    `code` [n] tells the links.
+    """
     place, count = np.unique(code, return_inverse=True)[1], np.unique(code, return_counts=True)[1]
     mean = np.bincount(place, values) / count
     within = float(((values - mean[place]) ** 2).sum() / (len(values) - len(count)))

@@ -95,6 +95,22 @@ def test_what_a_concealment_does_is_true_where_it_is_said(case, concealed, names
     assert scored(bent, _said(*names)) == score
 
 
+def test_a_class_that_has_what_could_not_be_tried_is_no_wrong_name(case):
+    bent = replace(
+        case,
+        drawn=replace(case.drawn, hidden=("small-scale-fading",)),
+        outside=("small-scale-fading",),
+    )
+    rest = Unknown((), Estimate(0, 0, 0), {})
+    either = Said((rest,), (("timestamp-jitter", "small-scale-fading"),))
+    assert scored(bent, either) == "ambiguous"
+    assert scored(bent, _said("timestamp-jitter")) == "wrong"
+    one = _outcome(1, ("supply",), "ambiguous", names=[["supply", "x"]])
+    worse = replace(one, names=[["x"]], score="wrong")
+    (bar,) = (r for r in rates([one, worse]) if "not given" in r.words)
+    assert (bar.hits, bar.cases) == (1, 2)
+
+
 def test_effects_of_motion_belong_to_the_library_where_things_move():
     moving = {"time-lag", "exchange-motion"}
     drawn = (n for n in range(60) if moving & set(drawn_of(n, 2, ("yard",))[1].hidden))

@@ -31,6 +31,7 @@ class SmallScaleFading(Effect):
     signature = "spread of each tap's amplitude from row to row; mean profile unchanged"
     essential_with_cir = ("direct_m",)  # reflections that fade alone are another form of these
     essential_on_paths = ("direct_m",)  # what is weaker and does not scatter has not faded
+    by_rows = True
     on_tables = False  # fading sample by sample would tear a recorded pulse apart
 
     direct_m: float = parameter(100, "1", 0.5, 1000, "Nakagami m of the straight path", null=1000)

@@ -1,0 +1,83 @@
+"""Effects that could not be tried, where they may do the same to ranges as what was found.
+
+Into the rows of another simulator's table not every effect can be put. One that draws every row
+anew also scatters ranges; independent scatter is then a name beside it, unless levels scatter too
+little: a level that changes by a share moves a rising edge by at most that share of its rise time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added, without
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.joint.rows import compared_rows
+from bench.discrepancy.joint.settings import MEMBERS, RISE_NS
+from bench.discrepancy.select.adequacy import LEVELS
+from bench.discrepancy.select.conclude import separating
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Verdict
+from bench.discrepancy.select.within_links import components
+from bench.discrepancy.settings import ONE_SIDED_95
+from bench.physics.effect import Effect
+from bench.physics.units import C_M_PER_NS
+
+DB_PER_NEPER = 20 / np.log(10)  # of an amplitude
+NOTE = "it could not be tried: it needs a simulator that can be run again"
+
+
+def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
+    """Return the verdicts, independent scatter as a class with what could not be tried."""
+    rivals = [kind for kind in search.untried.values() if kind.by_rows]
+    if not rivals:
+        return said
+    return tuple(_of_class(search, added, one, rivals) for one in said)
+
+
+def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Effect]]) -> Verdict:
+    """Return one verdict, with the rivals that levels do not exclude where it is of scatter."""
+    if not isinstance(said, LeftOut) or not type(said.effect).independent:
+        return said
+    if levels_exclude(search, added, said.effect):
+        return said
+    options = (said, *(_untried(said, kind()) for kind in rivals))
+    return Ambiguous(options, separating(options))
+
+
+def _untried(said: LeftOut, effect: Effect) -> LeftOut:
+    """Return an effect that was not fitted beside one that was."""
+    unknown = Control(type(effect).control, None)
+    return replace(said, effect=effect, parameters=(), control=unknown, note=NOTE)
+
+
+def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether levels scatter too little within links to scatter ranges as `effect` does."""
+    rows = compared_rows(search)
+    whole, rest = (
+        search.comparison.ensemble(rows, one, MEMBERS) for one in (added, without(added, effect))
+    )
+    change = whole.simulated_of(RANGE) - rest.simulated_of(RANGE)
+    needed_db = DB_PER_NEPER * float(np.nanstd(change)) / (C_M_PER_NS * RISE_NS)
+    most = [scatter_at_most(rest, name) for name in LEVELS if name in rest.names]
+    return bool(most) and min(most) < needed_db
+
+
+def scatter_at_most(made: Ensemble, name: str) -> float:
+    """Return how much more a level may scatter within links than simulated, dB (95 %).
+
+    Infinity where no link has several rows whose level is known.
+    """
+    code = np.unique(made.links, return_inverse=True)[1]
+    values = made.versions_of(name)
+    known = np.isfinite(values).all(axis=0)
+    several = known & (np.bincount(code, known)[code] > 1)
+    loose = int(several.sum()) - len(np.unique(code[several]))
+    if loose < 1:
+        return float("inf")
+    parts = np.array([components(each[several], code[several])[1] for each in values])
+    usual = parts[1:].mean()
+    error = np.sqrt(2 / loose) * max(parts[0], usual)
+    return float(np.sqrt(max(parts[0] - usual + ONE_SIDED_95 * error, 0.0)))

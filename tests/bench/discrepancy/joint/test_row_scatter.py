@@ -1,0 +1,142 @@
+"""What draws every row anew is told by how rows of one link scatter; SIMULATED rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import Added, View, view
+from bench.discrepancy.data.observables import RANGE, window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import untried
+from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.untried import scatter_at_most, with_untried
+from bench.discrepancy.select.adequacy import adequacy
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
+from bench.physics.base import Base
+from bench.physics.effects.propagation.fading import SmallScaleFading
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS, EACH = 20, 3
+FADED = SmallScaleFading(direct_m=12.0)
+SHADOWED = PathLoss(shadowing_db=1.2)
+SAID = LeftOut(
+    TimestampJitter(jitter_samples=0.1), (), Estimate(1, 0.5, 1.5, "nats"), 1.0, Control("", None)
+)
+
+
+def compared(hidden: Added) -> tuple[Resimulation, View]:
+    """Return rows of links with several each beside a simulator that lacks what is hidden."""
+    rng = np.random.default_rng(4)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(LINKS)],
+            "true_range_m": rng.uniform(2, 15, LINKS),
+            "tx": [f"t{i % 3}" for i in range(LINKS)],
+            "rx": [f"r{i % 4}" for i in range(LINKS)],
+        }
+    )
+    frame = pd.concat([frame] * EACH, ignore_index=True)
+    frame = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77).table(frame)
+    window = window_of(frame)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), window)
+    return Resimulation(Simulator(Base(), (), 11, "test"), window), rows
+
+
+@pytest.mark.parametrize(
+    ("hidden", "other"), [(FADED, SHADOWED), (SHADOWED, FADED)], ids=["fading", "shadowing"]
+)
+def test_fading_and_shadowing_are_told_apart_by_rows_of_one_link(hidden, other):
+    comparison, rows = compared((hidden,))
+    given = Statistics(comparison, rows)
+    right, wrong = given.moments((hidden,)), given.moments((other,))
+    assert right is not None
+    assert wrong is not None
+    assert right.within > wrong.within + 20
+    found = Sets(comparison, rows, rows, (SmallScaleFading, PathLoss)).chosen()
+    assert {effect.name for effect in found.named} == {hidden.name}
+
+
+def test_where_links_have_one_row_nothing_scatters_about_them():
+    comparison, rows = compared(())
+    alone = View(rows.frame, rows.recorded, np.arange(len(rows.rows)), rows.rows)
+    moments = Statistics(comparison, alone).moments(())
+    assert moments is not None
+    assert moments.within == 0.0
+
+
+def test_fading_is_judged_by_levels_whatever_the_shape_of_pulses_does():
+    comparison, rows = compared((FADED,))
+    torn = [
+        cir * np.exp(0.2 * np.random.default_rng(i).normal(size=len(cir)))
+        for i, cir in enumerate(rows.frame["cir"])
+    ]
+    frame = rows.frame.assign(cir=torn)
+    again = view(frame, rows.links, np.arange(len(frame)), comparison.window)
+    assert adequacy(comparison, (again,), (FADED,), FADED).adequate
+    still = SmallScaleFading(direct_m=300.0)
+    assert not adequacy(comparison, (again,), (still,), still).adequate
+
+
+@dataclass
+class Table:
+    """Answers for a table: ranges scatter by jitter, recorded levels by `recorded_db`."""
+
+    recorded_db: float
+    seed: int = 0
+
+    def ensemble(self, _: object, added: Added, members: int, first: int = 0) -> Ensemble:
+        """Return 240 rows of 60 links: ranges and levels."""
+        rng = np.random.default_rng(self.seed + first)
+        ranges, level = rng.normal(size=(2, 1 + members, 240))
+        level *= np.array([self.recorded_db] + [0.3] * members)[:, None]
+        ranges *= 0.1 if added else 0.01
+        values = np.stack([ranges, level], axis=2)
+        return Ensemble((RANGE, "rx_power_dbm"), ("m", "dB"), values, np.repeat(np.arange(60), 4))
+
+
+def search_of(table: Table) -> Search:
+    """Return a search over a table into which fading cannot be put."""
+    kinds = {"small-scale-fading": SmallScaleFading}
+    return Search(table, None, None, {}, 0, untried=kinds)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("level_db", "excluded"), [(2.5, False), (0.3, True)])
+def test_scatter_is_a_class_with_what_could_not_be_tried_unless_levels_are_calm(
+    monkeypatch: pytest.MonkeyPatch, level_db: float, excluded: bool
+) -> None:
+    monkeypatch.setattr(untried, "compared_rows", lambda search: None)
+    (found,) = with_untried(search_of(Table(level_db)), (SAID.effect,), (SAID,))
+    if excluded:
+        assert found == SAID
+        return
+    assert isinstance(found, Ambiguous)
+    assert found.names == ("timestamp-jitter", "small-scale-fading")
+    assert "could not be tried" in found.options[1].note
+
+
+def test_where_all_can_be_tried_or_nothing_scatters_verdicts_stay(monkeypatch):
+    monkeypatch.setattr(untried, "compared_rows", lambda search: None)
+    bare = Search(Table(2.5), None, None, {}, 0)
+    assert with_untried(bare, (SAID.effect,), (SAID,)) == (SAID,)
+    other = LeftOut(SHADOWED, (), SAID.gain, 1.0, SAID.control)
+    assert with_untried(search_of(Table(2.5)), (SHADOWED,), (other,)) == (other,)
+
+
+def test_what_levels_may_scatter_beyond_simulated_ones_is_bounded():
+    made = Table(1.0).ensemble(None, (), 4)
+    extra = np.sqrt(1.0 - 0.3**2)
+    assert extra < scatter_at_most(made, "rx_power_dbm") < 1.3 * extra
+    single = Ensemble(made.names, made.units, made.versions, np.arange(240))
+    assert scatter_at_most(single, "rx_power_dbm") == float("inf")
