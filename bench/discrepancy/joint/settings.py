@@ -58,6 +58,7 @@ MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulate
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
+DB_PER_NEPER: Final = 8.686  # of an amplitude [derived]
 RISE_NS: Final = 2.0  # of an edge of 500 MHz: by at most so much a level moves it [derived]
 LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it
 BOUNDS_INFORMATION: Final = 12.0  # of a parameter that lies anywhere between its bounds [derived]

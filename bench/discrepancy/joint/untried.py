@@ -15,7 +15,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.rows import compared_rows
-from bench.discrepancy.joint.settings import MEMBERS, RISE_NS
+from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.conclude import separating
 from bench.discrepancy.select.state import Search
@@ -25,7 +25,6 @@ from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
 from bench.physics.units import C_M_PER_NS
 
-DB_PER_NEPER = 20 / np.log(10)  # of an amplitude
 NOTE = "it could not be tried: it needs a simulator that can be run again"
 
 
