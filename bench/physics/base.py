@@ -44,11 +44,11 @@ RAYLEIGH_STD = float(np.sqrt(2 - np.pi / 2))  # std of |n| per std of its real p
 class Base:
     """Geometry, free-space link budget, pulse, sampling, noise, first-path detection, ranging.
 
-    `channel` and `prf_mhz` are DW1000 settings. `keep_count`: 1 uses each row's recorded
-    `preamble_count` where known, 0 always accumulates `preamble_symbols`.
+    `channel` and `prf_mhz` are DW1000 settings (channel 9: DW3000). `keep_count`: 1 uses each row's
+    recorded `preamble_count` where known, 0 always accumulates `preamble_symbols`.
     """
 
-    channel: int = parameter(2, "DW1000 channel", 1, 7, "1, 2, 3, 4, 5 or 7")
+    channel: int = parameter(2, "channel", 1, 9, "1, 2, 3, 4, 5, 7 or 9 (DW3000)")
     prf_mhz: int = parameter(64, "MHz", 16, 64, "pulse repetition: 16 or 64")
     tx_power_dbm: float = parameter(-14.3, "dBm", -50, 10, "radiated, where rows do not tell")
     preamble_symbols: float = parameter(1024, "symbols", 16, 4096, "accumulated without AGC")
@@ -63,7 +63,7 @@ class Base:
     def __post_init__(self) -> None:
         check_bounds("base", self)
         if self.channel not in CENTRE_GHZ or self.prf_mhz not in POWER_OFFSET_DB:
-            raise BenchError("base: channel must be 1, 2, 3, 4, 5 or 7 and prf_mhz 16 or 64")
+            raise BenchError("base: channel must be 1, 2, 3, 4, 5, 7 or 9 and prf_mhz 16 or 64")
 
     @property
     def samples(self) -> int:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 C_M_PER_NS = 0.299792458
 TIMESTAMP_TICK_NS = 1e3 / (128 * 499.2)  # 15.65 ps = 4.69 mm
 POWER_OFFSET_DB = {16: 113.77, 64: 121.74}  # the manual's constant A, by pulse repetition MHz
-CENTRE_GHZ = {1: 3.4944, 2: 3.9936, 3: 4.4928, 4: 3.9936, 5: 6.4896, 7: 6.4896}
+CENTRE_GHZ = {1: 3.4944, 2: 3.9936, 3: 4.4928, 4: 3.9936, 5: 6.4896, 7: 6.4896, 9: 7.9872}
 
 Floats = NDArray[np.float64]
 Reals = NDArray[np.float32]

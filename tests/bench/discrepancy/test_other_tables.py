@@ -180,6 +180,7 @@ def test_the_radio_settings_of_the_table_are_the_bases():
     base = base_of(frame, Simulator(Base()))
     assert (base.channel, base.prf_mhz, base.tx_power_dbm) == (5, 16, Base().tx_power_dbm)
     assert base_of(frame.assign(channel=[5, 2] * (len(frame) // 2)), Simulator(Base())).channel == 2
+    assert base_of(frame.assign(channel=9), Simulator(Base())).channel == 9  # of a DW3000
 
 
 def test_with_one_simulated_row_for_each_recorded_one_scatter_is_borrowed():
