@@ -34,6 +34,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, library,
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
 from bench.discrepancy.select.marks import seen_first, with_marks
+from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone
@@ -254,6 +255,8 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
     state = State(search)
     if search.fit.waveform:
         return waves.selected(state, journal)
+    if spoilt := state.guard.safely("recorder", spoilt_ranges, None)(state):
+        return spoilt
     for turn in journal.rounds(MOST_ROUNDS):
         search.progress(f"searching (round {turn + 1})")
         state = one_round(state, turn, journal)

@@ -21,6 +21,17 @@ STUCK_Z: Final = 8.0  # standard errors over rows [convention]
 STUCK_PLACES: Final = 3  # at least [convention]
 PULSE_SAMPLES: Final = 6  # around the first path, where the pulse itself stands [derived]
 
+# --- A stuck bit of the ranges (select/range_word) ------------------------------------------------
+BIT_PERIOD_M: Final = (0.02, 3.0)  # twice the weight of a bit: coarse enough to matter [convention]
+BIT_BIN_M: Final = 0.002  # of the histogram whose periods are looked at: a tenth of the shortest
+BIT_OVERSAMPLED: Final = 16  # frequencies per cycle over all distances: phases to 1/32 [derived]
+BIT_TRIES: Final = 8  # frequencies at which readings crowd most [cost]
+BIT_ROWS: Final = 60  # at least: 0.5^60 by chance, over 10^5 frequencies [derived]
+BIT_LINKS: Final = 12  # at least, as rows of one place are alike [convention]
+BIT_EMPTY: Final = (0.45, 0.56)  # share of a period that no reading falls into [derived]
+BIT_FILLED: Final = 0.3  # of true ranges, that lie there all the same: half by chance [derived]
+BIT_UNEVEN_P: Final = 1e-3  # of readings even over the other half: a rounding that scatters is not
+
 # --- Ranges beside waveform effects (select/range_part) -------------------------------------------
 DETECTION_M: Final = (
     0.01  # that receivers differ by in what they make of a changed waveform [waves]

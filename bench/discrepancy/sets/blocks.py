@@ -175,14 +175,18 @@ def _strongest(level_db: Floats) -> float:
 def deformed(response: Floats, rows: View) -> Floats:
     """Return smooth deformations [n, k] of a response [n].
 
-    Other sizes over every covariate and device, and another curve.
+    Other sizes over every covariate and device, another curve, and off by a constant or by a line
+    over the distance: a pattern's mean and a reflection's pull depend on the make.
     """
     known = (known_mostly(values) for values in rows.covariates.numbers.values())
     slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
     own = _standard(response)
     bends = [response * one for one in (*slopes, *devices, own)]
-    bends.append(float(np.std(response)) * (own**2 - 1))
+    plain = [own**2 - 1, np.ones(len(own))]
+    if (far := known_mostly(rows.scene.true_range_m)) is not None:
+        plain.append(np.clip(_standard(far), -2, 2))
+    bends += [float(np.std(response)) * one for one in plain]
     return DEFORMED * np.stack(bends, axis=1)
 
 

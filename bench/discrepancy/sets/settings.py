@@ -13,7 +13,7 @@ LAW_NATS: Final = 8.0  # the same for a law over a covariate, of which there are
 RANGE_LAW_NATS: Final = 12.0  # of a law over the distance: two names, a constant and a scale, may
 # make one too [derived]
 SMALLEST_STEP_NATS: Final = 1.0  # for the size of a cause, which is fitted [source: Akaike 1974]
-RIVAL_NATS: Final = 2.0  # behind the best set, within which another is not excluded: 7 to 1 [sets]
+RIVAL_NATS: Final = 3.0  # behind the best set, within which another is not excluded: 20 to 1 [sets]
 MOST_CAUSES: Final = 5  # in a set [cost]
 BEAM: Final = 5  # sets that are followed [cost]
 OFFSET_RATIOS: Final = (0.0, 0.05, 0.3, 1.0, 4.0)  # variance of link offsets over that of rows
