@@ -20,7 +20,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import Confirmed, confirm, headline
 from bench.discrepancy.data.checks import check_recorded
-from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, with_motion
+from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
@@ -54,7 +54,7 @@ from bench.discrepancy.select.stepwise import (
     with_contender,
     witnessed_by_links,
 )
-from bench.discrepancy.select.unnamed import unnamed
+from bench.discrepancy.select.unnamed import curve_words, unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.discrepancy.working import WorkingRows
@@ -127,7 +127,7 @@ class Diagnosis:
     @property
     def headline(self) -> str:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
-        said = self.setup_fault or self.law
+        said = self.setup_fault or self.law or curve_words(self.added)
         more = f" ({said})" if said else ""
         found, added = self.selection, bool(self.added)
         return headline(found.verdicts, added, self.confirmed, more, found.withheld)
@@ -162,7 +162,7 @@ def diagnose(
     every, skipped = library()
     rerun = isinstance(comparison, Resimulation)
     able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), rerun)
-    skipped |= lacking
+    skipped |= lacking | text_instead(frame)
     untried = {name: kind for name, kind in (kinds or every).items() if not kind.on_tables}
     search = replace(_search(comparison, rows, able, progress), untried={} if rerun else untried)
     journal.know(search.kinds)
@@ -251,8 +251,7 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
 
     Where a column was set aside by mistake, nothing but that is said.
     """
-    journal = journal or Journal()
-    state = State(search)
+    state, journal = State(search), journal or Journal()
     if search.fit.waveform:
         return waves.selected(state, journal)
     if spoilt := state.guard.safely("recorder", spoilt_ranges, None)(state):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -10,6 +12,7 @@ from bench.discrepancy.settings import FASTEST_M_PER_S, HIGH_QUANTILE, MOVING_SH
 from bench.recordings.motion import SPEED, radial_speed_m_per_s
 
 Floats = NDArray[np.float64]
+UNIT_AT_END = re.compile(r"_(s|ms|us|ns|m|mm|m_per_s|deg|rad|c|k|db|dbm|ppm|hz|mhz|ghz)$")
 
 
 def numeric(frame: pd.DataFrame, name: str) -> Floats:
@@ -17,6 +20,21 @@ def numeric(frame: pd.DataFrame, name: str) -> Floats:
     if name not in frame:
         return np.full(len(frame), np.nan)
     return np.asarray(pd.to_numeric(frame[name], errors="coerce"), np.float64)
+
+
+def text_instead(frame: pd.DataFrame) -> dict[str, str]:
+    """Return what is said of columns that are named by a unit (`time_s`) but hold text, by name.
+
+    Such a column is of no use: a moment as text is no time, and a category with too many values.
+    """
+    words = {}
+    for name in map(str, frame.columns):
+        if not UNIT_AT_END.search(name) or pd.api.types.is_numeric_dtype(frame[name]):
+            continue
+        text = [value for value in frame[name] if isinstance(value, str)]
+        if text:
+            words[f"column {name}"] = f"text such as {text[0][:30]!r}, expected numbers; not used"
+    return words
 
 
 def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:

@@ -49,3 +49,6 @@ LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
 LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may leave [convention]
+
+# --- A curve without a name (select/unnamed) ------------------------------------------------------
+SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is not said [convention]

@@ -6,8 +6,10 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.confirm import improves
 from bench.discrepancy.fit.residual_curve import unnamed_effect
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.settings import SMALLEST_BEND_M
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Unknown
+from bench.physics.effects.fitted.unnamed import Unnamed
 
 
 def unnamed(search: Search, found: Selection) -> Added:
@@ -22,3 +24,16 @@ def unnamed(search: Search, found: Selection) -> Added:
     both = (*found.added, extra)
     helps = improves(search.comparison, search.discover, found.added, both, search.seed)
     return (extra,) if helps else ()
+
+
+def curve_words(added: Added) -> str:
+    """Return in words the curve without a name among some effects, "" without one."""
+    curves = [one for one in added if isinstance(one, Unnamed)]
+    if not curves:
+        return ""
+    curve = curves[-1]
+    low, high = min(curve.shifts_m), max(curve.shifts_m)
+    flat = f"a constant {low:.3g} m" if high - low < SMALLEST_BEND_M else ""
+    bent = f"a smooth curve of {low:.3g} to {high:.3g} m over {curve.column}"
+    spread = f", scatter {curve.spread_m:.2g} m" if curve.spread_m >= SMALLEST_BEND_M else ""
+    return f"{flat or bent}{spread}; no physics is claimed"

@@ -175,19 +175,25 @@ def _strongest(level_db: Floats) -> float:
 def deformed(response: Floats, rows: View) -> Floats:
     """Return smooth deformations [n, k] of a response [n].
 
-    Other sizes over every covariate and device, another curve, and off by a constant or by a line
-    over the distance: a pattern's mean and a reflection's pull depend on the make.
+    Other sizes over every covariate and device, and another curve.
     """
     known = (known_mostly(values) for values in rows.covariates.numbers.values())
     slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
     own = _standard(response)
     bends = [response * one for one in (*slopes, *devices, own)]
-    plain = [own**2 - 1, np.ones(len(own))]
-    if (far := known_mostly(rows.scene.true_range_m)) is not None:
-        plain.append(np.clip(_standard(far), -2, 2))
-    bends += [float(np.std(response)) * one for one in plain]
+    bends.append(float(np.std(response)) * (own**2 - 1))
     return DEFORMED * np.stack(bends, axis=1)
+
+
+def off_by(response: Floats, rows: View) -> Floats:
+    """Return what a response [n] may be off by [n, k]: a constant, and a line over the distance.
+
+    The mean of a pattern and the pull of a reflection depend on the make.
+    """
+    far = known_mostly(rows.scene.true_range_m)
+    line = [] if far is None else [np.clip(_standard(far), -2, 2)]
+    return DEFORMED * float(np.std(response)) * np.stack([np.ones(len(response)), *line], axis=1)
 
 
 def _of_device(name: str) -> bool:

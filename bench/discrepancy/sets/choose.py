@@ -22,6 +22,7 @@ from bench.discrepancy.sets.blocks import (
     of_library,
     of_one_device,
     of_setup,
+    off_by,
     usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice, Set
@@ -318,11 +319,12 @@ class Contest:
     def _beyond(self, causes: Set, name: str) -> float:
         """Return the evidence that a name brings where the others may be deformed."""
         rest = _but(causes, name)
-        bent = {
-            f"{one}, deformed": (deformed(shift, self.rows)[self.known],)
-            for one, shift in self._shifts(rest).items()
-        }
-        other = self.evidence.with_blocks(self.evidence.blocks | bent)
+        shifts = self._shifts(rest).items()
+        bent = {f"{o}, deformed": (deformed(m, self.rows)[self.known],) for o, m in shifts}
+        off = {f"{o}, off": (off_by(m, self.rows)[self.known],) for o, m in shifts}
+        other = self.evidence.with_blocks(self.evidence.blocks | bent | off)
+        other.widest |= dict.fromkeys(off, 1.0)  # no more than a share of what a cause does
+        bent |= off
         with_it, without_it = (other.of((*some, *bent)).nats for some in (causes, rest))
         return (with_it - without_it) / self.crowding
 

@@ -1,0 +1,27 @@
+"""What has no name is said in words, and so is a column that could not be read."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.discrepancy.data.columns import text_instead
+from bench.discrepancy.select.unnamed import curve_words
+from bench.physics.effects.fitted.unnamed import Unnamed
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+
+
+def test_a_curve_without_a_name_is_said() -> None:
+    curve = Unnamed("load_t", (0.0, 2.0, 9.0), (0.0, 0.12, 0.3), 0.02)
+    said = curve_words((AntennaDelay(delay_ns=1.0), curve))
+    assert "smooth curve of 0 to 0.3 m over load_t, scatter 0.02 m" in said
+    assert "constant 0.1 m; no" in curve_words((Unnamed("load_t", (0.0, 1.0), (0.1, 0.1)),))
+    assert curve_words((AntennaDelay(delay_ns=1.0),)) == ""
+
+
+def test_text_where_a_number_is_named_is_said() -> None:
+    frame = pd.DataFrame(
+        {"time_s": ["12:30:01", "12:30:02"], "range_m": [1.0, 2.0], "rx": ["a", "b"]}
+    )
+    assert text_instead(frame) == {
+        "column time_s": "text such as '12:30:01', expected numbers; not used"
+    }
