@@ -26,6 +26,7 @@ from bench.discrepancy.sets.settings import (
     LEVEL_PASSES,
     LEVELS,
     MOST_DEVICES,
+    OFF_BY,
     USUAL_LEVEL_DB,
 )
 from bench.physics.effect import Effect
@@ -193,7 +194,7 @@ def off_by(response: Floats, rows: View) -> Floats:
     """
     far = known_mostly(rows.scene.true_range_m)
     line = [] if far is None else [np.clip(_standard(far), -2, 2)]
-    return DEFORMED * float(np.std(response)) * np.stack([np.ones(len(response)), *line], axis=1)
+    return OFF_BY * float(np.std(response)) * np.stack([np.ones(len(response)), *line], axis=1)
 
 
 def _of_device(name: str) -> bool:

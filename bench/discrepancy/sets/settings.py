@@ -31,6 +31,8 @@ STRAY_LINK_M: Final = 0.25  # of offset from all others, from which on a link ta
 STRAY_LINK_STD: Final = 5.0  # and as many scales of the others' offsets
 LEAST_VARIANCE_M2: Final = 1e-8  # of rows: a tenth of a millimetre [derived]
 DEFORMED: Final = 0.3  # share of a response that a smooth deformation of it may be [convention]
+OFF_BY: Final = 0.15  # of what a response does over rows, that a constant or a line over the
+# distance may be off beside it: a half at 20 to 1 [convention]
 LAW_M: Final = 0.1  # typical size of a law, and of how far a device stands elsewhere [convention]
 LAW_SCALE: Final = 0.02  # typical error of one device's unit [convention]
 MOST_DEVICES: Final = 12  # at either end, those of most rows, whose faults take part [cost]
