@@ -150,7 +150,7 @@ class Contest:
             {one: self.brings(best, one) for one in names},
             {one: self.rivals(best, one) for one in names},
             {one: self._wider(best, one) for one in names},
-            self._shifts(best),
+            self.shifts(best),
         )
 
     def most(self) -> float:
@@ -195,9 +195,9 @@ class Contest:
             able = tuple(one for one in able if one not in wrong)
 
     def _possible(self, causes: Set, name: str) -> bool:
-        return self.kinds[name].possible(self.rows.scene, self._shifts(causes)[name])
+        return self.kinds[name].possible(self.rows.scene, self.shifts(causes)[name])
 
-    def _shifts(self, causes: Set) -> dict[str, Floats]:
+    def shifts(self, causes: Set) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""
         made = self.evidence.of(causes)
         return {one: _spread(self.evidence.response(made, one), self) for one in causes}
@@ -319,7 +319,7 @@ class Contest:
     def _beyond(self, causes: Set, name: str) -> float:
         """Return the evidence that a name brings where the others may be deformed."""
         rest = _but(causes, name)
-        shifts = self._shifts(rest).items()
+        shifts = self.shifts(rest).items()
         bent = {f"{o}, deformed": (deformed(m, self.rows)[self.known],) for o, m in shifts}
         off = {f"{o}, off": (off_by(m, self.rows)[self.known],) for o, m in shifts}
         other = self.evidence.with_blocks(self.evidence.blocks | bent | off)

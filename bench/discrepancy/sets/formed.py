@@ -20,6 +20,7 @@ from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
 from bench.discrepancy.law.structures import Fitted, GridLaw, cost
+from bench.discrepancy.sets.blocks import off_by
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.settings import (
@@ -79,7 +80,7 @@ def beaten(contest: Contest, best: Set) -> Beaten | None:
 def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     """Return the law that stands in for some names of a set, None where none does."""
     rest = tuple(one for one in best if one not in gone)
-    before = contest.nats(best)
+    before = max(contest.nats(best), _off(contest, best, gone))
     tried = []
     for law in formed(contest, best, gone):
         lead = nats_with(contest, rest, law.name, law.parts) - law.pays - before
@@ -87,6 +88,16 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
         if wins and not _bends(contest, rest, gone, law):
             tried.append(Beaten(gone, law, lead))
     return max(tried, key=lambda one: one.lead, default=None)
+
+
+def _off(contest: Contest, best: Set, gone: Set) -> float:
+    """Return the log evidence of a set of which some names may be off, as no law must gain by."""
+    shifts = contest.shifts(best)
+    off = {f"{o}, off": (off_by(shifts[o], contest.rows)[contest.known],) for o in gone}
+    blocks = {one: contest.evidence.blocks[one] for one in best}
+    other = contest.evidence.with_blocks({**blocks, **off})
+    other.widest |= dict.fromkeys(off, 1.0)
+    return other.of((*best, *off)).nats / contest.crowding
 
 
 def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:

@@ -95,3 +95,10 @@ def test_levels_that_only_scatter_show_no_direction() -> None:
     level = -80 + 0.2 * np.random.default_rng(1).normal(size=60)
     rows = scene(pd.DataFrame({"true_range_m": np.ones(60), "rx_power_dbm": level}))
     assert PowerBias.possible(rows, 0.05 + 1e-3 * (level + 80))
+
+
+@pytest.mark.parametrize(("mean_m", "beside"), [(0.04, set()), (0.3, {"antenna-delay"})])
+def test_the_mean_of_a_pattern_is_no_delay_unless_it_is_large(mean_m: float, beside: set) -> None:
+    frame = rows_of(4)
+    turn = 0.2 * np.cos(np.radians(frame["azimuth_deg"].to_numpy()))
+    assert names_of(frame, turn + mean_m) == {"antenna-pattern"} | beside
