@@ -6,12 +6,12 @@ it would change a simulation. Without effects the table comes back unchanged.
 
 What effects do here. Ranging: all of them, in full. Receiver: all; noise is in the CIR already, so
 it can only be raised (`noise-floor`, `narrowband-interference`), and colouring applies to what is
-raised. Propagation: `material-delay`, `diffraction`, `blocked-path`, `path-loss`, `antenna-pattern`
-act on the CIR's first path, on what comes before a detour, or on all of it; reflections and tails
-are added to it. `small-scale-fading` would tear the pulse apart and is refused (`on_tables`).
-A table without phases is taken as real; where an effect adds copies of samples (`with_phases`),
-every lobe of a row is given a random phase, else noise would add up like a pulse. Without a CIR,
-effects act on a single path.
+raised; it stays where signals grow stronger or weaker. Propagation: `material-delay`,
+`diffraction`, `blocked-path`, `path-loss`, `antenna-pattern` act on the CIR's first path, on what
+comes before a detour, or on all of it; reflections and tails are added to it. `small-scale-fading`
+would tear the pulse apart and is refused (`on_tables`). A table without phases is taken as real;
+where an effect adds copies of samples (`with_phases`), every lobe of a row is given a random phase,
+else noise would add up like a pulse. Without a CIR, effects act on a single path.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from bench.physics.batch import Batch
 from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
+from bench.physics.own_noise import with_own_noise
 from bench.physics.pipeline import Pipeline
 from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
@@ -130,7 +131,7 @@ class ForeignTable:
         arriving = self._arriving(slice(start, start + BLOCK), phased)
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        receive = partial(self._received, offset_db=offset_db)
+        receive = partial(self._received, offset_db=offset_db, edge=arriving.free_gain)
         return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
 
     def _arriving(self, part: slice, phased: bool = False) -> Batch:
@@ -175,10 +176,10 @@ class ForeignTable:
         """Return the first path's index in the table's CIRs [n]."""
         return rows.number("first_path_index", float(self.base.cir_lead))
 
-    def _received(self, batch: Batch, offset_db: Floats) -> Batch:
+    def _received(self, batch: Batch, offset_db: Floats, edge: Complexes | None) -> Batch:
         """Return the batch at the receiver: its own samples, no noise but its own.
 
-        `offset_db` [n] is the recorded receive level over that of the CIR.
+        `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge.
         """
         batch = self.base.counted(batch)
         batch = replace(batch, level_dbm=batch.level() + offset_db)
@@ -191,6 +192,7 @@ class ForeignTable:
         scale = (amplitude(self.base.power_offset_db) * there(batch.symbols)).astype(np.float32)
         waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.base.pulse_fwhm)
         waveform *= scale[:, None]
+        waveform = with_own_noise(waveform, _louder_by(batch, edge), power)
         noise = np.zeros_like(waveform)
         return replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
 
@@ -226,6 +228,14 @@ class ForeignTable:
         if changed.first_path is None or plain.first_path is None:
             return None
         return self._index(changed.rows) + changed.first_path - plain.first_path
+
+
+def _louder_by(batch: Batch, edge: Complexes | None) -> Floats:
+    """Return by how much effects scaled all of every row [n], from its edge before (0: one)."""
+    if edge is None or batch.free_gain is None:
+        return np.ones(len(batch))
+    before, after = absolute(edge).astype(np.float64), absolute(batch.free_gain)
+    return np.asarray(np.divide(after, before, out=np.ones(len(batch)), where=before > 0))
 
 
 def lobe_phases(size: Reals) -> Complexes:
