@@ -70,7 +70,7 @@ SIZE_WIDER: Final = 3.0  # times what slopes say: valleys bend, and fits end bef
 STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45)  # of the bounds, of a strike [cost]
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
 CALM_FEWEST: Final = 8  # links that were not; and more than struck ones [convention]
-STRIKE_ALIKE: Final = 0.6  # of what a strike brings, from where another may do as well [convention]
+STRIKE_ALIKE: Final = 0.3  # of what a strike brings, from where another may do as well [convention]
 LONGER_ODDS: Final = (
     0.75  # that a struck link reads longer than a spared one, at least [convention]
 )
