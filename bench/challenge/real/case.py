@@ -37,6 +37,16 @@ def first_named(found: Diagnosis) -> str:
     return " or ".join(first.names) or type(first).__name__
 
 
+def every_named(found: Diagnosis) -> str:
+    """Return the names of all verdicts, "nothing" without one."""
+    return "; ".join(" or ".join(names) for names in found.selection.names if names) or "nothing"
+
+
+def names_it(found: Diagnosis, name: str) -> bool:
+    """Return whether an effect is named, alone or as one of a class."""
+    return any(name in names for names in found.selection.names)
+
+
 def markdown_table(frame: pd.DataFrame) -> list[str]:
     """Return a frame as a Markdown table, numbers with four digits."""
     head = ["| " + " | ".join(map(str, frame.columns)) + " |", "|" + " --- |" * frame.shape[1]]

@@ -13,7 +13,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.challenge.real.case import Check, Progress, RealCase, markdown_table
+from bench.challenge.real.case import (
+    Check,
+    Progress,
+    RealCase,
+    every_named,
+    markdown_table,
+    names_it,
+)
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
@@ -109,9 +116,7 @@ def by_pair(made: Exchange, clock: DeviceClock | None) -> pd.DataFrame:
 
 def _clock_checks(found: Diagnosis, made: Exchange, pairs: pd.DataFrame) -> tuple[Check, ...]:
     """Return whether the crystals are named, and by how much their offsets are off."""
-    said = "; ".join(" or ".join(names) for names in found.selection.names) or "nothing"
-    named = any("clock-offset" in names for names in found.selection.names)
-    out = [Check("says crystal offset", said, named)]
+    out = [Check("says crystal offset", every_named(found), names_it(found, "clock-offset"))]
     both = (pairs["skew_ppm"] - pairs["double_sided_ppm"]).abs().median()
     differ = f"; the two truths differ by {both:.3f} ppm"
     truths = (("double_sided", "the double-sided exchange", ""), ("skew", "published skew", differ))
@@ -137,12 +142,14 @@ def _clock_checks(found: Diagnosis, made: Exchange, pairs: pd.DataFrame) -> tupl
 
 def _second_checks(found: Diagnosis) -> tuple[Check, ...]:
     """Return whether the delays that calibration takes out are found, and the new fit is better."""
-    said = "; ".join(" or ".join(names) for names in found.selection.names) or "nothing"
-    named = any("antenna-delay" in names for names in found.selection.names)
     seen = found.confirmed
     before, after = seen.mae_before_m.value, seen.mae_after_m.value
     return (
-        Check("double-sided with CIRs, uncalibrated: finds the antenna delays", said, named),
+        Check(
+            "double-sided with CIRs, uncalibrated: finds the antenna delays",
+            every_named(found),
+            names_it(found, "antenna-delay"),
+        ),
         Check(
             "double-sided with CIRs: sealed links fit better",
             f"gain {seen.gain}; mean abs. range error {before:.3f} m -> {after:.3f} m",
