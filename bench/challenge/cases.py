@@ -23,6 +23,7 @@ from bench.challenge.families.case import (
 )
 from bench.discrepancy.data.columns import known_columns, with_motion
 from bench.discrepancy.data.observables import observe
+from bench.discrepancy.method import base_of
 from bench.physics.base import Base
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
@@ -31,6 +32,7 @@ from bench.plugins import load
 from bench.recordings.table import Recordings
 
 Floats = NDArray[np.float64]
+PLAIN = Simulator(Base(), name="plain")  # the settings of radios that the rows do not state
 REPLICAS = 8  # of the true table where the simulator is run again
 SEARCHED_SHARE = {True: 0.4, False: 0.75}  # of the links, with and without waveforms
 MOST_Z = 999.0  # what does not scatter at all moves by any number of standard errors
@@ -132,8 +134,8 @@ def _made(world: Any, mode: str, drawn: Draw, own: int) -> tuple[Tables, Simulat
 def _again(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
     """Return ranges of the library's simulator with something hidden in them, and the simulator."""
     jitter = TimestampJitter(jitter_samples=0.08 * drawn.scatter)
-    simulator = Simulator(Base(), (jitter,), own, "challenge")
     frame = world.known(drawn, own)
+    simulator = Simulator(base_of(frame, PLAIN), (jitter,), own, "challenge")
     rows = scene(frame)
     clean, *more = (
         simulator.observe(rows, own, number, cir=False).table(frame)
@@ -149,10 +151,11 @@ def _waves(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
     It does not read from the rows how many symbols were accumulated: the count is something to
     be explained here, not a setting.
     """
-    simulator = Simulator(Base(keep_count=0), (TimestampJitter(),), own, "challenge")
+    frame = world.known(drawn, own)
+    base = replace(base_of(frame, PLAIN), keep_count=0)
+    simulator = Simulator(base, (TimestampJitter(),), own, "challenge")
     crop = {"cir_lead": world.WIDE_LEAD, "cir_samples": world.WIDE_SAMPLES}
     wide = replace(simulator, base=replace(simulator.base, **crop))
-    frame = world.known(drawn, own)
     rows = scene(frame)
     clean, *more = (
         wide.observe(rows, own, number, complex_cir=True).table(frame)

@@ -12,7 +12,10 @@ import pandas as pd
 import pytest
 
 from bench.challenge import families
-from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, world_of
+from bench.challenge.cases import make_case
+from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, turn_of, world_of
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
 
 LAST = ("harbour", "attic", "tunnel", "orchard", *KEPT)
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
@@ -232,3 +235,17 @@ def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
     lost = made.recorded["first_path_power_dbm"] - made.clean["first_path_power_dbm"]
     assert lost[struck].mean() < -3
     assert abs(lost[~struck].mean()) < 0.5
+
+
+@pytest.mark.parametrize("mode", ["ranges again", "CIR again"])
+def test_recordings_of_the_market_have_the_levels_of_the_channel_that_they_state(mode: str) -> None:
+    """Channel 9 is an octave above channel 2: its levels are 6 dB lower at the same place."""
+    turns = (n for n in range(24) if turn_of(n).family == "market" and turn_of(n).mode == mode)
+    case = make_case(next(turns), 7)  # nothing is hidden in the first
+    assert isinstance(case.simulated, Simulator)
+    assert case.simulated.base.channel == case.recorded.frame["channel"].iloc[0] == 9
+    made = case.simulated.observe(scene(case.recorded.frame), 5, 3, cir=mode == "CIR again")
+    off = case.recorded.frame["rx_power_dbm"] - np.asarray(
+        made.table(case.recorded.frame)["rx_power_dbm"]
+    )
+    assert abs(off.median()) < 0.5
