@@ -58,7 +58,7 @@ def test_the_work_is_where_the_loops_are(counted):
     _, count = counted
     assert count.kinds["float"] + 2 * count.kinds.get("float_mac", 0) >= 765 * 2 + 153
     assert count.kinds.get("float_divide", 0) <= 1
-    assert count.layers[2].instructions > 0.8 * count.instructions
+    assert count.layers[2].instructions > 0.6 * count.instructions  # gcc 0.8, zig cc 0.72
     assert count.instructions < count.cycles.low <= count.cycles.typical <= count.cycles.high
 
 
