@@ -48,7 +48,7 @@ class Case:
 
     `truth` is the simulated side as a table with the hidden physics in it; `clean` the recorded
     rows without. `outside` are hidden names that no library effect can be given for: not in the
-    library, or these tables lack the columns that it needs.
+    library, or these tables lack the columns that it needs. `seed`: of the family's own draws.
     """
 
     turn: Turn
@@ -60,6 +60,7 @@ class Case:
     shifts_m: Floats | None
     outside: tuple[str, ...]
     law: Law
+    seed: int
 
     @property
     def strength_z(self) -> float:
@@ -109,7 +110,14 @@ def make_case(number: int, seed: int, families: tuple[str, ...] = ()) -> Case:
     law = world.LAWS.get(drawn.hidden[0], Law()) if drawn.hidden else Law()
     table = Recordings(recorded, f"case {number}")
     true = Recordings(truth, "truth", simulator=turn.family)
-    return Case(turn, drawn, table, simulated, true, clean, made.shifts_m, outside, law)
+    return Case(turn, drawn, table, simulated, true, clean, made.shifts_m, outside, law, own)
+
+
+def recorded_with(case: Case, hidden: tuple[str, ...]) -> pd.DataFrame:
+    """Return what would be recorded were these effects hidden, of the same draws and scatter."""
+    world: Any = world_of(case.turn.family, case.turn.mode)
+    made, _ = _made(world, case.turn.mode, replace(case.drawn, hidden=hidden), case.seed)
+    return made.recorded.reset_index(drop=True)
 
 
 def _unnamable(name: str, laws: dict[str, Law], recorded: pd.DataFrame, mode: str) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from bench.challenge.alone import shift_of
 from bench.challenge.cases import Case
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
@@ -46,17 +47,22 @@ def compared(case: Case, found: Diagnosis) -> list[Compared]:
     Cases whose amplitudes were rescaled to equal the simulator's histogram have no true
     amplitude and give none; nor has what is drawn at random, or acts on the waveform.
     """
-    out: list[Compared] = []
-    if case.drawn.concealed == "aggregate" or case.shifts_m is None:
-        return out
+    if case.drawn.concealed == "aggregate":
+        return []
     whole = _whole(case)
-    for verdict in found.selection.verdicts:
-        option = verdict.options[0] if isinstance(verdict, Ambiguous) else verdict
-        if isinstance(option, LeftOut) and option.names[0] in case.drawn.hidden:
-            shift = case.shifts_m[case.drawn.hidden.index(option.names[0])]
-            if option.names[0] not in RANDOM and np.abs(shift).max() > 0:
-                out += _beside(option, _truth(whole, option, shift))
+    out: list[Compared] = []
+    for option in _rightly_named(case, found):
+        shift = shift_of(case, option.names[0])
+        if shift is not None and np.abs(shift).max() > 0:
+            out += _beside(option, _truth(whole, option, shift))
     return out
+
+
+def _rightly_named(case: Case, found: Diagnosis) -> list[LeftOut]:
+    """Return every named effect that is hidden, but those of which each row draws anew."""
+    firsts = [v.options[0] if isinstance(v, Ambiguous) else v for v in found.selection.verdicts]
+    named = [one for one in firsts if isinstance(one, LeftOut)]
+    return [v for v in named if v.names[0] in case.drawn.hidden and v.names[0] not in RANDOM]
 
 
 def _whole(case: Case) -> View:
