@@ -87,6 +87,10 @@ class Position:
         """Return what it says of other rows."""
         return self._moved(given, np.array([value for _, value, _ in constants]))[0]
 
+    def slopes(self, given: Material, constants: tuple[Named, ...]) -> Floats:
+        """Return what a metre more along each axis does to rows [n, axes]."""
+        return self._moved(given, np.array([value for _, value, _ in constants]))[1]
+
     def _moved(self, given: Material, shift: Floats) -> tuple[Floats, Floats]:
         """Return what ranges gain [n] and its slopes [n, axes]."""
         total = np.zeros(len(given.residual_m))

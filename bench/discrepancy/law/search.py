@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
 from bench.discrepancy.law.faults import faults
 from bench.discrepancy.law.found import LawConstant
@@ -105,8 +106,15 @@ def ranking(given: Material) -> Ranking:
     ]
     curve, values = best_curve(given)
     lead = share * (curve - none) - values / 2 * np.log(max(rows, 2.0))
+    made = [one for one in made if one.nats < LAW_NATS or _told(given, one, share, rows)]
     made.sort(key=lambda one: -one.nats)
     return Ranking(tuple(made), float(lead), share)
+
+
+def _told(given: Material, one: Candidate, share: float, rows: float) -> bool:
+    """Return whether a law, if it is about places, is worth its complexity beside own delays."""
+    gain = share * told_from_delays(given, one.structure, one.fitted)
+    return gain - cost(one.structure, rows) > LAW_NATS
 
 
 def _preferred(ranked: tuple[Candidate, ...]) -> Candidate:

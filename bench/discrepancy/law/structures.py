@@ -156,6 +156,10 @@ class GridLaw:
         parts += [np.ones(len(column.values))] if self.offset else []
         return np.stack(parts, axis=1) * given.factors[self.by].weights[:, None]
 
+    def free_value(self, found: Fitted) -> float:
+        """Return the free constant of a fit."""
+        return {name: value for name, value, _ in found.constants}.get(self.shape.free, self.value)
+
     def _named(self, given: Material, value: float, found: Floats) -> tuple[Named, ...]:
         """Return the constants with units; a factor's unit goes into the amplitude's."""
         top = over("m", self.names[4])

@@ -13,6 +13,7 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.sets.beside import told_law
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
     Blocks,
@@ -177,10 +178,9 @@ class Contest:
 
     def _able(self) -> Set:
         """Return every name, and the laws that do most."""
-        parts = {one for blocks in self.single.values() for one in blocks}
-        none = self.library | self.untold | parts
-        laws = [one for one in self.evidence.blocks if one not in none]
+        none = {one for part in self.single.values() for one in part} | self.library | self.untold
         names = self.best(tuple(self.library))
+        laws = [o for o in self.evidence.blocks if o not in none and told_law(self, o, names)]
         alone = sorted(laws, key=lambda law: -self.nats((law,)))[:MOST_LAWS]
         beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
         return tuple(dict.fromkeys((*sorted(self.library), *alone, *beside)))

@@ -7,29 +7,32 @@ set leaves, and takes the place of a name as one more block, its form and free c
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from math import log
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.law.between import over_places
 from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.likelihood import effective_share
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
-from bench.discrepancy.law.structures import Fitted, GridLaw, cost
+from bench.discrepancy.law.structures import GridLaw, cost
+from bench.discrepancy.sets.beside import nats_with, told_from_delays, weighed_with
 from bench.discrepancy.sets.blocks import off_by
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     FORM_NATS,
     FORMS_TRIED,
     LAW_M,
-    LAW_SIZE,
     LEAST_WEIGHT,
+    NAME_NATS,
     SAME_SHAPE,
     TIED_NATS,
 )
@@ -83,7 +86,7 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     before = max(contest.nats(best), _off(contest, best, gone))
     tried = []
     for law in formed(contest, best, gone):
-        lead = nats_with(contest, rest, law.name, law.parts) - law.pays - before
+        lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - before
         wins = lead > FORM_NATS or (lead > TIED_NATS and _another(contest, best, gone, law))
         if wins and not _bends(contest, rest, gone, law):
             tried.append(Beaten(gone, law, lead))
@@ -103,31 +106,33 @@ def _off(contest: Contest, best: Set, gone: Set) -> float:
 def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
     """Return the laws that do most for what the rest of a set leaves."""
     made = contest.evidence.of(best)
-    rest = [contest.evidence.response(made, one) for one in best if one not in gone]
+    names = tuple(one for one in best if one not in gone)
+    rest = [contest.evidence.response(made, one) for one in names]
     left = contest.evidence.left_m - np.sum([np.zeros(len(contest.known)), *rest], axis=0)
     frame = contest.rows.frame.iloc[contest.known].reset_index(drop=True)
     every = material(frame, left, contest.rows.links[contest.known])
     part = every.take(np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT))
-    return best_laws(every, part)
+    told = (
+        law
+        for law in laws_of(every, part)
+        if not over_places(tuple(law.over))
+        or told_from_delays(contest, names, law.parts, law.pays + NAME_NATS)
+    )
+    return list(islice(told, FORMS_TRIED))
 
 
-def best_laws(every: Material, part: Material) -> list[Formed]:
-    """Return the best laws of some rows, as blocks over all; none where they are few."""
+def laws_of(every: Material, part: Material) -> Iterator[Formed]:
+    """Yield the laws of some rows, the best first, as blocks over all; none where they are few."""
     if len(part.residual_m) < LAW_FEWEST_ROWS:
-        return []
+        return
     fits = [(law, law.fitted(part)) for law in promising(part, float(len(part.residual_m)))]
     if not fits:
-        return []
+        return
     first = max(fits, key=lambda one: one[1].fit.likelihood - cost(one[0], 2.0))[1].fit
     share = effective_share(part.residual_m - first.shift_m, part.links)
     rows = max(share * len(part.residual_m), 2.0)
     fits.sort(key=lambda one: cost(one[0], rows) - share * one[1].fit.likelihood)
-    return [_formed(every, law, _free(law, found), rows) for law, found in fits[:FORMS_TRIED]]
-
-
-def _free(law: GridLaw, found: Fitted) -> float:
-    """Return the free constant of a fitted law."""
-    return {name: value for name, value, _ in found.constants}.get(law.shape.free, law.value)
+    yield from (_formed(every, law, law.free_value(found), rows) for law, found in fits)
 
 
 def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
@@ -150,7 +155,7 @@ def _bends(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
     own = np.array([_within(contest, names, part) for part in law.parts])
     if own.all() or not own.any():
         return False
-    factors = weighed_with(contest, rest, law.name, law.parts).factors[-len(law.parts) :]
+    factors = weighed_with(contest, rest, {law.name: law.parts}).factors[-len(law.parts) :]
     parts = np.hstack(law.parts) * factors
     mine, more = parts[:, own].sum(axis=1), parts[:, ~own].sum(axis=1)
     return bool((more**2).sum() < DEFORMED**2 * (mine**2).sum())
@@ -172,21 +177,8 @@ def _constant(contest: Contest, best: Set, names: Set) -> bool:
     """Return whether a mere constant does all that some names of a set do."""
     rest = tuple(one for one in best if one not in names)
     parts = (np.full((len(contest.known), 1), LAW_M),)
-    lead = contest.nats(best) - nats_with(contest, rest, "a constant", parts)
+    lead = contest.nats(best) - nats_with(contest, rest, {"a constant": parts})
     return bool(lead < FORM_NATS)
-
-
-def nats_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> float:
-    """Return the log evidence of a set with one more block."""
-    return weighed_with(contest, rest, name, parts).nats / contest.crowding
-
-
-def weighed_with(contest: Contest, rest: Set, name: str, parts: tuple[Floats, ...]) -> Weighed:
-    """Return a set with one more block."""
-    blocks = {one: contest.evidence.blocks[one] for one in rest}
-    other = contest.evidence.with_blocks({**blocks, name: parts})
-    other.widest = {**contest.evidence.widest, name: LAW_SIZE}
-    return other.of((*rest, name))
 
 
 def about(kind: type[Effect]) -> frozenset[str]:

@@ -8,6 +8,7 @@ says nothing of the noise: it was known before.
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +18,9 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.material import material
+from bench.discrepancy.sets.beside import nats_with, weighed_with
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.formed import best_laws, nats_with, weighed_with
+from bench.discrepancy.sets.formed import laws_of
 from bench.discrepancy.sets.settings import AS_SIMULATED, LEAST_WEIGHT, MISTAKEN_NATS
 
 if TYPE_CHECKING:
@@ -45,9 +47,9 @@ def mistaken(
         every = material(doubtful[[name]].iloc[rows].reset_index(drop=True), left, links)
         if not every.columns or len(every.residual_m) < len(left):
             continue
-        for law in best_laws(every, every.take(taken))[:1]:
-            lead = nats_with(contest, best, law.name, law.parts) - law.pays - contest.nats(best)
-            after = weighed_with(contest, best, law.name, law.parts).variance_m2
+        for law in islice(laws_of(every, every.take(taken)), 1):
+            lead = nats_with(contest, best, {law.name: law.parts}) - law.pays - contest.nats(best)
+            after = weighed_with(contest, best, {law.name: law.parts}).variance_m2
             if lead > MISTAKEN_NATS and AS_SIMULATED[0] < after / noise < AS_SIMULATED[1]:
                 out.append(name)
     return tuple(out)

@@ -178,3 +178,14 @@ def test_words_have_units_and_intervals() -> None:
     assert law is not None
     assert str(law).startswith("a law without a name: error = -0.012 (-0.01")
     assert "m per m of true range; looks like: a clock or unit scale" in str(law)
+
+
+def test_a_law_of_anchors_at_their_places_is_not_told_from_their_delays() -> None:
+    delays_m = {"a0": 0.12, "a2": 0.12, "a4": 0.12}  # the anchors above 2.5 m
+
+    def hidden(frame: pd.DataFrame) -> np.ndarray:
+        return frame["rx"].map(delays_m).fillna(0.0).to_numpy()
+
+    given = material_of(Case("", hidden, (), (), {}), 3)
+    found = propose(part(given, np.ones(len(given[1]), bool)), 3)
+    assert found is None or not any("rx_" in one for one in found.best.structure.columns)

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.sets.choose import chosen
+from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, warmth
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -34,6 +35,39 @@ def test_a_name_holds_only_where_no_law_predicts_as_well(
     found = chosen(search_of(hidden, 11), ())
     assert found.names == names
     assert any(one.startswith(form) for one in (*found.others, ""))
+
+
+HEIGHTS_M = {"d5": 1.2, "d6": 2.4, "d7": 2.1, "d8": 1.5, "d9": 1.4, "d10": 2.6}
+
+
+def raised(per_row: np.ndarray) -> Callable[[Recordings], Recordings]:
+    """Return what adds heights of rx: of its device, and `per_row` [n] of each row of ours."""
+
+    def made(table: Recordings) -> Recordings:
+        frame = table.frame
+        more = np.resize(per_row, len(frame))
+        return replace(table, frame=frame.assign(rx_z_m=frame["rx"].map(HEIGHTS_M) + more))
+
+    return made
+
+
+def test_a_law_over_where_devices_stand_is_no_more_than_their_delays() -> None:
+    def delays(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return 0.08 * (frame["rx"].map(HEIGHTS_M).to_numpy() > 1.8)
+
+    found = chosen(search_of(delays, 11, raised(np.zeros(1))), ())
+    assert found.names == ("antenna-delay",)
+    assert found.others == ()
+
+
+def test_a_law_over_where_devices_go_is_a_law() -> None:
+    up = np.random.default_rng(4).uniform(-1, 1, 360)
+
+    def high(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return 0.08 * (frame["rx"].map(HEIGHTS_M).to_numpy() + up > 1.8)
+
+    found = chosen(search_of(high, 11, raised(up)), ())
+    assert "antenna-delay" not in found.names
 
 
 def set_aside(hidden: Hidden | None, load: Callable[[pd.DataFrame], np.ndarray]) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -23,12 +25,15 @@ from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.scene import scene
+from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, constant, tables, walls, warmth
 
 
-def search_of(hidden: Hidden | None, seed: int) -> Search:
-    """Return a search over every row of two tables, ranges and levels alone."""
-    recorded, simulated = tables(seed, hidden)
+def search_of(
+    hidden: Hidden | None, seed: int, change: Callable[[Recordings], Recordings] = lambda one: one
+) -> Search:
+    """Return a search over every row of two tables, ranges and levels alone; both changed so."""
+    recorded, simulated = map(change, tables(seed, hidden))
     frame, codes = recorded.frame, link_codes(recorded.frame)
     rows = view(frame, codes, np.arange(len(frame)), Window(), None, False)
     kinds, _ = offered(library()[0], frame, False, False)

@@ -1,0 +1,61 @@
+"""Sets with more blocks beside them: how probable these make the recorded ranges."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.law.between import constants_of_devices, over_places
+from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.evidence import Columns, Weighed
+from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE
+
+if TYPE_CHECKING:
+    from bench.discrepancy.sets.choose import Contest
+
+Floats = NDArray[np.float64]
+ENDS = ("tx", "rx")
+OWN_DELAYS = "a delay of every device"
+
+
+def told_law(contest: Contest, law: str, names: Set) -> bool:
+    """Return whether a smooth law, if it is about places, is told from delays of devices.
+
+    Alone or beside some names: what else is there may hide it, or do it.
+    """
+    if not over_places((law,)):
+        return True
+    parts = contest.evidence.blocks[law]
+    return any(told_from_delays(contest, rest, parts, LAW_NATS) for rest in ((), names))
+
+
+def told_from_delays(contest: Contest, rest: Set, parts: tuple[Floats, ...], price: float) -> bool:
+    """Return whether a law about places is worth its price in nats beside delays of devices.
+
+    Of its `parts` [n, k] only what varies within devices counts: what differs between them alone
+    may be their delays. True where devices are not known.
+    """
+    frame = contest.rows.frame.iloc[contest.known]
+    devices = {end: frame[end].astype(str).to_numpy(object) for end in ENDS if end in frame}
+    if not devices:
+        return True
+    own = LAW_M * constants_of_devices(devices)
+    within = tuple(part - own @ np.linalg.lstsq(own, part, rcond=None)[0] for part in parts)
+    delays = {OWN_DELAYS: (own,)}
+    lead = nats_with(contest, rest, {**delays, "within": within}) - nats_with(contest, rest, delays)
+    return lead >= price
+
+
+def nats_with(contest: Contest, rest: Set, more: Columns) -> float:
+    """Return the log evidence of a set with more blocks."""
+    return weighed_with(contest, rest, more).nats / contest.crowding
+
+
+def weighed_with(contest: Contest, rest: Set, more: Columns) -> Weighed:
+    """Return a set with more blocks, as large as laws may be."""
+    blocks = {one: contest.evidence.blocks[one] for one in rest}
+    other = contest.evidence.with_blocks({**blocks, **more})
+    other.widest = {**contest.evidence.widest, **dict.fromkeys(more, LAW_SIZE)}
+    return other.of((*rest, *more))
