@@ -33,6 +33,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
@@ -73,7 +74,6 @@ class Options:
     """How much is done: rows used for search, fit and confirmation, the seed, what is compared.
 
     `measured` and `known` say of columns of the user's own which they are (see `own_columns`).
-
     `waveform` False simulates from paths alone (see `View`); None decides by the tables: waveforms
     are compared where both sides have them.
     """
@@ -251,7 +251,7 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
 
     Where a column was set aside by mistake, nothing but that is said.
     """
-    state, journal = State(search), journal or Journal()
+    state, journal = with_logs(State(search)), journal or Journal()
     if search.fit.waveform:
         return waves.selected(state, journal)
     if spoilt := state.guard.safely("recorder", spoilt_ranges, None)(state):
@@ -347,4 +347,4 @@ def concluded(state: State, journal: Journal) -> Selection:
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
     skipped = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)
-    return Selection(said, best, held.rounds, skipped, search.choice.names)
+    return Selection(said, best, held.rounds, skipped, search.choice.names, (), {}, search.logged)

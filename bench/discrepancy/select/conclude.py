@@ -268,6 +268,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
     name = option.names[0]
     if option.control.passed is False:
         return f"{name} gains most, but it is there too in {option.control.words}"
+    if option.effect is effect and any(effect.name == one.name for one in search.logged):
+        return ""
     if untold(option):
         return f"looks most like {name}, but none of its values is told from zero"
     of_set = {

@@ -20,6 +20,7 @@ from bench.discrepancy.fit.per_device import fits_itself, with_values
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import regressed
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.logged import shown
 from bench.discrepancy.select.refute import Checked, announced
 from bench.discrepancy.select.settings import FORM_LEAD_NATS, MARK_SHARE
 from bench.discrepancy.select.state import Round, Search, State
@@ -34,7 +35,7 @@ def marked(search: Search, added: Added = ()) -> Added:
     Each in the form that scores best beside `added`, or in the one that is among these.
     """
     if not search.fit.waveform:
-        return _grids(search, added)
+        return (*_grids(search, added), *shown(search, added))
     have = {effect.name: effect for effect in added}
     found = []
     for kind in search.kinds.values():

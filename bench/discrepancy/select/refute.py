@@ -295,7 +295,8 @@ def _brought_by(rounds: tuple[Round, ...], effect: Effect) -> Round | None:
 
 def _refuted(search: Search, rounds: tuple[Round, ...], added: Added) -> tuple[Doubt, ...]:
     """Return the effects of which more is left than is allowed, beside all others; worst first."""
-    left = (e for e in added if e.physics not in search.choice.names)
+    sure = {*search.choice.names, *(effect.name for effect in search.logged)}
+    left = (e for e in added if e.physics not in sure)
     left = (e for e in left if search.fit.waveform or not type(e).marked)
     doubts = [Doubt(e, fits(search, added, e, _brought_by(rounds, e))) for e in left]
     doubts = [doubt for doubt in doubts if not doubt.why.adequate]

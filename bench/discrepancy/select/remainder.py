@@ -20,7 +20,9 @@ def fitting_best(search: Search, held: Checked, struck: Added, said: tuple[Verdi
 
     All of it with waveforms, where held-out links fit better, beyond doubt, than with the names.
     """
-    useless = idle(held) if search.fit.waveform else set()  # ranges bear no marks
+    useless = idle(held)
+    if not search.fit.waveform:  # ranges bear no marks: only logs may speak alone
+        useless &= {effect.name for effect in search.logged}
     names = {name for verdict in said for name in verdict.names}
     named = tuple(e for e in (*struck, *held.added) if e.name not in useless and e.physics in names)
     every = tuple(e for e in held.simulated if e.name not in useless)

@@ -81,6 +81,7 @@ def _taken_back(found: Selection, gone: Added, sealed: View, held: set[str]) -> 
     """Return the selection without refused effects; names that are `held` or marked stay."""
     lost = {effect.physics for effect in gone}
     bad = lost - held
+    bad -= {effect.physics for effect in found.logged}
     wrong = [bool(bad & set(v.names[:1])) and not _bears(v, sealed) for v in found.verdicts]
     refused, stay = (
         tuple(v for v, bad in zip(found.verdicts, wrong, strict=True) if bad is asked)

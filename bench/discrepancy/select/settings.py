@@ -43,6 +43,15 @@ DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends o
 FORM_LEAD_NATS: Final = 3.0  # by which another form of a mark must lead the plain one: 20 to 1
 MARK_SHARE: Final = 0.2  # of the scatter of rows: less adds 2 % to it, as centimetres printed do
 
+# --- Logs of the receiver beside ranges (select/logged) -------------------------------------------
+LOGGED_NATS: Final = 6.0  # that a name must bring, as in a set of causes [derived]
+LOGGED_LEVELS: Final = (0.05, 0.15, 0.25, 0.4, 0.5, 0.6, 0.75, 0.85, 0.95)  # quantiles, from which
+# on counts may fall [cost]
+LOGGED_SHARES: Final = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.2)  # of the measured fall [cost]
+NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
+ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]
+SPARE_LINKS: Final = 8  # at least, beyond what is fitted [convention]
+
 # --- Effects on levels beside geometry (select/second_level) -------------------------------------
 LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
 LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]

@@ -30,7 +30,8 @@ class Search:
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
     where that would cost too much. `choice`: the set of causes that ranges speak for. `doubtful`:
     columns of all recorded rows that were set aside as measured by their scatter alone. `untried`:
-    effects that cannot be put into another simulator's table.
+    effects that cannot be put into another simulator's table. `logged`: effects that logs of the
+    receiver show beside ranges (see `bench.discrepancy.select.logged`).
     """
 
     comparison: Comparison
@@ -43,6 +44,7 @@ class Search:
     choice: Choice = field(default_factory=Choice)
     doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
     untried: Mapping[str, type[Effect]] = field(default_factory=dict)
+    logged: Added = ()
 
     @property
     def sharpest(self) -> View:
@@ -114,7 +116,7 @@ class Selection:
 
     `together`: the names that were weighed as a set (see `bench.discrepancy.sets`). `mistaken`:
     columns that were set aside as measured, but are not. `withheld`: names that were not added,
-    and why.
+    and why. `logged`: effects that logs of the receiver show.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -124,6 +126,7 @@ class Selection:
     together: tuple[str, ...] = ()
     mistaken: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
+    logged: Added = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

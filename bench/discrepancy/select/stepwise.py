@@ -214,7 +214,10 @@ def prune(search: Search, added: Added, least: float, newcomer: Effect, located:
 def bears_mark(search: Search, effect: Effect) -> bool:
     """Return whether recorded rows bear the mark of an effect: it is there, whatever it gains.
 
-    Of ranges alone every effect that is `marked` was fitted by its mark.
+    Of ranges alone every effect that is `marked` was fitted by its mark, and logs of the receiver
+    may show others.
     """
     kind = type(effect)
+    if any(one.name == effect.name for one in search.logged):
+        return True
     return bool(kind.by_mark(search.fit.frame)) or (kind.marked and not search.fit.waveform)

@@ -232,6 +232,7 @@ class _Search:
     seed: int = 0
     kinds: None = None
     choice: Choice = field(default_factory=Choice)
+    logged: tuple[()] = ()
 
 
 def test_an_effect_takes_the_place_of_another() -> None:

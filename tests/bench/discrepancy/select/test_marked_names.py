@@ -28,7 +28,7 @@ def test_only_what_bears_its_mark_is_kept(monkeypatch: pytest.MonkeyPatch) -> No
     both = Ambiguous((seen, other), "")
     said = (seen, other, both, Unknown((), Estimate(1, 0, 2)))
     for frame, kept in (((SpecularReflections(),), (seen, both)), ((), ())):
-        search = SimpleNamespace(fit=SimpleNamespace(frame=frame))
+        search = SimpleNamespace(fit=SimpleNamespace(frame=frame), logged=())
         assert _marked(search, said) == kept  # type: ignore[arg-type]
 
 

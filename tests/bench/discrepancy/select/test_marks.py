@@ -53,6 +53,7 @@ def test_what_bears_its_mark_is_not_pruned(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(Quantisation, "by_mark", classmethod(lambda _, frame: frame))
     for frame, kept in (((ROUNDED,), (ROUNDED, NOISE)), ((), (NOISE,))):
         view = SimpleNamespace(frame=frame)
-        search = SimpleNamespace(comparison=None, discover=view, fit=view, seed=0, work=None)
+        seen = {"comparison": None, "seed": 0, "work": None, "logged": ()}
+        search = SimpleNamespace(discover=view, fit=view, **seen)
         made = stepwise.prune(search, (ROUNDED, NOISE), 0.0, NOISE, NOTHING)  # type: ignore[arg-type]
         assert made == kept

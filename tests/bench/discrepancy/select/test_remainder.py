@@ -30,6 +30,7 @@ class _Search:
     comparison: None = None
     discover: None = None
     seed: int = 0
+    logged: tuple[()] = ()
 
 
 def _best(

@@ -1,0 +1,220 @@
+"""What a receiver logs beside ranges tells causes apart that ranges and levels alone do not.
+
+From paths alone neither the count of accumulated symbols nor the noise of an accumulator is
+simulated, so no score sees them. But where both sides log them they are read directly. A receiver
+that controls its level stops accumulating early where signals are strong, which no path loss does;
+a raised noise floor is in the noise that is logged, whatever ranges do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.skill import tally
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import LEVEL
+from bench.discrepancy.fit.search import Objective, refine, screen
+from bench.discrepancy.select.settings import (
+    LOGGED_LEVELS,
+    LOGGED_NATS,
+    LOGGED_SHARES,
+    NOISE_FORMULA_DB,
+    ROUNDING_VARIANCE,
+    SPARE_LINKS,
+)
+from bench.discrepancy.select.state import Search, State
+from bench.discrepancy.settings import FIT_MEMBERS
+from bench.physics.effect import Effect
+from bench.physics.effects.receiver.level_control import LevelControl, accumulated_share
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+Floats = NDArray[np.float64]
+COUNT, NOISE = "preamble_count", "noise_std"
+DEVICES = ("tx=", "rx=")  # how the groups of devices begin
+
+
+@dataclass(frozen=True)
+class Logged:
+    """Recorded over simulated logs in dB, [n] each, NaN where a side does not log them.
+
+    `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
+    settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
+    that whole symbols have.
+    """
+
+    level_dbm: Floats
+    count_db: Floats
+    noise_db: Floats
+    devices: Floats
+    freedom: float
+    rounding_db2: float
+
+    def known(self, *columns: Floats) -> NDArray[np.bool_]:
+        """Return the rows [n] in which some columns are known."""
+        return np.asarray(np.isfinite(np.stack(columns)).all(axis=0))
+
+
+def with_logs(state: State) -> State:
+    """Return the state with what logs beside ranges say, as it is where they cannot be read."""
+    read = state.guard.safely("logs of the receiver", read_logs, state.search)
+    return replace(state, search=read(state.search))
+
+
+def read_logs(search: Search) -> Search:
+    """Return the search with what logs beside ranges say, as it is with waveforms.
+
+    `logged` are effects that the logs show; a level control that they exclude is not offered.
+    """
+    if search.fit.waveform or search.work is None:
+        return search
+    seen, rows = logs(search, search.work), search.work
+    found: list[Effect] = []
+    if LevelControl.name in search.kinds:
+        if ends_early(seen) > LOGGED_NATS:
+            found.append(_level_control(search, rows, seen))
+        elif as_simulated(seen) > LOGGED_NATS:
+            search = search.without(LevelControl())
+    if NoiseFloor.name in search.kinds and louder(seen) > LOGGED_NATS:
+        found.append(NoiseFloor(level_db=_louder_db(seen)))
+    return replace(search, logged=tuple(found))
+
+
+def logs(search: Search, rows: View) -> Logged:
+    """Return what both sides log for some rows."""
+    frame, (count, noise) = rows.frame, _simulated(search, rows)
+    level, counted = numeric(frame, LEVEL), numeric(frame, COUNT)
+    most = float(np.nan_to_num(counted).max(initial=1.0))
+    rounding = ROUNDING_VARIANCE * (10 / np.log(10) / most) ** 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count_db = 10 * np.log10(counted) - count
+        noise_db = 20 * np.log10(numeric(frame, NOISE)) - noise
+    groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
+    devices = np.stack([np.ones(len(frame)), *groups], axis=1)
+    links = len(np.unique(rows.links)) / search.comparison.crowding(rows) ** 2
+    return Logged(level, count_db, noise_db, devices, links, rounding)
+
+
+def _simulated(search: Search, rows: View) -> tuple[Floats, Floats]:
+    """Return simulated counts and noise in dB, [n] each; NaN where they are not known."""
+    other, unknown = search.comparison, np.full(len(rows.rows), np.nan)
+    if isinstance(other, Resimulation):
+        # A count is to be explained here, not taken from the rows; the noise goes with the count.
+        base = replace(other.simulator.base, keep_count=0)
+        counting = replace(other.simulator, base=base)
+        made = counting.observe(rows.scene, cir=False).preamble_count
+        noise = other.simulator.observe(rows.scene, cir=False).noise_std
+        return 10 * np.log10(made), 20 * np.log10(noise)
+    if not isinstance(other, TableComparison):
+        return unknown, unknown
+    picks = np.stack(other.versions(rows))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
+    return 10 * count.mean(axis=0), 20 * noise.mean(axis=0)
+
+
+def ends_early(seen: Logged) -> float:
+    """Return the nats for counts that fall where levels are strong, 0 where that is not known.
+
+    Beside counts that every device has of its own; by a step or a slope from some level on, of
+    which one costs as much as was tried.
+    """
+    rows = seen.known(seen.level_dbm, seen.count_db)
+    if not rows.any():
+        return 0.0
+    own, count, level = seen.devices[rows], seen.count_db[rows], seen.level_dbm[rows]
+    forms = [form for knot in np.quantile(level, LOGGED_LEVELS) for form in _falling(level, knot)]
+    brought = [_brings(count, own, form[:, None], seen, seen.rounding_db2) for form in forms]
+    return max(brought) - float(np.log(len(forms)))
+
+
+def _falling(level_dbm: Floats, knot_dbm: float) -> tuple[Floats, Floats]:
+    """Return what falls from a level on, by a slope and by a step, [n] each."""
+    over = np.maximum(level_dbm - knot_dbm, 0)
+    return -over, -(over > 0).astype(np.float64)
+
+
+def as_simulated(seen: Logged) -> float:
+    """Return the nats that speak against counts falling as a control of levels makes them fall."""
+    rows = seen.known(seen.level_dbm, seen.count_db)
+    if not rows.any():
+        return 0.0
+    own, count = seen.devices[rows], seen.count_db[rows]
+    fall = 10 * np.log10(accumulated_share(seen.level_dbm[rows]))
+    least = min((_left(count - share * fall, own) for share in LOGGED_SHARES), default=0.0)
+    spare = seen.rounding_db2 * len(count)
+    freedom = seen.freedom - own.shape[1]
+    return float(0.5 * freedom * np.log((least + spare) / (_left(count, own) + spare)))
+
+
+def louder(seen: Logged) -> float:
+    """Return the nats for noise of another level than simulated, 0 where that is not known.
+
+    Beyond what goes with the count: its level as a whole, or that of every device.
+    """
+    rows = seen.known(seen.noise_db)
+    if not rows.any():
+        return 0.0
+    spare, noise, own = NOISE_FORMULA_DB**2, seen.noise_db[rows], seen.devices[rows]
+    null = np.nan_to_num(seen.count_db[rows])[:, None]
+    return max(_brings(noise, null, way, seen, spare) for way in (own[:, :1], own))
+
+
+def _louder_db(seen: Logged) -> float:
+    """Return by how much the logged noise is louder than simulated, within the effect's bounds."""
+    item = next(p for p in NoiseFloor.parameters() if p.name == "level_db")
+    return float(np.clip(np.nanmedian(seen.noise_db), item.low, item.high))
+
+
+def _brings(values: Floats, null: Floats, ways: Floats, seen: Logged, spare: float) -> float:
+    """Return the nats that `ways` [n, k] bring for values [n] beside `null` [n, j].
+
+    Links count, not rows; each factor pays half the logarithm of their number (Schwarz 1978), and
+    what is `spare` of the variance is none to be explained. A first factor below zero is none.
+    """
+    both = np.hstack([null, ways])
+    factors = np.linalg.lstsq(both, values, rcond=None)[0]
+    freedom = seen.freedom - both.shape[1]
+    if freedom < SPARE_LINKS or (ways.shape[1] == 1 and factors[-1] <= 0):
+        return 0.0
+    before, after = (_left(values, design) + spare * len(values) for design in (null, both))
+    cost = 0.5 * ways.shape[1] * np.log(seen.freedom)
+    return float(0.5 * freedom * np.log(max(before, 1e-300) / max(after, 1e-300)) - cost)
+
+
+def _left(values: Floats, design: Floats) -> float:
+    """Return the squares that a regression on a design [n, k] leaves of values [n]."""
+    return float(np.sum((values - design @ np.linalg.lstsq(design, values, rcond=None)[0]) ** 2))
+
+
+def _level_control(search: Search, rows: View, seen: Logged) -> Effect:
+    """Return the level control that fits recorded levels, and then counts, best."""
+    base = tally(search.comparison.ensemble(rows, (), FIT_MEMBERS))
+    objective = Objective(search.kinds[LevelControl.name], search.comparison, rows, (), base)
+    found = refine(objective, screen(objective))
+    made = found.effect
+    assert isinstance(made, LevelControl)
+    made = made if found.gain > 0 else replace(made, compression=0.0)
+    own = seen.known(seen.level_dbm, seen.count_db)
+    level, count = seen.level_dbm[own] - made.shift_db, seen.count_db[own]
+    tried = [
+        (_left(count - _count_db(level, share), seen.devices[own]), share)
+        for share in LOGGED_SHARES
+    ]
+    return replace(made, accumulation=min(tried)[1])
+
+
+def _count_db(level_dbm: Floats, share: float) -> Floats:
+    """Return by how much the count [n] falls with a share of the measured fall, in dB."""
+    return np.asarray(10 * np.log10(1 - share * (1 - accumulated_share(level_dbm))))
+
+
+def shown(search: Search, added: Added = ()) -> Added:
+    """Return the effects that logs show, in the form that they have among `added`."""
+    have = {effect.name: effect for effect in added}
+    return tuple(have.get(effect.name, effect) for effect in search.logged)
