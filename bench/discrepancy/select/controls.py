@@ -29,8 +29,8 @@ from bench.physics.effect import Effect
 def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
     """Return what is left where the effect must vanish (a wall delay where there is no wall).
 
-    Of a set of causes, beyond what is left everywhere: that is another cause. Beside waveform
-    effects, whose forms leave more, either may be.
+    Of a set of causes it may be nothing beyond what is left everywhere: that is another cause. This
+    only excuses: what its form leaves where it acts (walls of another kind) is nothing elsewhere.
     """
     words = type(effect).control
     inert = effect.inert(Base().paths(search.discover.scene))
@@ -43,7 +43,7 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
     beyond = everywhere_left(search, others, effect, name, ~inert)
-    for less in (0.0, beyond) if search.fit.waveform else (beyond,):
+    for less in (0.0, beyond):
         left = residual - less
         quiet = cluster_bootstrap(left[inert], ensemble.links[inert], search.seed, unit)
         passed = control_passed(quiet, float(np.nanmean(np.abs(left[~inert]))))

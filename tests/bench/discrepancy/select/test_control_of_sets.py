@@ -22,12 +22,17 @@ class Walls(MaterialDelay):
         return INERT
 
 
+@pytest.mark.parametrize("waveform", [True, False])
 @pytest.mark.parametrize(
     ("clear_m", "everywhere_m", "passed"),
     [(0.0, 0.07, True), (0.07, 0.07, True), (0.07, 0.0, False), (-0.07, 0.07, False)],
 )
 def test_another_form_of_the_delay_does_not_fail_the_control(
-    monkeypatch: pytest.MonkeyPatch, clear_m: float, everywhere_m: float, passed: bool
+    monkeypatch: pytest.MonkeyPatch,
+    clear_m: float,
+    everywhere_m: float,
+    passed: bool,
+    waveform: bool,
 ) -> None:
     rng = np.random.default_rng(2)
     versions = rng.normal(0, 0.01, (9, 60, 2))
@@ -36,7 +41,7 @@ def test_another_form_of_the_delay_does_not_fail_the_control(
     monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
     monkeypatch.setattr(controls, "everywhere_left", lambda *_: everywhere_m)
     search = SimpleNamespace(
-        fit=SimpleNamespace(waveform=True),
+        fit=SimpleNamespace(waveform=waveform),
         discover=SimpleNamespace(scene=None),
         comparison=SimpleNamespace(ensemble=lambda *_: made),
         choice=Choice(names=("material-delay",)),
