@@ -105,11 +105,12 @@ def members_for(kind: type[Effect], view: View, members: int) -> int:
     return STRIKING_RICHER * members if kind.per_link and not view.waveform else members
 
 
-def screen(objective: Objective) -> Fitted:
+def screen(objective: Objective, on_ranges: bool = False) -> Fitted:
     """Return the best of a line search along every amplitude of the effect.
 
     An amplitude is a parameter with a value at which the effect does nothing; the others stay at
-    their defaults. Effects without one are tried at points spread over their bounds.
+    their defaults. Effects without one are tried at points spread over their bounds. `on_ranges`:
+    it is known by what it does to ranges, so it is tried with all else that it does switched off.
     """
     thorough = not objective.view.waveform  # paths alone cost next to nothing
     several = len(objective.view.recorded.names) > 1
@@ -121,7 +122,7 @@ def screen(objective: Objective) -> Fitted:
         objective(values)
     for values in delayed(objective.kind, objective.best[1]):
         objective(values)
-    for values in switched_off(objective.kind) if several and thorough else ():
+    for values in switched_off(objective.kind) if several and (thorough or on_ranges) else ():
         objective(values)
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 

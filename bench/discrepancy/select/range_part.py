@@ -45,9 +45,12 @@ from bench.discrepancy.settings import (
 from bench.physics.effect import Effect
 from bench.physics.units import Floats
 from bench.physics.ways import known_mostly, spread_over
+from bench.recordings.motion import SPEED
 
 Turns = tuple[Round, ...]
 NONE: tuple[Added, Turns] = (), ()
+# What changes clocks and delays, and no pulse on its way: no detector can follow it.
+OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 
 
 def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> State:
@@ -105,7 +108,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
         return Choice()
     left = ensemble.residual_of(RANGE)
     known = np.flatnonzero(np.isfinite(left))
-    forms = receiver_forms(ranged, rows, ensemble, beside)[known]
+    forms = receiver_forms(ranged, rows, ensemble, beside, unlisted)[known]
     if unlisted:
         forms = np.hstack([forms, unlisted_forms(rows)[known]])
     flat = whitening(forms, left[known])
@@ -152,14 +155,17 @@ class Flattened(Contest):
         return out
 
 
-def receiver_forms(search: Search, rows: View, whole: Ensemble, beside: Added) -> Floats:
+def receiver_forms(
+    search: Search, rows: View, whole: Ensemble, beside: Added, unlisted: bool
+) -> Floats:
     """Return what a receiver of another kind may make of waveform effects [n, k], in metres.
 
-    Smooth deformations of what every effect does to ranges, and small shifts over what is known.
+    Smooth deformations of what every effect does to ranges, and small shifts over what is known:
+    over what changes clocks alone too where `unlisted`, as nobody knows what that goes by.
     """
     if all(effect.stage == "ranging" for effect in beside):
         return np.zeros((len(rows.rows), 0))
-    parts = [DETECTION_M * known_columns_of(rows)]
+    parts = [DETECTION_M * known_columns_of(rows, () if unlisted else OF_CLOCKS)]
     for effect in (one for one in beside if one.stage != "ranging"):
         rest = search.comparison.ensemble(rows, without(beside, effect), RESIDUAL_MEMBERS)
         response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))
@@ -180,10 +186,13 @@ def unlisted_forms(rows: View) -> Floats:
     return np.asarray(UNLISTED_M * np.hstack([np.stack(columns, axis=1), *curves]))
 
 
-def known_columns_of(rows: View) -> Floats:
-    """Return one, every number in standard deviations and every group but devices [n, k]."""
+def known_columns_of(rows: View, but: tuple[str, ...]) -> Floats:
+    """Return one, every number in standard deviations and every group but devices [n, k].
+
+    Without the numbers `but`.
+    """
     columns: list[Floats] = [np.ones(len(rows.rows))]
-    for value in rows.covariates.numbers.values():
+    for value in (v for name, v in rows.covariates.numbers.items() if name not in but):
         filled = np.where(np.isfinite(value), value, np.nanmean(value))
         standard = (filled - filled.mean()) / max(float(filled.std()), 1e-9)
         columns.append(np.asarray(np.clip(standard, -2, 2), np.float64))

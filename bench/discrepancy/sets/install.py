@@ -71,7 +71,7 @@ def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Ef
             found = with_values(search.comparison, search.sharpest, added, kind)
             return [found] if found else []
         objective = Objective(kind, search.comparison, search.sharpest, added, base)
-        return [refine(objective, screen(objective)).effect] if kind.fitted else []
+        return [refine(objective, screen(objective, on_ranges=True)).effect] if kind.fitted else []
     except BenchError:
         return []
 

@@ -96,3 +96,12 @@ def test_what_held_out_links_lose_by_is_not_taken(
     monkeypatch.setattr(range_part, "loses", lambda *_: worse)
     monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
     assert with_range_part(state, Journal()).added == (() if worse else more)
+
+
+def test_no_detector_follows_a_temperature_unless_something_unlisted_does() -> None:
+    _, search = search_of(0.0)
+    assert search.fit.covariates.numbers
+    every = range_part.known_columns_of(search.fit, ())
+    name = next(iter(search.fit.covariates.numbers))
+    assert range_part.known_columns_of(search.fit, (name,)).shape[1] == every.shape[1] - 1
+    assert {"temperature_c", "time_s", "reply_time_s"} < set(range_part.OF_CLOCKS)
