@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
-
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.form import of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
@@ -37,7 +36,6 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.unformed import beside_unformed
-from bench.discrepancy.select.deformation import within
 from bench.errors import BenchError
 from bench.physics.effect import Effect
 
@@ -151,7 +149,7 @@ class Sets:
         while len(fit.names) > len(self.start.names):
             whole = self.worth(fit) - self.worth(self.start)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
-            brings = {n: nats * (not self._of_form(fit, n)) for n, nats in brings.items()}
+            brings = {n: nats * (not of_form(self.given, fit, n)) for n, nats in brings.items()}
             least = min(brings, key=lambda name: brings[name])
             if brings[least] >= max(NAME_NATS, NAME_SHARE * whole):
                 break
@@ -163,19 +161,8 @@ class Sets:
 
         What is known should tell nothing of what scatters.
         """
-        before, after = (
-            np.diag(next(iter(each.moments.covariances.values()))) for each in (rest, fit)
-        )
+        before, after = (variances(each.moments) for each in (rest, fit))
         return bool((after > SCATTERS * before).any())
-
-    def _of_form(self, fit: Fit, name: str) -> bool:
-        """Return whether a member does no more than another form of a larger one would."""
-        scatter = np.sqrt(np.diag(next(iter(self.none.moments.covariances.values()))))
-        sizes = np.stack([np.sqrt((one**2).mean(axis=0)) / scatter for one in fit.responses])
-        mine = np.array([one == name for one in fit.names])
-        others, own = sizes[~mine], sizes[mine][0]
-        louder = others[(others**2).sum(axis=1) > (own**2).sum()]
-        return bool(len(louder)) and within(own, louder)
 
     def _brings(self, fit: Fit, name: str) -> float:
         """Return the evidence that one member of a set brings beside the others, in nats."""

@@ -15,6 +15,8 @@ from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import RANGE, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import untried
+from bench.discrepancy.joint.form import of_form
+from bench.discrepancy.joint.polish import fitted
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.untried import scatter_at_most, with_untried
@@ -30,6 +32,7 @@ from bench.physics.simulator import Simulator
 
 LINKS, EACH = 20, 3
 FADED = SmallScaleFading(direct_m=12.0)
+STEEPER, SLIGHTLY = PathLoss(exponent=2.8), SmallScaleFading(direct_m=999.0, deeper=3.0)
 SHADOWED = PathLoss(shadowing_db=1.2)
 SAID = LeftOut(
     TimestampJitter(jitter_samples=0.1), (), Estimate(1, 0.5, 1.5, "nats"), 1.0, Control("", None)
@@ -66,6 +69,19 @@ def test_fading_and_shadowing_are_told_apart_by_rows_of_one_link(hidden, other):
     assert right.within > wrong.within + 20
     found = Sets(comparison, rows, rows, (SmallScaleFading, PathLoss)).chosen()
     assert {effect.name for effect in found.named} == {hidden.name}
+
+
+def test_fading_is_no_other_form_of_what_moves_means_alone():
+    """A steep path loss beside it moves every mean by more than fading does."""
+    comparison, rows = compared((FADED, STEEPER))
+    given = Statistics(comparison, rows)
+    both = fitted(given, (FADED, STEEPER))
+    assert both is not None
+    assert not of_form(given, both, FADED.name)
+    assert not of_form(given, both, STEEPER.name)
+    twice = fitted(given, (SLIGHTLY, STEEPER))
+    assert twice is not None
+    assert of_form(given, twice, SLIGHTLY.name)  # a shift that is a little of the same
 
 
 def test_where_links_have_one_row_nothing_scatters_about_them():
