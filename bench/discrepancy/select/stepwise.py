@@ -14,6 +14,7 @@ from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
+from bench.discrepancy.select.own_draws import beyond_own_draws
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.settings import (
     FAMILY_WISE,
@@ -48,6 +49,8 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
         ensemble.first(own), seen.covariates, number, level, crowding=alone,
         reused=reuse(search.comparison, seen),
     )  # fmt: skip
+    if located.significant and not few and len(ensemble.simulated) >= own + FEW_VERSIONS:
+        return beyond_own_draws(located, ensemble, own, seen, number, crowding)
     if located.significant or not few:
         return located
     beside = ensemble.beside(own)

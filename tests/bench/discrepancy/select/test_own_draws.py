@@ -1,0 +1,51 @@
+"""A table that repeats each link in one environment is no sign that recorded links are off."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.locate.permutation_test import locate
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import locate_left
+from tests.bench.discrepancy.numpy_tables import tables
+
+REPLICAS = 4
+
+
+def search_of(seed: int, own_db: float, shift_db: float, row_db: float = 0.0) -> Search:
+    """Return a search where every link has a level of its own, simulated REPLICAS times alike.
+
+    Recorded links draw theirs anew, `own_db` wide, and are off by `shift_db` and, from row to row,
+    by `row_db`.
+    """
+    recorded, simulated = (table.frame for table in tables(seed, replicas=REPLICAS))
+    rng = np.random.default_rng(seed)
+    codes = link_codes(recorded)
+    ours, theirs = rng.normal(0, (own_db, 2.0), (codes.max() + 1, 2)).T
+    level = -60 - 20 * np.log10(recorded["true_range_m"].to_numpy())
+    noise = rng.normal(0, 0.1, (1 + REPLICAS, len(recorded)))
+    more = shift_db + rng.normal(0, row_db, len(recorded))
+    recorded = recorded.assign(rx_power_dbm=level + ours[codes] + noise[0] + more)
+    alike = (level + theirs[codes] + noise[1:]).ravel()
+    simulated = simulated.assign(rx_power_dbm=alike)
+    rows = view(recorded, codes, np.arange(len(recorded)), Window(), ("rx_power_dbm",), False)
+    return Search(TableComparison(simulated, Window()), rows, rows, {}, 0, work=rows)
+
+
+@pytest.mark.parametrize(
+    ("own_db", "shift_db", "row_db", "there"),
+    [(2.0, 0, 0, False), (2.0, 1.5, 0, True), (8.0, 0, 0, True), (2.0, 0, 0.5, True)],
+)
+def test_draws_that_a_table_repeats_are_no_mismatch(
+    own_db: float, shift_db: float, row_db: float, there: bool
+) -> None:
+    search = search_of(3, own_db, shift_db, row_db)
+    made = search.comparison.ensemble(search.searched, (), 16)
+    swapped = locate(made.first(REPLICAS), search.searched.covariates, 0)
+    assert swapped.significant
+    assert locate_left(search, (), 0).significant == there
