@@ -9,11 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
+from bench.discrepancy.settings import ALL_SPARED
 from bench.physics.effect import Effect
 
 
@@ -41,8 +45,9 @@ def unrefused(
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    seen = {turn.strike.effect.name for turn in found.rounds if turn.strike}
-    held = {e.physics for e in gone if e.name in seen and not _surely_worse(sealed, change((e,)))}
+    seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
+    struck = [(e, seen[e.name]) for e in gone if e.name in seen]
+    held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
     held |= {e.physics for e in gone if sealed.waveform and _surely_better(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
     words = {e.physics: str(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
@@ -54,15 +59,23 @@ def _surely_better(effect: Effect, found: Served | None) -> bool:
     return effect.stage != "ranging" and found is not None and found.gain.above_zero
 
 
-def _surely_worse(sealed: View, found: Served | None) -> bool:
-    """Return whether an effect makes held-out links worse beyond chance.
+def _surely_worse(sealed: View, found: Served | None, strike: Strike) -> bool:
+    """Return whether an effect that strikes links at random makes held-out ones worse, for sure.
 
-    Of waveforms: their ranges. What strikes links at random was seen in links one by one; a score
-    of twenty figures asks for its form in all.
+    Of waveforms: their ranges. It was seen in links one by one; a score of twenty figures asks for
+    its form in all. Nor does a score speak where chance may have spared every held-out link: all
+    are then a little worse with it, by what a forecast of rare things costs where none happens.
     """
     if found is None:
         return False
-    return found.farther or (found.gain.high <= 0 and not sealed.waveform)
+    told = not sealed.waveform and _all_spared(sealed, strike) < ALL_SPARED
+    return found.farther or (found.gain.high <= 0 and told)
+
+
+def _all_spared(sealed: View, strike: Strike) -> float:
+    """Return the chance that none of the held-out links is struck; 0 where it is not known."""
+    share = next((one.value for one in strike.parameters if one.name == "share"), 1.0)
+    return float((1 - share) ** len(np.unique(sealed.links))) if share < 1 else 0.0
 
 
 def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:

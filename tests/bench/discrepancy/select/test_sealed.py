@@ -88,6 +88,24 @@ def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
     assert ("time-lag" in made.withheld) is said
 
 
+@pytest.mark.parametrize(("share", "said"), [(0.04, True), (0.3, False)])
+def test_a_score_says_nothing_where_chance_may_spare_all_sealed_links(
+    monkeypatch: pytest.MonkeyPatch, share: float, said: bool
+) -> None:
+    """Of 40 links that are struck with a chance of 0.04 none is in one of five draws."""
+    monkeypatch.setattr(sealed, "served", lambda *_: Served(Estimate(-2, -3, -1), False, 0.1, 0.1))
+    known = ParameterEstimate("share", share, share / 2, 2 * share, "ratio")
+    strike = Strike(LAG, ONE, (known,), np.empty(0, np.intp))
+    found = selection()
+    found = replace(found, added=(LAG,), verdicts=(named(LAG),),
+                    rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
+    frame = pd.DataFrame({"error_m": np.zeros(len(LINKS))})
+    rows = SimpleNamespace(frame=frame, waveform=False, links=LINKS)
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said
+
+
 def test_of_three_causes_none_is_said_of_waveforms() -> None:
     turn = selection().rounds[0]
     options = tuple(map(named, (DELAY, SCALE, LAG)))
