@@ -84,6 +84,11 @@ class Offsets:
     inert: Mask
     members: int
 
+    @property
+    def widest_m(self) -> float:
+        """Within how many metres of the simulator offsets that nothing explains are uniform."""
+        return max(WIDEST_OFFSET_M, float(np.abs(self.offset_m).max()))
+
     def calm(self, extra_m: float, behind_m: float) -> Floats:
         """Return the density of the offsets if nothing struck, [L] per metre.
 
@@ -112,7 +117,7 @@ class Mixture:
         known = np.stack([(1 - chance) * seen.calm(self.extra_m, self.behind_m), hit]) * (
             1 - self.wild
         )
-        return np.vstack([known, np.full(len(chance), self.wild / (2 * WIDEST_OFFSET_M))])
+        return np.vstack([known, np.full(len(chance), self.wild / (2 * seen.widest_m))])
 
     def density(self, seen: Offsets, struck: Floats | None = None) -> Floats:
         """Return the density of every link's offset, [L] per metre."""
@@ -156,14 +161,16 @@ def _one(
     sizes = {
         size: _struck(comparison, view, added, kind, size, seen, bare) for size in _sizes(kind)
     }
-    likely = _every(seen, sizes)
-    plain, mixed = _plain(seen), max(likely, key=lambda one: one.nats)
-    likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
-    outlying = likeliest > 0
+    plain = _plain(seen)
+    for wilds in (WILD_SHARES, WILD_SHARES[:1]):  # if many are anything: as if hardly any were
+        likely = _every(seen, sizes, wilds)
+        mixed = max(likely, key=lambda one: one.nats)
+        likeliest = mixed.parts(seen, sizes[mixed.size]).argmax(axis=0)  # calm, struck or wild
+        outlying = likeliest > 0
+        if not (strays := (likeliest == 2).sum() > STRAY_SHARE * outlying.sum()):
+            break
     weaker = weakened(bare, outlying)
-    if mixed.nats + weaker - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M:
-        return None
-    if (likeliest == 2).sum() > STRAY_SHARE * outlying.sum():
+    if mixed.nats + weaker - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M or strays:
         return None
     if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
         return None  # what strikes rows, not links
@@ -305,16 +312,16 @@ def _chances(seen: Offsets) -> list[Mixture]:
     return every
 
 
-def _every(seen: Offsets, sizes: Mapping[float, Floats]) -> list[Mixture]:
-    """Return the mixtures with strikes of some `sizes` (densities by size), the likely ones."""
+def _every(seen: Offsets, sizes: Mapping[float, Floats], wilds: Collection[float]) -> list[Mixture]:
+    """Return the likely mixtures with strikes of some `sizes` (densities by size), and `wilds`."""
     chance = SHARES[:, None] * np.where(seen.inert, 0.0, 1.0)
     hits = {size: chance * struck for size, struck in sizes.items()}
     out: list[Mixture] = []
     top = -np.inf
     for extra, behind in product(EXTRA_M, BEHIND_M):
         calm = (1 - chance) * seen.calm(extra, behind)
-        for (size, hit), wild in product(hits.items(), WILD_SHARES):
-            nats = np.log((1 - wild) * (calm + hit) + wild / (2 * WIDEST_OFFSET_M)).sum(axis=1)
+        for (size, hit), wild in product(hits.items(), wilds):
+            nats = np.log((1 - wild) * (calm + hit) + wild / (2 * seen.widest_m)).sum(axis=1)
             top = max(top, float(nats.max()))
             near = np.flatnonzero(nats > top - PROFILE_90_NATS)
             out += [

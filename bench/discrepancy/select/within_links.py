@@ -32,16 +32,20 @@ def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
 def rows_off(ensemble: Ensemble) -> float:
     """Return the share of the rows that lie off their own link by as much as a detour does.
 
-    A blocked path stays blocked: all rows of a link are struck alike. Of links of three rows.
+    A blocked path stays blocked: all rows of a link are struck alike. Where devices move its detour
+    changes, so a row is off a link that is itself off only by half of that. Of links of three rows.
     """
     code = np.unique(ensemble.links, return_inverse=True)[1]
     several = (np.bincount(code) > 2)[code]
     left = ensemble.residual_of(RANGE)
-    off = np.abs(left - link_medians(left[None], code)[0][code])[several]
+    own = link_medians(left[None], code)[0][code]
+    off, changes = np.abs(left - own)[several], np.abs(own)[several] / 2
     if not len(off):
         return 0.0
     within = MAD_TO_STD * float(np.nanmedian(off))
-    return float(np.mean(off > max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)))
+    return float(
+        np.mean(off > np.maximum(changes, max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)))
+    )
 
 
 def rows_beyond(ensemble: Ensemble) -> int:

@@ -39,4 +39,6 @@ def test_detours_strike_links_and_jumps_strike_rows() -> None:
     links, rows = rng.random(60) < 0.2, rng.random(300) < 0.3
     assert rows_off(ensemble(noise + 0.8 * links[LINKS], 0.022)) == 0
     assert rows_off(ensemble(noise + 0.4 * rows, 0.022)) > 0.15
+    moving = 6.0 * links[LINKS] * rng.uniform(0.8, 1.2, 300)  # detours change while devices move
+    assert rows_off(ensemble(noise + moving, 0.022)) == 0
     assert rows_off(ensemble(rng.normal(0, 0.1, 300), 0.022)) < 0.02

@@ -80,6 +80,29 @@ def test_no_evidence_for_shorter_ranges():
     assert strike(WORLD, _recorded(4, -0.8), (), (), KINDS) is None
 
 
+@pytest.mark.parametrize(("lost_db", "found"), [(6.0, True), (0.0, False)])
+def test_detours_longer_than_the_library_expects_are_told_by_their_level(
+    lost_db: float, found: bool
+) -> None:
+    """Offsets of 5 to 15 m are as likely anything at all; but what is blocked is weaker."""
+    seen = _recorded(5, 10.0)
+    struck = seen.recorded.values[:, 0] > 1
+    seen = _with_levels(seen, -lost_db * struck)
+    made = strike(WORLD, seen, (), (), KINDS)
+    assert (made is not None) is found
+    assert made is None or len(made.struck) == 5
+
+
+def _with_levels(seen: View, change_db: np.ndarray) -> View:
+    """Return the rows with levels that differ from simulated ones by so much, sight not known."""
+    names = ("error_m", "rx_power_dbm")
+    frame = seen.frame.drop(columns="los").assign(rx_power_dbm=0.0)
+    bare = view(frame, seen.links, seen.rows, Window(), names, False)
+    level = WORLD.ensemble(bare, (), 4).simulated_of("rx_power_dbm").mean(axis=0)
+    frame = frame.assign(rx_power_dbm=level + change_db)
+    return view(frame, seen.links, seen.rows, Window(), names, False)
+
+
 def test_a_rival_that_explains_the_links_goes_first():
     warm = _recorded(0, 0.0, drift_m=0.5)
     right = (TemperatureDrift(slope_mm_per_c=20.0),)
