@@ -6,7 +6,7 @@ few links there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.fit.clocks import Heard, polynomial
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
+from bench.discrepancy.fit.least_squares import ends
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
 from bench.discrepancy.settings import (
     HALF_TURN_DEG,
@@ -67,11 +68,21 @@ def _refitted(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
 
 
 def _of_clocks(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
-    return tuple(effect.values()), lambda rows, left, _: _offsets(view, left, rows)
+    assert isinstance(effect, DeviceClock)
+    own = _places(view, effect.devices)
+    return tuple(effect.values()), lambda rows, left, _: _offsets(view, left, rows)[own]
 
 
 def _of_delays(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
-    return tuple(effect.values()), lambda rows, left, _: delays_of(view, left, rows)
+    assert isinstance(effect, DeviceDelay)
+    own = _places(view, effect.devices)
+    return tuple(effect.values()), lambda rows, left, _: delays_of(view, left, rows)[own]
+
+
+def _places(view: View, devices: Sequence[str]) -> NDArray[np.intp]:
+    """Return where devices stand among those of a view, which may have more than were fitted."""
+    names = ends(view)[0]
+    return np.array([names.index(device) for device in devices], np.intp)
 
 
 def _of_levels(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:

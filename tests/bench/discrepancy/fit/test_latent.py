@@ -10,6 +10,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.fit.bootstrap import latent_values
 from bench.discrepancy.fit.per_device import (
     device_delay,
     device_terms,
@@ -52,6 +53,18 @@ def test_antenna_delays_are_found_per_device():
     assert dict(zip(found.devices, found.delays_ns, strict=True)) == pytest.approx(
         DELAYS_NS, abs=0.05
     )
+
+
+def test_values_of_some_devices_are_estimated_from_rows_of_more() -> None:
+    """A device all of whose links were struck has rows, but no delay."""
+    seen = _view(_pairs())
+    few = DeviceDelay(devices=("a", "b", "d"), delays_ns=(0.6, -0.4, 0.3))
+    found = latent_values(seen, few)
+    assert found is not None
+    names, _, values = found
+    made = values(np.arange(len(seen.rows)), seen.recorded.column("error_m"), True)
+    assert names == ("delay_ns[a]", "delay_ns[b]", "delay_ns[d]")
+    assert made == pytest.approx([0.6, -0.4, 0.3], abs=0.2)
 
 
 def test_metres_are_not_a_delay():
