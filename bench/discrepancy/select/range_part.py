@@ -24,6 +24,7 @@ from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLI
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
 from bench.discrepancy.sets.blocks import (
+    OF_CLOCKS,
     Blocks,
     deformed,
     named_kinds,
@@ -45,12 +46,9 @@ from bench.discrepancy.settings import (
 from bench.physics.effect import Effect
 from bench.physics.units import Floats
 from bench.physics.ways import known_mostly, spread_over
-from bench.recordings.motion import SPEED
 
 Turns = tuple[Round, ...]
 NONE: tuple[Added, Turns] = (), ()
-# What changes clocks and delays, and no pulse on its way: no detector can follow it.
-OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 
 
 def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> State:
@@ -165,7 +163,8 @@ def receiver_forms(
     """
     if all(effect.stage == "ranging" for effect in beside):
         return np.zeros((len(rows.rows), 0))
-    parts = [DETECTION_M * known_columns_of(rows, () if unlisted else OF_CLOCKS)]
+    but = () if unlisted else OF_CLOCKS  # no detector can follow a clock
+    parts = [DETECTION_M * known_columns_of(rows, but)]
     for effect in (one for one in beside if one.stage != "ranging"):
         rest = search.comparison.ensemble(rows, without(beside, effect), RESIDUAL_MEMBERS)
         response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))

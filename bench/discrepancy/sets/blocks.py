@@ -35,10 +35,13 @@ from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.ways import known_mostly, spread_over
+from bench.recordings.motion import SPEED
 
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
+# What changes clocks and delays, and no pulse on its way.
+OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
 PER_DEVICE = (AntennaDelay, ClockOffset)
 Kinds = Mapping[str, type[Effect]]
@@ -173,12 +176,15 @@ def _strongest(level_db: Floats) -> float:
     return float(places[np.flatnonzero(near >= near.max() / 2)[-1]])
 
 
-def deformed(response: Floats, rows: View) -> Floats:
-    """Return smooth deformations [n, k] of a response [n].
+def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> Floats:
+    """Return smooth deformations [n, k] of a response [n], that of an effect of this kind.
 
-    Other sizes over every covariate and device, and another curve.
+    Other sizes over every covariate and device, and another curve. What clocks make is of the same
+    size everywhere, so only over what clocks go by.
     """
-    known = (known_mostly(values) for values in rows.covariates.numbers.values())
+    numbers = rows.covariates.numbers
+    some = OF_CLOCKS if kind is not None and kind.everywhere else tuple(numbers)
+    known = (known_mostly(numbers[name]) for name in some if name in numbers)
     slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
     own = _standard(response)
@@ -187,14 +193,17 @@ def deformed(response: Floats, rows: View) -> Floats:
     return DEFORMED * np.stack(bends, axis=1)
 
 
-def off_by(response: Floats, rows: View) -> Floats:
+def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Floats:
     """Return what a response [n] may be off by [n, k]: a constant, and a line over the distance.
 
-    The mean of a pattern and the pull of a reflection depend on the make.
+    The mean of a pattern and the pull of a reflection depend on the make. No line where clocks
+    make it, and nothing in rows where it does nothing (nothing is in the way).
     """
     far = known_mostly(rows.scene.true_range_m)
-    line = [] if far is None else [np.clip(_standard(far), -2, 2)]
-    return OFF_BY * float(np.std(response)) * np.stack([np.ones(len(response)), *line], axis=1)
+    flat = far is None or (kind is not None and kind.everywhere)
+    line = [] if far is None or flat else [np.clip(_standard(far), -2, 2)]
+    size = OFF_BY * float(np.std(response)) * (response != 0)
+    return np.stack([size, *(size * one for one in line)], axis=1)
 
 
 def _of_device(name: str) -> bool:

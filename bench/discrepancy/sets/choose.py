@@ -318,14 +318,14 @@ class Contest:
 
     def _beyond(self, causes: Set, name: str) -> float:
         """Return the evidence that a name brings where the others may be deformed."""
-        rest = _but(causes, name)
-        shifts = self.shifts(rest).items()
-        bent = {f"{o}, deformed": (deformed(m, self.rows)[self.known],) for o, m in shifts}
-        off = {f"{o}, off": (off_by(m, self.rows)[self.known],) for o, m in shifts}
+        rest, rows, some = _but(causes, name), self.rows, self.known
+        shifts = [(o, m, self.kinds.get(o)) for o, m in self.shifts(rest).items()]
+        bent = {f"{o}, deformed": (deformed(m, rows, of)[some],) for o, m, of in shifts}
+        off = {f"{o}, off": (off_by(m, rows, of)[some],) for o, m, of in shifts}
         other = self.evidence.with_blocks(self.evidence.blocks | bent | off)
         other.widest |= dict.fromkeys(off, 1.0)  # no more than a share of what a cause does
         bent |= off
-        with_it, without_it = (other.of((*some, *bent)).nats for some in (causes, rest))
+        with_it, without_it = (other.of((*one, *bent)).nats for one in (causes, rest))
         return (with_it - without_it) / self.crowding
 
     def _wider(self, causes: Set, name: str) -> float:

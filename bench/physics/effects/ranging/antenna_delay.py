@@ -29,6 +29,7 @@ class AntennaDelay(Effect):
     stage = "ranging"
     source = "Decawave application note APS014 on antenna delay calibration"
     signature = "a constant over distance, power and line of sight; separable per pair of devices"
+    everywhere = True
 
     delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)
     device_spread_ns: float = parameter(0, "ns", 0, 5, "std over devices", null=0, fitted=False)

@@ -34,6 +34,7 @@ class ClockOffset(Effect):
     stage = "ranging"
     source = "Neirynck, Luk and McLaughlin, WPNC 2016; Decawave APS011, section 2"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
+    everywhere = True
     needs = (("reply_time_s",), ("clock_offset_ppm",))
     control = "rows with zero reply time"
 

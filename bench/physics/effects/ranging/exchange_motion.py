@@ -29,6 +29,7 @@ class ExchangeMotion(Effect):
     stage = "ranging"
     source = "kinematics of two-way ranging: mean of the ranges at the first and the last message"
     signature = "error proportional to radial speed x reply time; zero at rest; CIR unchanged"
+    everywhere = True
     control = "rows at rest"
     needs = (("radial_speed_m_per_s", "reply_time_s"),)
 

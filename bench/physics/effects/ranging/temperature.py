@@ -32,6 +32,7 @@ class TemperatureDrift(Effect):
     stage = "ranging"
     source = "DW1000 User Manual 2.11, section 8.3 on calibration (2.15 mm per degree Celsius)"
     signature = "slow; exponential in time after switching on, the same at all distances"
+    everywhere = True
     needs = (("temperature_c",), ("time_s",))
     control = "rows at the reference temperature at time zero"
 

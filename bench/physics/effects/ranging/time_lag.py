@@ -30,6 +30,7 @@ class TimeLag(Effect):
     stage = "ranging"
     source = "kinematics: range(t + lag) - range(t) = lag x d(range)/dt to first order"
     signature = "error proportional to radial speed; sign flips with the direction; CIR unchanged"
+    everywhere = True
     control = "rows at rest"
     setup_fault = "time shift"
     needs = (("radial_speed_m_per_s",),)
