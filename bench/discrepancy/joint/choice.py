@@ -16,6 +16,7 @@ class WaveChoice:
     form beside it, both in nats. `unexplained`: so much is left that no name is sure.
     `marked`: names that bear a mark of their own; `scattering`: of those by which links scatter
     more than without them; `doubted`: of those that something without a form would do as well as.
+    `beyond` maps names to those of members that do not do what they do, whatever their forms.
     """
 
     added: Added = ()
@@ -27,6 +28,7 @@ class WaveChoice:
     marked: tuple[str, ...] = ()
     scattering: tuple[str, ...] = ()
     doubted: tuple[str, ...] = ()
+    beyond: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def named(self) -> Added:

@@ -17,17 +17,32 @@ def of_form(given: Statistics, fit: Fit, name: str) -> bool:
 
     To means and to scatter, each by itself: no form of what moves means makes links scatter.
     """
-    scatter = variances(given.needed(()))
-    sizes = np.stack([_sizes(given, fit, place, scatter) for place in range(len(fit.names))])
-    mine = np.array([one == name for one in fit.names])
-    others, own = sizes[~mine], sizes[mine][0]
-    louder = others[(others**2).sum(axis=(1, 2)) > (own**2).sum()]
-    return bool(len(louder)) and within(own, louder)
+    sizes = _all_sizes(given, fit)
+    own = sizes.pop(name)
+    louder = [one for one in sizes.values() if (one**2).sum() > (own**2).sum()]
+    return bool(louder) and within(own, np.stack(louder))
+
+
+def beyond_forms(given: Statistics, fit: Fit, name: str) -> tuple[str, ...]:
+    """Return the other members that do less than this one does, in most of what it does.
+
+    Whatever their right forms are, they do not do what it does.
+    """
+    sizes = _all_sizes(given, fit)
+    own = sizes.pop(name)
+    return tuple(other for other, one in sizes.items() if not within(own, one[None], 1.0))
 
 
 def variances(moments: Moments) -> Floats:
     """Return the variance of every statistic [p], of links as simulated."""
     return np.asarray(np.diag(next(iter(moments.covariances.values()))))
+
+
+def _all_sizes(given: Statistics, fit: Fit) -> dict[str, Floats]:
+    """Return what every member does to means and to scatter [p, 2], in scatters without any."""
+    scatter = variances(given.needed(()))
+    places = enumerate(fit.names)
+    return {name: _sizes(given, fit, place, scatter) for place, name in places}
 
 
 def _sizes(given: Statistics, fit: Fit, place: int, scatter: Floats) -> Floats:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.form import of_form, variances
+from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
@@ -80,8 +80,9 @@ class Sets:
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
+        beyond = {one: beyond_forms(self.given, best, one) for one in best.names}
         return WaveChoice(
-            best.effects, rivals, brings, explained, left, much, marked, wider, doubted
+            best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond
         )
 
     def _off(self, best: Fit) -> bool:

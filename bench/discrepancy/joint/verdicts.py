@@ -81,17 +81,20 @@ def _named(turn: Round) -> str:
 def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...]:
     """Return the verdicts without names that may only mend the form of one that is refused.
 
-    Of waveforms: those that bring not much more than it does, and bear no mark.
+    Of waveforms: those that bring not much more than it does, do no more than it where they act,
+    and bear no mark.
     """
-    refused = [
-        choice.nats[name] for name, one in said.items() if not one.names and name in choice.nats
-    ]
-    least = LOUDER * max(refused, default=0.0)
+    refused = [name for name, one in said.items() if not one.names and name in choice.nats]
     return tuple(
-        one
-        for name, one in said.items()
-        if name in choice.marked or choice.nats.get(name, np.inf) >= least or not one.names
+        one for name, one in said.items() if not one.names or _stands(name, refused, choice)
     )
+
+
+def _stands(name: str, refused: list[str], choice: WaveChoice) -> bool:
+    """Return whether a name is more than what may mend the form of those that are refused."""
+    mended = [choice.nats[one] for one in refused if one not in choice.beyond.get(name, ())]
+    loud = choice.nats.get(name, np.inf) >= LOUDER * max(mended, default=0.0)
+    return name in choice.marked or bool(loud)
 
 
 def _ranges_left(last: Round) -> bool:

@@ -39,10 +39,10 @@ def needless(
     return next((added[i] for i in order if within(sizes[i], np.delete(sizes, i, axis=0))), None)
 
 
-def within(own: Floats, others: Floats) -> bool:
-    """Return whether most of a response [p, 2] is small beside what others [m, p, 2] do there."""
+def within(own: Floats, others: Floats, share: float = FORM_SHARE) -> bool:
+    """Return whether most of a response [p, 2] is less than a share of others' [m, p, 2] there."""
     acts = own > ADEQUACY_TOUCHED * own.max(initial=0.0)
-    small = acts & (own < FORM_SHARE * others.max(axis=0))
+    small = acts & (own < share * others.max(axis=0))
     return bool((own[small] ** 2).sum() > ADEQUACY_MOST * (own[acts] ** 2).sum())
 
 

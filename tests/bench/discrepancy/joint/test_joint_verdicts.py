@@ -42,6 +42,14 @@ def test_what_brings_little_beside_a_refused_name_goes_with_it():
     assert names(standing(said(NoiseFloor()), loud)) == {"noise-floor"}
 
 
+def test_what_a_refused_name_does_not_do_in_any_form_stands_beside_it():
+    choice = WaveChoice(
+        nats={"pulse-ringing": 100.0, "noise-floor": 150.0},
+        beyond={"noise-floor": ("pulse-ringing",)},
+    )
+    assert names(standing(said(NoiseFloor()), choice)) == {"noise-floor"}
+
+
 def test_marks_and_ranges_stand_beside_a_refused_name():
     choice = WaveChoice(
         nats={"pulse-ringing": 100.0, "quantisation": 20.0}, marked=("quantisation",)

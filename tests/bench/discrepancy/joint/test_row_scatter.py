@@ -15,7 +15,7 @@ from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import RANGE, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import untried
-from bench.discrepancy.joint.form import of_form
+from bench.discrepancy.joint.form import beyond_forms, of_form
 from bench.discrepancy.joint.polish import fitted
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
@@ -79,6 +79,7 @@ def test_fading_is_no_other_form_of_what_moves_means_alone():
     assert both is not None
     assert not of_form(given, both, FADED.name)
     assert not of_form(given, both, STEEPER.name)
+    assert beyond_forms(given, both, FADED.name) == (STEEPER.name,)  # which makes nothing scatter
     twice = fitted(given, (SLIGHTLY, STEEPER))
     assert twice is not None
     assert of_form(given, twice, SLIGHTLY.name)  # a shift that is a little of the same
