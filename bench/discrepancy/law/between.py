@@ -17,6 +17,7 @@ from bench.discrepancy.law.faults import Position
 from bench.discrepancy.law.likelihood import linear
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.structures import Fitted, GridLaw, Structure
+from bench.physics.ways import spread_over
 
 Floats = NDArray[np.float64]
 COORDINATES = tuple(f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz")
@@ -42,6 +43,25 @@ def told_from_delays(given: Material, structure: Structure, found: Fitted) -> fl
     if parts is None or not given.devices:
         return np.inf
     own = constants_of_devices(given.devices)
+    return _gained(given, own, parts)
+
+
+def told_from_detectors(given: Material, structure: Structure, found: Fitted) -> float:
+    """Return the log-likelihood that a law gains beside what a changed waveform may do to ranges.
+
+    Anything smooth over the distance, and more or less in every group but devices. Infinite for
+    what is no law of a form.
+    """
+    if not isinstance(structure, GridLaw):
+        return np.inf
+    ours = ("(tx ", "(rx ")
+    groups = [f.weights[:, None] for f in given.factors if f.group and not f.text.startswith(ours)]
+    own = np.hstack([np.ones((len(given.links), 1)), spread_over(given.true_range_m), *groups])
+    return _gained(given, own, structure.design(given, structure.free_value(found)))
+
+
+def _gained(given: Material, own: Floats, parts: Floats) -> float:
+    """Return the log-likelihood that `parts` [n, q] gain beside others, `own` [n, k]."""
     both = linear(np.hstack([own, parts]), given.residual_m).likelihood
     return both - linear(own, given.residual_m).likelihood
 

@@ -9,6 +9,8 @@ import pandas as pd
 
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.law.between import told_from_detectors
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
@@ -17,9 +19,11 @@ from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
     LAW_MEMBERS,
+    LAW_NATS,
     LAW_TIED_NATS,
     LAW_VALUE_NATS,
 )
+from bench.discrepancy.law.structures import cost
 from bench.discrepancy.select.elsewhere import without_others
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import strike
@@ -83,6 +87,8 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     after = _proposed(search, rest)
     if after is not None and not _beyond_names(search, found, after):
         after = None
+    if after is not None and _waveforms_differ(found) and not _beyond_detectors(after):
+        after = None
     beside = Weighed(found, after if unknown else None)
     named = _shifting(found)
     if rest is None or not named:
@@ -131,6 +137,20 @@ def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:
         if rows is not None and not gains_among(law, rows, search.seed):
             return False
     return True
+
+
+def _waveforms_differ(found: Selection) -> bool:
+    """Return whether anything without a name shows in more than ranges: it may shift these too."""
+    unknown = (verdict for verdict in found.verdicts if isinstance(verdict, Unknown))
+    seen = {finding.cell.observable for verdict in unknown for finding in verdict.findings}
+    return bool(seen - {RANGE, LEVEL})
+
+
+def _beyond_detectors(law: Proposal) -> bool:
+    """Return whether a law is worth its price beside what a detector may make of a waveform."""
+    best, rows = law.best, law.share * len(law.given.residual_m)
+    gain = law.share * told_from_detectors(law.given, best.structure, best.fitted)
+    return gain - cost(best.structure, rows) > LAW_NATS
 
 
 def _narrowed(

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 import pandas as pd
 import pytest
-from unlisted import CASES, Case, tables
+from unlisted import CASES, Case, Hidden, tables
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.law import unexplained
@@ -189,3 +189,17 @@ def test_a_law_of_anchors_at_their_places_is_not_told_from_their_delays() -> Non
     given = material_of(Case("", hidden, (), (), {}), 3)
     found = propose(part(given, np.ones(len(given[1]), bool)), 3)
     assert found is None or not any("rx_" in one for one in found.best.structure.columns)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "told"),
+    [
+        (lambda frame: 0.004 * frame["true_range_m"].to_numpy(), False),
+        (lambda frame: 0.03 * (frame["supply_v"].to_numpy() > 3.2), True),
+    ],
+)
+def test_a_law_that_a_changed_waveform_may_make_is_told_from_it(hidden: Hidden, told: bool) -> None:
+    given = material_of(Case("", hidden, (), (), {}), 3)
+    found = propose(part(given, np.ones(len(given[1]), bool)), 3)
+    assert found is not None
+    assert unexplained._beyond_detectors(found) == told
