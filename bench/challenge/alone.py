@@ -35,4 +35,4 @@ def _added_m(before: pd.DataFrame, after: pd.DataFrame) -> Floats | None:
         return None
     if not all(map(np.array_equal, before["cir"], after["cir"])):
         return None
-    return (after["error_m"] - before["error_m"].to_numpy()).to_numpy(np.float64)
+    return np.asarray(after["error_m"] - before["error_m"].to_numpy(), np.float64)
