@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.resimulation import Resimulation
-from bench.discrepancy.compare.skill import tally
+from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL
-from bench.discrepancy.fit.search import Objective, refine, screen
 from bench.discrepancy.select.settings import (
+    LOGGED_COMPRESSIONS,
     LOGGED_LEVELS,
     LOGGED_NATS,
     LOGGED_SHARES,
+    LOGGED_SHIFTS_DB,
     NOISE_FORMULA_DB,
     ROUNDING_VARIANCE,
     SPARE_LINKS,
@@ -36,6 +37,7 @@ from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 Floats = NDArray[np.float64]
 COUNT, NOISE = "preamble_count", "noise_std"
+PEAK_NULL = next(p.high for p in LevelControl.parameters() if p.name == "peak_counts")
 DEVICES = ("tx=", "rx=")  # how the groups of devices begin
 
 
@@ -193,20 +195,24 @@ def _left(values: Floats, design: Floats) -> float:
 
 
 def _level_control(search: Search, rows: View, seen: Logged) -> Effect:
-    """Return the level control that fits recorded levels, and then counts, best."""
-    base = tally(search.comparison.ensemble(rows, (), FIT_MEMBERS))
-    objective = Objective(search.kinds[LevelControl.name], search.comparison, rows, (), base)
-    found = refine(objective, screen(objective))
-    made = found.effect
-    assert isinstance(made, LevelControl)
-    made = made if found.gain > 0 else replace(made, compression=0.0)
-    own = seen.known(seen.level_dbm, seen.count_db)
-    level, count = seen.level_dbm[own] - made.shift_db, seen.count_db[own]
-    tried = [
-        (_left(count - _count_db(level, share), seen.devices[own]), share)
-        for share in LOGGED_SHARES
-    ]
-    return replace(made, accumulation=min(tried)[1])
+    """Return the level control that fits counts best, and with these the recorded levels.
+
+    Where it starts and how much sooner it stops is for counts to say: levels change for many
+    reasons, and it would take from them what a path loss does.
+    """
+    known = seen.known(seen.level_dbm, seen.count_db)
+    level, count, own = seen.level_dbm[known], seen.count_db[known], seen.devices[known]
+    pairs = [(shift, share) for shift in LOGGED_SHIFTS_DB for share in LOGGED_SHARES]
+    left = [_left(count - _count_db(level - shift, share), own) for shift, share in pairs]
+    shift, share = pairs[int(np.argmin(left))]
+    made = LevelControl(0.0, share, PEAK_NULL, shift)
+
+    def score(one: Effect) -> Tally:
+        return tally(search.comparison.ensemble(rows, (one,), FIT_MEMBERS))
+
+    tried = [replace(made, compression=size) for size in LOGGED_COMPRESSIONS]
+    base = score(made)
+    return max(tried, key=lambda one: gain(base, score(one)))
 
 
 def _count_db(level_dbm: Floats, share: float) -> Floats:

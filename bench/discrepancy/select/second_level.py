@@ -24,8 +24,10 @@ from bench.discrepancy.select.settings import (
     LEVEL_FOLDS,
     LEVEL_HARMONICS,
     LEVEL_LEFT,
+    LEVEL_PRINTED_DB,
     LEVEL_RIDGE,
     LEVEL_SHARE,
+    LOGGED_LEVELS,
 )
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import locate_left
@@ -36,6 +38,7 @@ from bench.physics.effect import Effect
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern, heading_rad
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.two_rays import fading_ways
+from bench.physics.effects.receiver.level_control import LevelControl
 
 Floats = NDArray[np.float64]
 OBSTACLES, OBSTACLE = "obstacles", "obstacle="  # the column, and how its groups begin
@@ -72,6 +75,7 @@ def calmed(search: Search, added: Added, located: Located, turn: int) -> Located
     if not again.significant:
         return again
     small = _missed(left[known], design[known], rows.links[known]) < LEVEL_LEFT
+    small = small or float(np.sqrt(np.mean((left - shift)[known] ** 2))) < LEVEL_PRINTED_DB
     return replace(again, findings=()) if small else located
 
 
@@ -110,6 +114,8 @@ def _reasons(
         if known.physics == AntennaPattern.name:
             out.append(_harmonics(heading_rad(rows.scene)))
         acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
+        if effect is None and known.physics == LevelControl.name:
+            out.append(_over_levels(rows.recorded.column(LEVEL), bent.any(axis=1)))
         if bent.any() and not acts.all():
             out.append(acts[:, None].astype(np.float64))
         if any(OBSTACLES in way for way in known.needs):
@@ -123,6 +129,18 @@ def _harmonics(turn: Floats) -> Floats:
     """Return the waves of a gain over headings [n], 0 where these are not known."""
     orders = np.arange(1, LEVEL_HARMONICS + 1) * turn[:, None]
     return np.asarray(np.nan_to_num(np.hstack([np.sin(orders), np.cos(orders)])))
+
+
+def _over_levels(level_dbm: Floats, acts: NDArray[np.bool_]) -> Floats:
+    """Return what a receiver may make of levels [n]: slopes and steps of a curve, where it acts.
+
+    A control of levels is a curve over the level, whatever its form, and nothing below its start.
+    """
+    known = acts & np.isfinite(level_dbm)
+    if not known.any():
+        return np.zeros((len(level_dbm), 0))
+    over = np.nan_to_num(level_dbm)[:, None] - np.quantile(level_dbm[known], LOGGED_LEVELS)
+    return np.asarray(np.hstack([np.maximum(over, 0), over > 0]) * known[:, None])
 
 
 def _deformed(search: Search, rows: View, added: Added, known: Effect) -> Floats:

@@ -48,6 +48,8 @@ LOGGED_NATS: Final = 6.0  # that a name must bring, as in a set of causes [deriv
 LOGGED_LEVELS: Final = (0.05, 0.15, 0.25, 0.4, 0.5, 0.6, 0.75, 0.85, 0.95)  # quantiles, from which
 # on counts may fall [cost]
 LOGGED_SHARES: Final = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.2)  # of the measured fall [cost]
+LOGGED_SHIFTS_DB: Final = (-6.0, -4.5, -3.0, -1.5, 0.0, 1.5, 3.0, 4.5, 6.0)  # [cost]
+LOGGED_COMPRESSIONS: Final = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.25, 1.5)  # [cost]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
 ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]
 SPARE_LINKS: Final = 8  # at least, beyond what is fitted [convention]
@@ -57,6 +59,7 @@ LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
 LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
+LEVEL_PRINTED_DB: Final = 0.1  # to which levels are printed; from paths they are no finer
 LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may leave [convention]
 
 # --- A curve without a name (select/unnamed) ------------------------------------------------------

@@ -113,3 +113,15 @@ def test_a_simulator_that_reads_counts_from_rows_is_asked_for_its_own() -> None:
     assert control.accumulation > 0
     bare = replace(_search(frame.assign(noise_std=4.5 * 32.0), world))
     assert logged.read_logs(bare).logged == ()
+
+
+def test_where_a_control_starts_is_for_counts_to_say_not_for_levels() -> None:
+    frame = _frame()
+    lost = 0.2 * frame["true_range_m"].to_numpy(np.float64)  # a loss per metre moves every level
+    level = frame["rx_power_dbm"] - lost
+    counted = np.rint(1024 * np.where(level > -80, 0.4, 1.0))
+    shown = frame.assign(rx_power_dbm=level, preamble_count=counted)
+    table = TableComparison(_frame(seed=2), Window())
+    (control,) = logged.read_logs(_search(shown, table)).logged
+    assert isinstance(control, LevelControl)
+    assert control.shift_db >= 1.5

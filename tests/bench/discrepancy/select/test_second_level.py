@@ -11,6 +11,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.select import second_level
 from bench.discrepancy.select.second_level import calmed, predicts
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
@@ -114,3 +115,13 @@ def test_what_a_named_pattern_does_to_levels_is_nothing_left() -> None:
 def test_a_level_off_everywhere_is_left_beside_a_delay() -> None:
     search, located = _level_search(3.0)
     assert calmed(search, (AntennaDelay(delay_ns=1.0),), located, 1) is located  # type: ignore[arg-type]
+
+
+def test_a_control_of_levels_may_have_any_curve_where_it_acts_and_none_below() -> None:
+    level = np.linspace(-98.0, -70.0, 200)
+    acts = level > -88
+    design = second_level._over_levels(level, acts)
+    for made in (np.where(level > -80.3, -2.1, 0.0), -0.02 * np.maximum(level + 86, 0) ** 2):
+        found = design @ np.linalg.lstsq(design, made, rcond=None)[0]
+        assert np.mean((made - found) ** 2) < 0.05 * np.mean(made**2)
+    assert not design[~acts].any()
