@@ -115,7 +115,7 @@ def _reasons(
             out.append(_harmonics(heading_rad(rows.scene)))
         acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
         if effect is None and known.physics == LevelControl.name:
-            out.append(_over_levels(rows.recorded.column(LEVEL), bent.any(axis=1)))
+            out.append(_over_levels(rows.recorded.column(LEVEL), np.any(bent != 0, axis=1)))
         if bent.any() and not acts.all():
             out.append(acts[:, None].astype(np.float64))
         if any(OBSTACLES in way for way in known.needs):
