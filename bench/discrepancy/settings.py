@@ -284,6 +284,7 @@ FORMS_OF_MARK: Final = 2.0  # times what a rounding does: rounded by chance, its
 SCATTER_OF_LINKS: Final = 0.5  # of the variance that is missing within links, that may be
 # missing between them: by chance [convention]
 SCATTER_SHAPE_P: Final = 1e-3  # of a distribution, to be another than scatter's [convention]
+STEADY_P: Final = 0.05  # above which rows of a link scatter as simulated ones do [convention]
 
 # --- Links struck at random (select/link_mixture) ------------------------------------------------
 WIDEST_OFFSET_M: Final = 5.0  # unexplained offsets are uniform within: the longest mean detour

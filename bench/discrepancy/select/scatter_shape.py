@@ -5,10 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.settings import LEAST_SCATTER_M, SCATTER_SHAPE_P, SCORE_FIRST, SCORE_MEMBERS
+from bench.discrepancy.select.within_links import components, drawn_by_rows
+from bench.discrepancy.settings import (
+    LEAST_SCATTER_M,
+    SCATTER_SHAPE_P,
+    SCORE_FIRST,
+    SCORE_MEMBERS,
+    STEADY_P,
+)
 from bench.physics.effect import Effect
 from bench.physics.units import Floats
 
@@ -17,11 +24,43 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
     """Return whether ranges beside the simulator's mean are distributed as simulated ones are.
 
     Asked of independent scatter alone: it is named for a distribution, and a score hardly tells
-    one wide hump from two narrow ones (two-sample test of Kolmogorov and Smirnov).
+    one wide hump from two narrow ones (two-sample test of Kolmogorov and Smirnov). Where every row
+    draws its own, rows of one link must scatter more than they do without it.
     """
     if not type(effect).independent or RANGE not in view.recorded.names:
         return Adequacy(True)
-    return shape(comparison.ensemble(view, added, SCORE_MEMBERS, SCORE_FIRST))
+    whole, rest = (
+        comparison.ensemble(view, one, SCORE_MEMBERS, SCORE_FIRST)
+        for one in (added, without(added, effect))
+    )
+    if steady(whole, rest):
+        return Adequacy(False, 1.0, note="rows of one link scatter no more than simulated ones")
+    return shape(whole)
+
+
+def steady(whole: Ensemble, rest: Ensemble) -> bool:
+    """Return whether ranges of one link scatter no more than in `rest`, where `whole` does more.
+
+    One-sided test of both variances within links (Fisher 1925), at 5 %; False where no link has
+    several rows, or an effect moves all rows of a link alike.
+    """
+    from scipy.stats import f
+
+    change = whole.simulated_of(RANGE) - rest.simulated_of(RANGE)
+    if not drawn_by_rows(change, whole.links):
+        return False
+    values = rest.versions_of(RANGE)
+    code = np.unique(rest.links, return_inverse=True)[1]
+    several = (np.bincount(code)[code] > 1) & np.isfinite(values).all(axis=0)
+    free = int(several.sum()) - len(np.unique(code[several]))
+    if free < 1:
+        return False
+    beside = values - values[1:].mean(axis=0)
+    within = np.array([components(one[several], code[several])[1] for one in beside])
+    m = len(within) - 1
+    simulated = max(float(within[1:].mean()) * m / max(m - 1, 1), LEAST_SCATTER_M**2)
+    recorded = float(within[0]) * m / (m + 1)
+    return bool(f.sf(recorded / simulated, free, free * max(m - 1, 1)) > STEADY_P)
 
 
 def alike(recorded_m: Floats, simulated_m: Floats) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select.scatter_shape import shape
+from bench.discrepancy.select.scatter_shape import shape, steady
 from bench.discrepancy.select.within_links import rows_off
 
 LINKS = np.repeat(np.arange(60), 5)
@@ -42,3 +42,13 @@ def test_detours_strike_links_and_jumps_strike_rows() -> None:
     moving = 6.0 * links[LINKS] * rng.uniform(0.8, 1.2, 300)  # detours change while devices move
     assert rows_off(ensemble(noise + moving, 0.022)) == 0
     assert rows_off(ensemble(rng.normal(0, 0.1, 300), 0.022)) < 0.02
+
+
+def test_where_rows_of_a_link_scatter_as_simulated_nothing_scatters_them() -> None:
+    rng = np.random.default_rng(4)
+    steady_rows = rng.normal(0, 0.03, 300) + rng.normal(0, 0.1, 60)[LINKS]  # links differ alone
+    jittered = rng.normal(0, 0.07, 300) + rng.normal(0, 0.1, 60)[LINKS]
+    for error_m, told in ((steady_rows, True), (jittered, False)):
+        rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.1))
+        assert steady(whole, rest) == told
+    assert not steady(rest, rest)  # what draws nothing for rows is not asked
