@@ -18,12 +18,15 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "pool"), ("CIR", "box"), ("ranges again", "yard"), ("CIR again", "market"),
-    ("ranges", "hall"), ("CIR", "pool"), ("ranges again", "depot"), ("CIR again", "wave"),
-    ("ranges", "quay"), ("CIR", "attic"), ("ranges again", "abbey"), ("CIR again", "stage"),
-    ("ranges", "mill"), ("CIR", "loft"), ("ranges again", "tunnel"), ("CIR again", "clinic"),
-    ("ranges", "market"), ("CIR", "market"), ("ranges again", "pool"), ("CIR again", "orchard"),
-    ("ranges", "harbour"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "pool"),
+    ("ranges", "ferry"), ("CIR", "box"), ("ranges again", "yard"), ("CIR again", "stacks"),
+    ("ranges", "hall"), ("CIR", "attic"), ("ranges again", "ferry"), ("CIR again", "wave"),
+    ("ranges", "quay"), ("CIR", "stacks"), ("ranges again", "depot"), ("CIR again", "stage"),
+    ("ranges", "stacks"), ("CIR", "loft"), ("ranges again", "abbey"), ("CIR again", "ferry"),
+    ("ranges", "mill"), ("CIR", "tunnel"), ("ranges again", "stacks"), ("CIR again", "clinic"),
+    ("ranges", "harbour"), ("CIR", "ferry"), ("ranges again", "market"), ("CIR again", "orchard"),
+    ("ranges", "ferry"), ("CIR", "pool"), ("ranges again", "tunnel"), ("CIR again", "ferry"),
+    ("ranges", "market"), ("CIR", "market"), ("ranges again", "stacks"), ("CIR again", "pool"),
+    ("ranges", "pool"), ("CIR", "stacks"), ("ranges again", "pool"), ("CIR again", "market"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
@@ -32,9 +35,11 @@ COARSE = (
     "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("pool", "market")
+KEPT = ("ferry", "stacks")
 """Families that were written last, and opened for the report alone."""
-WITH_WAVES = ("mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market")
+WITH_WAVES = (
+    "mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
+)  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 
 

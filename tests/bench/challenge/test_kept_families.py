@@ -1,0 +1,207 @@
+"""The ferry and the archive: empties of one distribution, physical bounds, causes of their own."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import ks_2samp
+
+from bench.challenge.cases import make_case
+from bench.challenge.families.case import KEPT, MODES, Draw, Tables, turn_of, world_of
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+OWN = [(family, mode) for family in KEPT for mode in ("ranges", "CIR")]
+ALL = [(family, mode) for family in KEPT for mode in MODES]
+OF_TABLES = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
+
+
+@cache
+def _tables(family: str, names: tuple[str, ...], mode: str = "ranges", **more: Any) -> Tables:
+    world: Any = world_of(family, mode)
+    made: Tables = world.tables(Draw(names, ratio=1, **more), 9)
+    return made
+
+
+def _shift(family: str, name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
+    made = _tables(family, (name,), mode, strength=strength)
+    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+
+
+def _statistics(table: pd.DataFrame, alone: str) -> dict[str, np.ndarray]:
+    """Return what is compared, one value for each `alone`: other rows of it are alike."""
+    made = {name: table[name] for name in OF_TABLES}
+    made["lost_db"] = table["rx_power_dbm"] - table["first_path_power_dbm"]
+    made["apart_db"] = table["rx_power_dbm"] + 20 * np.log10(table["true_range_m"])
+    if "cir" in table:
+        cirs = np.stack(list(table["cir"])).astype(np.float64)
+        cirs /= table["noise_std"].to_numpy()[:, None]
+        made["early"] = pd.Series(cirs[:, :5].mean(axis=1))
+        made["top"] = pd.Series(np.log(cirs.max(axis=1)))
+        made["late"] = pd.Series(np.log(cirs[:, 40:70].mean(axis=1)) - made["top"])
+        made["index"] = table["first_path_index"] % 1
+    groups = table["link"].str.extract(alone)[0]
+    one = table.groupby(groups).sample(1, random_state=3).index
+    return {name: values.loc[one].to_numpy(np.float64) for name, values in made.items()}
+
+
+def _p(pairs: list[tuple[pd.DataFrame, pd.DataFrame]], alone: str) -> dict[str, float]:
+    """Return the p by Kolmogorov and Smirnov of each statistic, all pairs of tables together."""
+    sides = [[_statistics(pair[side], alone) for pair in pairs] for side in (0, 1)]
+    every = {n: [np.concatenate([t[n] for t in side]) for side in sides] for n in sides[0][0]}
+    return {name: float(ks_2samp(*both).pvalue) for name, both in every.items()}
+
+
+def _without_cirs(table: pd.DataFrame) -> pd.DataFrame:
+    return table.drop(columns="cir", errors="ignore")
+
+
+LINK, VISIT = r"(\w+ \d+\D+\d+)$", r"(\d+)"
+"""Links of a sailing or a visit are alike too, where the other table has others."""
+
+
+@pytest.mark.parametrize(("family", "mode"), OWN)
+@pytest.mark.parametrize("paired", [True, False])
+def test_both_tables_of_an_empty_case_are_of_one_distribution(
+    family: str, mode: str, paired: bool
+) -> None:
+    world: Any = world_of(family, mode)
+    made = [world.tables(Draw((), 1.0, 3, paired=paired), seed) for seed in range(5)]
+    for one in made:
+        pd.testing.assert_frame_equal(one.recorded, one.clean)
+    p = _p([(one.recorded, one.simulated) for one in made], LINK if paired else VISIT)
+    assert min(p.values()) > 0.001, p
+
+
+@pytest.mark.parametrize(("family", "mode"), [(f, m) for f, m in ALL if m.endswith("again")])
+def test_an_empty_case_is_what_its_own_simulator_makes_again(family: str, mode: str) -> None:
+    turns = map(turn_of, range(300))
+    number = next(n for n, t in enumerate(turns) if (t.family, t.mode) == (family, mode))
+    pairs = []
+    for seed in range(4):
+        case = make_case(number, seed)
+        assert not case.drawn.hidden
+        assert isinstance(case.simulated, Simulator)
+        frame = case.recorded.frame
+        made = case.simulated.observe(scene(frame), 50 + seed, 3, cir=mode == "CIR again").table(
+            frame
+        )
+        pairs.append((_without_cirs(frame), _without_cirs(made)))
+    p = _p(pairs, LINK)
+    assert min(p.values()) > 0.001, p
+
+
+@pytest.mark.parametrize(("family", "mode"), OWN)
+def test_links_have_from_one_to_eight_rows(family: str, mode: str) -> None:
+    made = _tables(family, (), mode)
+    sizes = made.recorded.groupby("link").size()
+    assert {1, 2, 3, 4, 8} <= {*sizes} <= {*range(1, 9)}
+    assert len(sizes) == 112
+    assert len(made.recorded) < (600 if mode == "ranges" else 360)
+
+
+def test_levels_are_those_of_a_legal_transmitter_on_the_stated_channel() -> None:
+    """-41.3 dBm/MHz over 500 MHz, in the open a metre away: -63.0 dBm and -64.8 dBm."""
+    for (family, mode), open_ in zip(OWN, (-63.0, -63.0, -64.8, -64.8), strict=True):
+        table = _tables(family, (), mode).recorded
+        at_a_metre = table["rx_power_dbm"] + 20 * np.log10(table["true_range_m"])
+        assert open_ - 6 < at_a_metre.median() < open_ + 6
+        assert table["rx_power_dbm"].between(-103, -60).all()
+        assert (table["first_path_power_dbm"] < table["rx_power_dbm"] + 0.5).all()
+
+
+MOST_M = {
+    "power-bias": 0.12,
+    "temperature-drift": 0.3,
+    "antenna-pattern": 0.2,
+    "antenna-delay": 0.6,
+    "timestamp-jitter": 0.25,
+    "material-delay": 0.7,
+    "diffraction": 0.5,
+    "ground-bounce": 0.5,
+}
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_what_is_usual_is_within_physical_bounds(family: str) -> None:
+    for name, most in MOST_M.items():
+        assert 0.004 < np.abs(_shift(family, name)).max() < most, name
+
+
+SCALED = (
+    "antenna-delay", "clock-offset", "temperature-drift", "antenna-pattern", "power-bias",
+    "range-scale", "timestamp-jitter",
+)  # fmt: skip
+
+
+FAULTS = ("swap", "unit")
+
+
+@pytest.mark.parametrize("family", KEPT)
+def test_strengths_scale_what_they_are_said_to(family: str) -> None:
+    world: Any = world_of(family)
+    laws = {name for name, law in world.LAWS.items() if law.forms and law.forms[0] not in FAULTS}
+    for name in (*SCALED, *laws):
+        once, twice = (np.abs(_shift(family, name, size)).mean() for size in (1.0, 2.0))
+        assert twice / once == pytest.approx(2.0, rel=0.12), name
+
+
+def test_an_averaging_tag_sends_the_mean_with_the_range_before() -> None:
+    made = _tables("ferry", ("two-ranges-averaged",), strength=1.0)
+    moved = np.abs(_shift("ferry", "two-ranges-averaged")) > 1e-12
+    before = made.clean.groupby("link", sort=False)["range_m"].shift(1)
+    mean = (made.clean["range_m"] + before) / 2
+    assert np.allclose(made.recorded["range_m"][moved], mean[moved])
+    assert made.recorded["tx"][moved].nunique() <= 3
+    assert not moved[before.isna()].any()
+
+
+def test_a_heeling_deck_moves_cars_with_time_and_height_alone() -> None:
+    shift = np.abs(_shift("ferry", "deck-heels"))
+    assert 0.01 < shift.mean() < 0.1
+    assert shift.max() < 0.085 * 1.5 * 1.9
+
+
+def test_clocks_that_step_do_so_once_and_stay() -> None:
+    made, shift = _tables("stacks", ("clocks-step",)), _shift("stacks", "clocks-step")
+    seen = made.recorded.assign(shift=shift).sort_values("time_s")
+    values = seen.groupby("rx")["shift"].apply(lambda one: np.unique(np.round(one, 9)).tolist())
+    assert sum(one == [0.0] for one in values) == 5
+    assert {tuple(one) for one in values} <= {(0.0,), (0.0, 0.31), (-0.24, 0.0)}
+    turns = seen.groupby("rx")["shift"].apply(lambda one: int((one.diff().abs() > 0.1).sum()))
+    assert turns.max() == 1
+
+
+def test_a_moved_carriage_is_late_and_weak_only_where_it_is_crossed_afterwards() -> None:
+    made, shift = _tables("stacks", ("carriage-moved",)), _shift("stacks", "carriage-moved")
+    there = shift > 1e-9
+    assert 0.1 < there.mean() < 0.6
+    assert (shift >= -1e-12).all()
+    assert made.recorded["time_s"][there].min() > 0.3 * 8 * 3600
+    lost = made.recorded["rx_power_dbm"] - made.clean["rx_power_dbm"]
+    assert np.allclose(lost, np.where(there, -2.2, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("family", "name", "least"),
+    [
+        ("ferry", "gain-swings", 0.05),
+        ("ferry", "blanked-by-radar", 0.01),
+        ("ferry", "record-tapered", 0.02),
+        ("stacks", "record-stretched", 0.02),
+        ("stacks", "spurs-in-memory", 0.02),
+        ("stacks", "not-cleared-before", 0.02),
+    ],
+)
+def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
+    family: str, name: str, least: float
+) -> None:
+    made = _tables(family, (name,), "CIR")
+    assert np.abs(_shift(family, name, mode="CIR")).max() < 0.05
+    found, plain = (np.stack(list(t["cir"])) for t in (made.recorded, made.clean))
+    share = np.abs(found - plain)[:, 18:].mean() / plain[:, 18:].mean()
+    assert share > least
