@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,8 @@ from bench.challenge.families.case import (
 from bench.discrepancy.data.columns import known_columns, with_motion
 from bench.discrepancy.data.observables import observe
 from bench.discrepancy.method import base_of
-from bench.physics.base import Base
+from bench.physics.base import LEAD_SAMPLES, Base
+from bench.physics.batch import Batch
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -162,8 +163,7 @@ def _waves(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
     frame = world.known(drawn, own)
     base = replace(base_of(frame, PLAIN), keep_count=0)
     simulator = Simulator(base, (TimestampJitter(),), own, "challenge")
-    crop = {"cir_lead": world.WIDE_LEAD, "cir_samples": world.WIDE_SAMPLES}
-    wide = replace(simulator, base=replace(simulator.base, **crop))
+    wide = replace(simulator, base=_longer(base, world.WIDE_LEAD, world.WIDE_SAMPLES))
     rows = scene(frame)
     clean, *more = (
         wide.observe(rows, own, number, complex_cir=True).table(frame)
@@ -173,6 +173,29 @@ def _waves(world: Any, drawn: Draw, own: int) -> tuple[Tables, Simulator]:
     three = (world.conceal(clean, drawn, own), clean, world.conceal(whole, drawn, own))
     recorded, plain, truth = map(world.recorded, three)
     return Tables(recorded, plain, None, truth), simulator
+
+
+class _Longer(Base):
+    """A base with longer records, whose noise is measured as far as ordinary ones reach.
+
+    What a chip reports of noise scatters the less the more samples it is of: a longer window alone
+    would be a difference between both sides of a case that hides nothing.
+    """
+
+    def detected(self, batch: Batch) -> Batch:
+        """Return the batch with first path, range and what the chip reports."""
+        found = super().detected(batch)
+        if batch.noise is None:
+            return found
+        begin = max(LEAD_SAMPLES, self.cir_lead + 8) - LEAD_SAMPLES
+        near = np.abs(batch.noise[:, begin : begin + Base().samples])
+        return replace(found, noise_std=near.std(axis=1, dtype=np.float64))
+
+
+def _longer(base: Base, lead: int, samples: int) -> Base:
+    """Return the base with records of `samples`, `lead` of them before the first path."""
+    known = {one.name: getattr(base, one.name) for one in fields(base)}
+    return _Longer(**{**known, "cir_lead": lead, "cir_samples": samples})
 
 
 def _on_ranges_alone(case: Case) -> Floats | None:

@@ -95,6 +95,22 @@ def test_an_empty_case_is_what_its_own_simulator_makes_again(family: str, mode: 
     assert min(p.values()) > 0.001, p
 
 
+@pytest.mark.parametrize("family", [*KEPT, "pool"])
+def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> None:
+    """Both are measured over as many samples, however long a record the hidden physics needs."""
+    turns = map(turn_of, range(300))
+    number = next(n for n, t in enumerate(turns) if (t.family, t.mode) == (family, "CIR again"))
+    spread = []
+    for seed in range(4):
+        case = make_case(number, seed)
+        assert isinstance(case.simulated, Simulator)
+        frame = case.recorded.frame
+        made = case.simulated.observe(scene(frame), 50 + seed, 3).table(frame)
+        spread.append([float(np.log(t["noise_std"]).std()) for t in (frame, made)])
+    recorded, simulated = np.mean(spread, axis=0)
+    assert recorded == pytest.approx(simulated, rel=0.1)
+
+
 @pytest.mark.parametrize(("family", "mode"), OWN)
 def test_links_have_from_one_to_eight_rows(family: str, mode: str) -> None:
     made = _tables(family, (), mode)
