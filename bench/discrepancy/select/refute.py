@@ -13,6 +13,7 @@ from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy, brought
 from bench.discrepancy.select.backfitting import beside_others, polished, pruned
 from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.constant_level import beyond_a_constant
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
@@ -232,8 +233,10 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
         if not found.adequate or search.work is None:
             return found
         found = follows(search.comparison, search.work, added, effect)
-        shape = scatters_alike(search.comparison, search.work, added, effect)
-        return found if shape.adequate else shape
+        for asked in (scatters_alike, beyond_a_constant):
+            other = asked(search.comparison, search.work, added, effect)
+            found = found if other.adequate else other
+        return found
     except BenchError:
         return Adequacy(True)
 

@@ -36,6 +36,7 @@ BIT_UNEVEN_P: Final = 1e-3  # of readings even over the other half: a rounding t
 DETECTION_M: Final = (
     0.01  # that receivers differ by in what they make of a changed waveform [waves]
 )
+ALIKE_M: Final = 1e-3  # by which an effect moves ranges, below which it moves levels alone
 UNLISTED_M: Final = 0.5  # that a changed waveform of no known effect may shift a range [waves]
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
 

@@ -1,0 +1,53 @@
+"""Whether an effect on levels does more than another transmit power would."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.compare.view import Added, Comparison, View, without
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.select.adequacy import Adequacy
+from bench.discrepancy.select.settings import ALIKE_M
+from bench.discrepancy.select.within_links import link_medians
+from bench.discrepancy.sets.settings import RIVAL_NATS
+from bench.discrepancy.settings import FIT_MEMBERS, RESOLUTION
+from bench.physics.effect import Effect
+from bench.physics.units import Floats
+
+
+def beyond_a_constant(comparison: Comparison, view: View, added: Added, effect: Effect) -> Adequacy:
+    """Return whether levels say more for an effect than for so many dB in all rows.
+
+    Transmit power, antennas and cables are no part of any table. Asked of what moves levels alone,
+    without waveforms, which have other marks; adequate where it leads by what rules a rival out.
+    """
+    if view.waveform or not {LEVEL, RANGE} <= set(view.recorded.names):
+        return Adequacy(True)
+    whole, rest = (
+        comparison.ensemble(view, one, FIT_MEMBERS) for one in (added, without(added, effect))
+    )
+    moved_m = whole.simulated_of(RANGE).mean(axis=0) - rest.simulated_of(RANGE).mean(axis=0)
+    if float(np.nanmean(np.abs(moved_m))) > ALIKE_M:
+        return Adequacy(True)
+    code = np.unique(view.links, return_inverse=True)[1]
+    left, bare = (link_medians(one.residual_of(LEVEL)[None], code)[0] for one in (whole, rest))
+    known = np.isfinite(left) & np.isfinite(bare)
+    nats, constant_db = lead_over_constant(left[known], bare[known])
+    if not known.any() or nats >= RIVAL_NATS:
+        return Adequacy(True)
+    note = f"{constant_db:+.1f} dB in all rows does as well: transmit power, antennas, cables"
+    return Adequacy(False, 1.0, note=note)
+
+
+def lead_over_constant(left_db: Floats, bare_db: Floats) -> tuple[float, float]:
+    """Return by how many nats `left_db` [L] beats `bare_db` [L] less a constant, and that constant.
+
+    Both scatter as Laplace's law, so that a few links behind obstacles do not decide.
+    """
+    if not len(bare_db):
+        return 0.0, 0.0
+    constant = float(np.median(bare_db))
+    mine, other = (
+        max(float(np.mean(np.abs(one))), RESOLUTION["dB"]) for one in (left_db, bare_db - constant)
+    )
+    return len(left_db) * float(np.log(other / mine)), constant
