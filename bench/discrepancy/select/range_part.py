@@ -119,7 +119,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     every = named_kinds(ranged.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = ranged.comparison.crowding(rows) ** 2
-    contest = Flattened(evidence, kinds, crowding, rows, known, raw)
+    contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat)
     best = contest.settled()
     if forms.size:  # a detector may follow a column too
         return best
@@ -128,7 +128,10 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
 
 
 class Flattened(Contest):
-    """A contest on flattened rows, that says what causes do to ranges as they are (`raw`)."""
+    """A contest on rows that `flat` [n, n] flattened; what causes do to ranges is said as it is.
+
+    `raw` has the parts of causes as they are.
+    """
 
     def __init__(
         self,
@@ -138,11 +141,17 @@ class Flattened(Contest):
         rows: View,
         known: NDArray[np.intp],
         raw: Blocks,
+        flat: Floats,
     ) -> None:
         super().__init__(evidence, kinds, crowding, rows, known, usual_levels(rows)[known])
         self.raw = {name: np.hstack(block) for name, block in raw.items()}
+        self.flat = flat
 
-    def _shifts(self, causes: tuple[str, ...]) -> dict[str, Floats]:
+    def seen(self, columns: Floats) -> Floats:
+        """Return what flattened rows show of columns [n, k]."""
+        return np.asarray(self.flat @ columns)
+
+    def shifts(self, causes: tuple[str, ...]) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""
         made, out = self.evidence.of(causes), {}
         for one in causes:

@@ -73,8 +73,7 @@ def chosen(search: Search, beside: Added) -> Choice:
 
 def worth_beside(search: Search, beside: Added) -> float:
     """Return the log evidence of the best set beside some effects, its names paid for."""
-    made = _contest(search, beside)
-    return -np.inf if made is None else made[0].most()
+    return made[0].most() if (made := _contest(search, beside)) else -np.inf
 
 
 def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
@@ -89,8 +88,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     laws = _kept(of_laws(search.kinds, rows) | of_setup(rows), known)
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
-    every = named_kinds(search.kinds, rows)
-    kinds = {name: every[name] for name in library}
+    kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     crowding = search.comparison.crowding(rows) ** 2
     usual = usual_levels(rows, ensemble)[known]
     return Contest(evidence, kinds, crowding, rows, known, usual), ensemble
@@ -202,6 +200,10 @@ class Contest:
         made = self.evidence.of(causes)
         return {one: _spread(self.evidence.response(made, one), self) for one in causes}
 
+    def seen(self, columns: Floats) -> Floats:
+        """Return what the evidence has of columns [n, k] of known rows: here all."""
+        return columns
+
     def nats(self, causes: Set) -> float:
         """Return the log evidence of a set; of devices all may be off, or one alone."""
         key = tuple(sorted(causes))
@@ -269,10 +271,9 @@ class Contest:
         """Return of which others one value does to every row what a name does, within scatter."""
         made = self.evidence.of(causes)
         target = self.evidence.toward(self.evidence.response(made, name))
-        near = {one: target.nearest(one, made) for one in others}
         return tuple(
             one
-            for one, (nats, shift_m) in near.items()
+            for one, (nats, shift_m) in ((o, target.nearest(o, made)) for o in others)
             if nats / self.crowding < RIVAL_NATS
             and self.kinds[one].possible(self.rows.scene, _spread(shift_m, self))
         )
@@ -298,8 +299,8 @@ class Contest:
         """
         made = self.evidence.among(self.usual)
         for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
-            some = (made.of(each).nats for each in (causes, _but(causes, one)))
-            if next(some) - next(some) < NAME_NATS * self.crowding:
+            lead = made.of(causes).nats - made.of(_but(causes, one)).nats
+            if lead < NAME_NATS * self.crowding:
                 causes = _but(causes, one)
         return causes
 
@@ -320,12 +321,11 @@ class Contest:
         """Return the evidence that a name brings where the others may be deformed."""
         rest, rows, some = _but(causes, name), self.rows, self.known
         shifts = [(o, m, self.kinds.get(o)) for o, m in self.shifts(rest).items()]
-        bent = {f"{o}, deformed": (deformed(m, rows, of)[some],) for o, m, of in shifts}
-        off = {f"{o}, off": (off_by(m, rows, of)[some],) for o, m, of in shifts}
+        bent = {f"{o}, deformed": (self.seen(deformed(m, rows, of)[some]),) for o, m, of in shifts}
+        off = {f"{o}, off": (self.seen(off_by(m, rows, of)[some]),) for o, m, of in shifts}
         other = self.evidence.with_blocks(self.evidence.blocks | bent | off)
         other.widest |= dict.fromkeys(off, 1.0)  # no more than a share of what a cause does
-        bent |= off
-        with_it, without_it = (other.of((*one, *bent)).nats for one in (causes, rest))
+        with_it, without_it = (other.of((*one, *bent, *off)).nats for one in (causes, rest))
         return (with_it - without_it) / self.crowding
 
     def _wider(self, causes: Set, name: str) -> float:

@@ -96,7 +96,8 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
 def _off(contest: Contest, best: Set, gone: Set) -> float:
     """Return the log evidence of a set of which some names may be off, as no law must gain by."""
     shifts = contest.shifts(best)
-    off = {f"{o}, off": (off_by(shifts[o], contest.rows)[contest.known],) for o in gone}
+    columns = {o: off_by(shifts[o], contest.rows)[contest.known] for o in gone}
+    off = {f"{o}, off": (contest.seen(some),) for o, some in columns.items()}
     blocks = {one: contest.evidence.blocks[one] for one in best}
     other = contest.evidence.with_blocks({**blocks, **off})
     other.widest |= dict.fromkeys(off, 1.0)

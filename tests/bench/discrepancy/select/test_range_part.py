@@ -54,6 +54,11 @@ def test_a_delay_is_found_beside_an_effect_and_a_receivers_shift_is_not(
     assert chosen_beside(search, ()).names == ("antenna-delay",)
 
 
+def test_what_a_delay_does_is_said_as_it_is_though_a_constant_is_hardly_seen() -> None:
+    found = chosen_beside(search_of(0.15)[1], (PathLoss(),))
+    assert np.median(found.shifts_m["antenna-delay"]) == pytest.approx(0.15, rel=0.2)
+
+
 @pytest.mark.parametrize(("of_device", "names"), [(True, ("antenna-delay",)), (False, ())])
 def test_beside_what_nobody_listed_a_delay_is_named_only_where_devices_differ(
     of_device: bool, names: tuple[str, ...]
