@@ -46,7 +46,8 @@ class FoundLaw:
     law with figures and units; `nats`: its lead over no law on working links, complexity paid;
     `fault`: the kind of fault of the set-up that it is, or "";
     `gain_nats`: log-likelihood gained per row on sealed links; `nearer_m`: how much smaller
-    |recorded - simulated| is there. `rivals` are not excluded.
+    |recorded - simulated| is there. `rivals` are not excluded. `of_library`: the effects of the
+    library of whose form it is, and why these are not named, "" where it is of none.
     """
 
     form: str
@@ -61,6 +62,7 @@ class FoundLaw:
     nearer_m: Estimate
     rivals: tuple[Rival, ...] = ()
     fault: str = ""
+    of_library: str = ""
 
     @property
     def effect(self) -> Law:
@@ -68,7 +70,9 @@ class FoundLaw:
         return with_constants(self.expression, ((c.name, c.value, c.unit) for c in self.constants))
 
     def __str__(self) -> str:
-        what = "a fault of the set-up" if self.fault else "a law without a name"
+        what = f"a law of the form of {self.of_library}"
+        what = what if self.of_library else "a law without a name"
+        what = "a fault of the set-up" if self.fault else what
         return f"{what}: {self.words}; looks like: {self.looks_like}"
 
 
@@ -98,6 +102,7 @@ def law_dict(law: FoundLaw | None) -> dict[str, Any] | None:
         "form": law.form,
         "columns": list(law.columns),
         "where": law.where,
+        "of_library": law.of_library,
         "looks_like": law.looks_like,
         "expression": law.expression,
         "constants": [vars(c) for c in law.constants],

@@ -10,10 +10,12 @@ import pandas as pd
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.joint.verdicts import LEFT_OF_WAVES
 from bench.discrepancy.law.between import told_from_detectors
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault
 from bench.discrepancy.law.likelihood import unmoved
+from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
@@ -42,12 +44,13 @@ class Weighed:
     """What the library says (`found`), and a law that working links speak for.
 
     `instead`: the selection without the library's names, where the law does better than all of
-    them together; None where the law is of what they leave.
+    them together; None where the law is of what they leave. `form`: see `FoundLaw.of_library`.
     """
 
     found: Selection
     proposal: Proposal | None = None
     instead: Selection | None = None
+    form: str = ""
 
     @property
     def added(self) -> Added:
@@ -77,7 +80,12 @@ def weighed(search: Search, found: Selection) -> Weighed:
     if not unknown and not _shifting(found):
         return Weighed(found)
     search.progress("looking for a law without a name")
-    return Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
+    made = Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
+    if made.proposal is None:
+        return made
+    words = Guard().safely("form of a law", form_words, "")
+    differ = _waveforms_differ(found)
+    return replace(made, form=words(search, made.instead or found, made.proposal, differ))
 
 
 def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
@@ -141,9 +149,9 @@ def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:
 
 def _waveforms_differ(found: Selection) -> bool:
     """Return whether anything without a name shows in more than ranges: it may shift these too."""
-    unknown = (verdict for verdict in found.verdicts if isinstance(verdict, Unknown))
+    unknown = [verdict for verdict in found.verdicts if isinstance(verdict, Unknown)]
     seen = {finding.cell.observable for verdict in unknown for finding in verdict.findings}
-    return bool(seen - {RANGE, LEVEL})
+    return bool(seen - {RANGE, LEVEL}) or any(LEFT_OF_WAVES in one.note for one in unknown)
 
 
 def _beyond_detectors(law: Proposal) -> bool:
@@ -268,6 +276,7 @@ def _borne_out(
     if law is None or not _runs(law):
         return without
     held = weighing.instead or weighing.found
+    law = replace(law, of_library=weighing.form)
     return Said(held, law, setup_fault(weighing.proposal) or named_fault(held))
 
 

@@ -1,0 +1,62 @@
+"""Whether a law has the form of an effect of the library: then it is no law without a name.
+
+A law is looked for where names are not sure: beside waveforms that nothing explains, beside other
+causes, or where a name was refused. What it says may then be just what such an effect does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.law.material import material
+from bench.discrepancy.law.search import Proposal
+from bench.discrepancy.law.settings import LAW_OWN_FORM
+from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.verdict import Unknown
+from bench.physics.effect import Effect
+
+OF_DETECTORS = "waveforms show what nothing explains, and a detector may make of that the same"
+NOT_ALONE = "it is not borne out as a cause of its own"
+
+
+def form_words(search: Search, found: Selection, law: Proposal, detectors: bool) -> str:
+    """Return of which effects' form a law is, and why these have no name; "" of none.
+
+    `detectors`: waveforms are not explained.
+    """
+    kinds = search.kinds.items()
+    names = [name for name, kind in kinds if has_form(kind, search.discover, law)]
+    if not names:
+        return ""
+    notes = (one.note for one in found.verdicts if isinstance(one, Unknown))
+    refused = [note for note in notes if any(name in note for name in names)]
+    why = next(iter(refused), OF_DETECTORS if detectors else NOT_ALONE)
+    return f"{' or '.join(names)}, which is not named: {why}"
+
+
+def has_form(kind: type[Effect], rows: View, law: Proposal) -> bool:
+    """Return whether an effect can do to rows what a law does, but for a constant beside it.
+
+    Effects on the way of a pulse, and of its level, are free curves that can do anything smooth: of
+    these nothing is said. Nor of faults of the set-up, which have names of their own.
+    """
+    curve = kind.stage != "ranging" or kind.follows
+    columns = None if curve or law.best.structure.fault else kind.ways(rows.scene)
+    if columns is None:
+        return False
+    shift = _shift_m(rows, law)
+    ways = np.hstack(columns)
+    left = shift - ways @ np.linalg.lstsq(ways, shift, rcond=None)[0]
+    same = float((left**2).sum()) <= LAW_OWN_FORM * float((shift**2).sum())
+    return bool(same and shift.any() and kind.possible(rows.scene, shift))
+
+
+def _shift_m(rows: View, law: Proposal) -> NDArray[np.float64]:
+    """Return what a law says of rows [n], in metres, without a constant that stands beside it."""
+    best, every = law.best, np.zeros(len(rows.rows))
+    given = material(rows.frame, every, rows.links, law.given)
+    found = best.fitted.constants
+    constants = tuple((n, 0.0 if n == "b" else value, unit) for n, value, unit in found)
+    return np.nan_to_num(best.structure.shift_m(given, constants))

@@ -1,0 +1,69 @@
+"""A law that does just what an effect of the library does is no law without a name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.verdicts import LEFT_OF_RANGES, LEFT_OF_WAVES
+from bench.discrepancy.law.unexplained import borne_out, weighed
+from bench.discrepancy.select.candidates import library, offered
+from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.verdict import Unknown
+from tests.bench.discrepancy.numpy_tables import tables
+
+
+def words_of(hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], note: str) -> str:
+    """Return what is said of a law where no name was given, for the reason `note`."""
+    recorded, simulated = tables(5, hidden)
+    frame, codes = recorded.frame, link_codes(recorded.frame)
+    views = [
+        view(frame, codes, np.flatnonzero(codes % 3 == part), Window(), None, False)
+        for part in range(3)
+    ]
+    comparison = TableComparison(simulated.frame, Window())
+    search = Search(comparison, *views[:2], offered(library()[0], frame, False, False)[0], 0)
+    unknown = Unknown((), Estimate(1.0, 0.9, 1.1), {}, note)
+    made = weighed(search, Selection((unknown,), (), ()))
+    return str(borne_out(comparison, views[2], made, 0).law)
+
+
+def scaled(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    return 0.02 * frame["true_range_m"].to_numpy() - 0.1
+
+
+def late(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    return np.where(frame["tx"] == "d2", 250.0 * frame["reply_time_s"], 0.0)
+
+
+def grown(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    return 0.0016 * frame["true_range_m"].to_numpy() ** 2
+
+
+@pytest.mark.parametrize(
+    ("hidden", "name"), [(scaled, "range-scale"), (late, "clock-offset"), (grown, "")]
+)
+def test_a_law_says_of_which_effects_form_it_is(
+    hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], name: str
+) -> None:
+    said = words_of(hidden, "")
+    start = f"a law of the form of {name}, which is not named: it" if name else "a law without a"
+    assert said.startswith(start)
+
+
+def test_a_law_says_why_the_effect_of_its_form_was_refused() -> None:
+    said = words_of(scaled, "range-scale gains most, but it is there too in rows at one place")
+    assert "range-scale, which is not named: range-scale gains most" in said
+
+
+@pytest.mark.parametrize(("note", "said"), [(LEFT_OF_WAVES, False), (LEFT_OF_RANGES, True)])
+def test_a_scale_is_no_law_beside_waveforms_that_nothing_explains(note: str, said: bool) -> None:
+    assert (words_of(scaled, note) != "None") == said
