@@ -39,6 +39,7 @@ def form_words(search: Search, found: Selection, law: Proposal, detectors: bool)
 def has_form(kind: type[Effect], rows: View, law: Proposal) -> bool:
     """Return whether an effect can do to rows what a law does, but for a constant beside it.
 
+    Exactly: a law that nearly levels off is no constant, where recordings told it from one.
     Effects on the way of a pulse, and of its level, are free curves that can do anything smooth: of
     these nothing is said. Nor of faults of the set-up, which have names of their own.
     """

@@ -48,8 +48,14 @@ def grown(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
     return 0.0016 * frame["true_range_m"].to_numpy() ** 2
 
 
+def levelling(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    true_m = frame["true_range_m"].to_numpy()
+    return 3.0 * true_m / (true_m + 0.8)
+
+
 @pytest.mark.parametrize(
-    ("hidden", "name"), [(scaled, "range-scale"), (late, "clock-offset"), (grown, "")]
+    ("hidden", "name"),
+    [(levelling, ""), (scaled, "range-scale"), (late, "clock-offset"), (grown, "")],
 )
 def test_a_law_says_of_which_effects_form_it_is(
     hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], name: str
