@@ -127,6 +127,8 @@ def _print(diagnosis: Diagnosis) -> None:
     for line in (*laws, *nameless_lines(diagnosis)):
         say(line.replace("**", ""))
     seen = diagnosis.confirmed
+    for line in diagnosis.counted:
+        say(line)
     if diagnosis.uncovered:
         say(f"{diagnosis.uncovered:.0%} of the recorded rows have no simulated counterpart")
     say(

@@ -76,6 +76,7 @@ class Confirmed:
 
 Pair = tuple[float, float]
 NOT_ADDED: Final = "Nothing was added to the simulator."
+NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
@@ -221,18 +222,20 @@ def headline(
     seen: Confirmed,
     more: str = "",
     withheld: Mapping[str, str] = NOTHING,
+    changed: str = NEW_SIMULATOR,
 ) -> str:
     """Return one line: what was found, and whether it serves on the sealed links.
 
-    `more` is said of what has no name; `withheld` says why a name was not added.
+    `more` is said of what has no name; `withheld` says why a name was not added; `changed` is what
+    has it now.
     """
-    said = _found_and_change(verdicts, added, seen, more)
+    said = _found_and_change(verdicts, added, seen, more, changed)
     kept = "".join(f" {name} was not added: {why}." for name, why in withheld.items())
     return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
 
 
 def _found_and_change(
-    verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str
+    verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str, changed: str
 ) -> str:
     names = [" or ".join(v.names) for v in verdicts if v.names]
     unknown = any(isinstance(v, Unknown) for v in verdicts)
@@ -251,7 +254,7 @@ def _found_and_change(
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
     alike = "" if seen.nearer_m.low > 0 else ", ranges alike within chance"
-    return f"{said}. The new simulator fits better{sure}{alike}: {change}."
+    return f"{said}. {changed} fits better{sure}{alike}: {change}."
 
 
 def _only_median(seen: Confirmed) -> bool:

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, without
-from bench.discrepancy.confirm import Confirmed, confirm, headline
+from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confirm, headline
+from bench.discrepancy.counterpart import counted, covered
 from bench.discrepancy.data.checks import check_recorded
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, window_of
@@ -99,7 +99,8 @@ class Diagnosis:
     no known effect explains what is there, and sealed links bear it out. `evidence` has working
     rows to go on from. `measured` are columns of the user's own that were measured with the range,
     so that they were not searched over. `links` counts those of the table, and those after links
-    that hold a drive were cut into places (see `bench.recordings.places`).
+    that hold a drive were cut into places (see `bench.recordings.places`). `counted` says how many
+    rows each side has, and how many were left out for what.
     """
 
     source: str
@@ -118,6 +119,7 @@ class Diagnosis:
     evidence: Evidence | None = None
     measured: tuple[str, ...] = ()
     links: tuple[int, int] = (0, 0)
+    counted: tuple[str, ...] = ()
 
     @property
     def recommended(self) -> bool:
@@ -130,7 +132,8 @@ class Diagnosis:
         said = self.setup_fault or self.law or curve_words(self.added)
         more = f" ({said})" if said else ""
         found, added = self.selection, bool(self.added)
-        return headline(found.verdicts, added, self.confirmed, more, found.withheld)
+        now = NEW_SIMULATOR if self.simulator else NEW_TABLE
+        return headline(found.verdicts, added, self.confirmed, more, found.withheld, now)
 
 
 def diagnose(
@@ -148,6 +151,7 @@ def diagnose(
     """
     keep_freed()
     check_recorded(recorded)
+    numbers = counted(recorded, simulated)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
     if isinstance(simulated, Recordings):
@@ -188,6 +192,7 @@ def diagnose(
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
         law, said.fault, kept, measured, (link_count(whole), link_count(frame)),
+        numbers,
     )  # fmt: skip
 
 
@@ -221,13 +226,6 @@ def base_of(recorded: pd.DataFrame, simulated: Simulator | Recordings) -> Base:
     whole = {p.name for p in describe(Base) if p.whole}
     settings = {n: int(v) if n in whole else float(v) for n, v in given.items()}
     return replace(base, **settings)  # type: ignore[arg-type]
-
-
-def covered(comparison: Comparison, recorded: Recordings) -> NDArray[np.bool_]:
-    """Return which rows [n] the simulated side has a counterpart of: all, but for tables."""
-    if isinstance(comparison, TableComparison):
-        return comparison.covered(recorded.frame)
-    return np.ones(len(recorded), bool)
 
 
 def _search(

@@ -14,12 +14,15 @@ The rules, in this order. A row is dropped, and counted under the reason in quot
   is zero throughout;
 - the first path lies outside the CIR ("first path outside the CIR").
 
+Columns of row numbers that pandas wrote along are no columns of the table's.
+
 An empty table, a missing required column, more than half the rows dropped, and ranges that no UWB
 radio reaches (millimetres taken for metres) are errors.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -38,6 +41,7 @@ FARTHEST_M = 1000.0  # the radios' makers promise some 300 m in the open
 FAR_QUANTILE = 0.95  # a few wild rows are no table in millimetres
 NOT_NEGATIVE = ("preamble_count", "noise_std")
 TIMESTAMP_COLUMNS = ("T1", "T2", "T3", "T4", "T5", "T6")
+INDEX = re.compile(r"(__index_level_\d+__|Unnamed: \d+)$")  # row numbers that pandas wrote along
 Mask = NDArray[np.bool_]
 Finding = tuple[str, Mask]
 
@@ -60,6 +64,7 @@ def clean(frame: pd.DataFrame, name: str) -> Cleaned:
     required column, and where more than half the rows are unusable.
     """
     _require(frame, name)
+    frame = frame.drop(columns=[one for one in frame if INDEX.match(str(one))])
     frame, text_as_number = _typed(frame.reset_index(drop=True), name)
     dropped: dict[str, int] = {}
     keep = np.ones(len(frame), np.bool_)

@@ -69,5 +69,6 @@ def _check_time(frame: pd.DataFrame, source: str) -> None:
         raise BenchError(
             f"{source}: time_s goes backwards at row {row} "
             f"({-float(steps.iloc[row]):.4g} s, link {frame['link'].iloc[row]!r}); "
-            "expected rows of a link in the order they were recorded"
+            "expected rows of a link in the order they were recorded: sort by link and time_s, "
+            "unless a clock was reset or two recordings share a link's name"
         )

@@ -68,6 +68,7 @@ def summary(diagnosis: Diagnosis) -> dict[str, Any]:
         "headline": diagnosis.headline,
         "recommended": diagnosis.recommended,
         "base": {name: getattr(diagnosis.base, name) for name in SETTINGS},
+        "rows": list(diagnosis.counted),
         "rows_without_counterpart": diagnosis.uncovered,
         "seed": diagnosis.options.seed,
         "hidden": list(diagnosis.options.hide),
@@ -110,7 +111,8 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     """Return the report as Markdown."""
     lines = [f"# Diagnosis: {diagnosis.simulated} against {diagnosis.source}", ""]
     lines += [f"**{diagnosis.headline}**", "", _base_line(diagnosis), ""]
-    lines += [part for line in measured_lines(diagnosis) for part in (line, "")]
+    told = (*diagnosis.counted, *measured_lines(diagnosis))
+    lines += [part for line in told for part in (line, "")]
     lines += ["## What was found", ""]
     for verdict in diagnosis.selection.verdicts:
         lines += [*describe(verdict), ""]

@@ -36,6 +36,8 @@ def draw(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
         ("ladder.png", ladder_figure, "What each added effect gained on held-out links"),
         ("ranks.png", ranks_figure, "Ranks of the recorded error in the ensemble: flat is right"),
     ]
+    if not diagnosis.added:
+        made = [one for one in made if one[0] != "ladder.png"]  # nothing was added: no steps
     if any(name.startswith("profile_db") for name in diagnosis.confirmed.before.names):
         made.insert(0, ("profile.png", profile_figure, "Median power-delay profile, confirm links"))
     for name, figure, caption in made:

@@ -152,7 +152,10 @@ def usual_levels(rows: View, made: Ensemble | None = None) -> NDArray[np.bool_]:
     """
     level = numeric(rows.frame, LEVEL)
     if made is not None and LEVEL in made.names:
-        level = level - np.nanmean(made.simulated_of(LEVEL), axis=0)
+        simulated = made.simulated_of(LEVEL)
+        known = np.isfinite(simulated)
+        count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)  # none: not known here
+        level = level - np.where(known, simulated, 0.0).sum(axis=0) / count
     usual = np.isfinite(level) & (rows.scene.true_range_m > 0)
     if usual.sum() < FEWEST_ROWS:
         return np.ones(len(level), bool)

@@ -154,7 +154,10 @@ def _at_one_place(frame: pd.DataFrame) -> pd.DataFrame:
         (lambda f: _without_error(f, 1000, 1000), ("true_range_m", "expected metres")),
         (lambda f: _without_error(f, 1000, 1), ("beyond 1 km",)),
         (lambda f: _without_error(f, 1, 1000), ("beyond 1 km",)),
-        (lambda f: f.assign(time_s=f.time_s.to_numpy()[::-1]), ("time_s", "backwards")),
+        (
+            lambda f: f.assign(time_s=f.time_s.to_numpy()[::-1]),
+            ("backwards", "sort by link and time_s"),
+        ),
         (lambda f: f.iloc[:0], ("rows",)),
     ],
 )

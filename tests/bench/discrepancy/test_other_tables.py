@@ -13,6 +13,7 @@ from bench.discrepancy import NoMismatch, Options, diagnose
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.columns import known_columns
 from bench.discrepancy.method import base_of
+from bench.discrepancy.report.document import summary
 from bench.discrepancy.select.candidates import library, offered
 from bench.errors import BenchError
 from bench.physics.base import Base
@@ -147,6 +148,10 @@ def _drive(lag_s: float) -> tuple[pd.DataFrame, pd.DataFrame]:
     return frames[0], frames[1]
 
 
+def _links(table: Recordings) -> int:
+    return int(table.frame["link"].nunique())
+
+
 def test_a_time_lag_on_a_drive_is_found_from_positions_and_times():
     recorded, simulated = (Recordings(f, "drive") for f in _drive(0.06))
     simulated = replace(simulated, simulator="numpy")
@@ -156,7 +161,10 @@ def test_a_time_lag_on_a_drive_is_found_from_positions_and_times():
     lag = next(effect for effect in found.added if isinstance(effect, TimeLag))
     assert lag.lag_s == pytest.approx(0.06, abs=0.01)
     assert found.recommended
-    assert "fits better" in found.headline
+    assert "The simulated table with it fits better" in found.headline
+    assert found.counted[0] == f"recorded: {len(recorded)} rows of {_links(recorded)} links"
+    assert found.counted[1] == f"simulated: {len(simulated)} rows of {_links(simulated)} links"
+    assert summary(found)["rows"] == list(found.counted)
 
 
 def test_what_makes_ranges_worse_is_not_recommended():

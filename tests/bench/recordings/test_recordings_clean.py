@@ -110,3 +110,8 @@ def test_counts_add_up_and_read_well() -> None:
 def test_obstacles_as_text_are_names_and_not_nothing() -> None:
     cells = pd.Series(["metal rack", "", "wall; door", ["person"], None])
     assert _as_names(cells).tolist() == [["metal rack"], [], ["wall", "door"], ["person"], []]
+
+
+def test_row_numbers_that_pandas_wrote_along_are_no_columns() -> None:
+    frame = _with().assign(**{"__index_level_0__": 1.0, "Unnamed: 0": 2.0, "supply_v": 3.3})
+    assert {*clean(frame, "mine").frame} == {*_with(), "supply_v"}

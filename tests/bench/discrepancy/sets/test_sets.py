@@ -177,3 +177,20 @@ def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
     alone = contest.evidence.of((f"{name} of device 1",)).nats - np.log(8)
     assert alone > contest.evidence.of((name,)).nats
     assert contest.nats((name,)) == pytest.approx(alone)
+
+
+def test_rows_without_any_simulated_level_are_not_usual_and_warn_of_nothing(
+    recwarn: pytest.WarningsRecorder,
+) -> None:
+    recorded, _ = tables(7)
+    frame = recorded.frame
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    level = frame["rx_power_dbm"].to_numpy(np.float64)
+    simulated = np.stack([level, level])
+    simulated[:, :5] = np.nan
+    versions = np.concatenate([level[None], simulated])[..., None]
+    made = Ensemble(("rx_power_dbm",), ("dB",), versions, rows.links)
+    usual = usual_levels(rows, made)
+    assert not usual[:5].any()
+    assert usual[5:].mean() > 0.9
+    assert not recwarn.list

@@ -1,0 +1,24 @@
+"""How many rows each side of a comparison has, and what was left out, is said."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.discrepancy.counterpart import counted
+from bench.physics.base import Base
+from bench.physics.simulator import Simulator
+from bench.recordings.table import Recordings
+
+ROWS = pd.DataFrame({"link": ["a", "a", "b"], "true_range_m": 5.0, "error_m": 0.1})
+
+
+def test_what_was_left_out_is_counted_by_reason() -> None:
+    table = Recordings(ROWS, "mine", dropped={"no range error": 4, "negative true range": 7})
+    words = "recorded: 3 rows of 2 links; left out: 7 negative true range, 4 no range error"
+    assert counted(table, Simulator(Base())) == (words,)
+
+
+def test_a_simulated_table_is_counted_too() -> None:
+    table = Recordings(ROWS, "mine")
+    plain = Recordings(ROWS.drop(columns="link"), "simulated")
+    assert counted(table, plain) == ("recorded: 3 rows of 2 links", "simulated: 3 rows")
