@@ -18,6 +18,10 @@ from bench.errors import BenchError
 from bench.text import one_line, plain, reason
 
 BAD, INTERRUPTED, NO_READER = 2, 130, 141
+STOPPED = (
+    "bench: interrupted; what was finished is kept, and the same command goes on from there "
+    "(bench diagnose: with -o)"
+)
 _SHOW = "; --traceback shows where"
 
 
@@ -55,7 +59,7 @@ def _failed(problem: BaseException, traceback: bool) -> int:
     if traceback:
         _tell(plain("".join(tracebacks.format_exception(problem))))
     if isinstance(problem, KeyboardInterrupt | click.Abort):
-        _tell("bench: interrupted; finished runs are kept")
+        _tell(STOPPED)
         return INTERRUPTED
     if isinstance(problem, click.exceptions.NoArgsIsHelpError):
         problem.show()

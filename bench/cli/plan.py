@@ -19,6 +19,7 @@ Examples:
   bench plan --diagnosis diagnosis
   bench plan --diagnosis diagnosis --links 20 -o plan.csv
 """
+HOPELESS = 0.05  # of cases that a plan settles, below which it is not worth the work
 SHOWN, PAIRS = 12, 4  # measurements, and the pairs of explanations that are hardest to tell
 
 
@@ -84,7 +85,10 @@ def _print(answer: Answer) -> None:
         say(f"  and {len(least) - PAIRS} pairs with more")
     sure = f"expected to settle it in {answer.probability:.0%} of cases"
     say(sure if answer.sure else f"NOT ENOUGH: {sure}; more links, or another kind of measurement")
-    say("Record these with everything else as before, append them, and diagnose again.")
+    if answer.probability < HOPELESS:
+        say("Not worth recording for this question: none of what can be changed settles it.")
+    else:
+        say("Record these with everything else as before, append them, and diagnose again.")
 
 
 def _ranked(answer: Answer, worth: Worth) -> tuple[str, ...]:

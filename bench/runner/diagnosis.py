@@ -11,6 +11,7 @@ import pandas as pd
 from bench.checkpoint.journal import Kept
 from bench.discrepancy import Diagnosis, Options, method, write_report
 from bench.errors import BenchError
+from bench.files import check_output
 from bench.parallel import Spread, spreading
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
@@ -69,6 +70,8 @@ def diagnose(
     """
     if seed < 0:
         raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
+    if out is not None:
+        check_output(Path(out) / "diagnosis.json")
     watch, spread = observer or Observer(), Spread(jobs, scheduler)
     chosen = _names("--observe", observe) or None
     waves = False if paths_only else None

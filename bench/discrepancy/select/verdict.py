@@ -9,6 +9,7 @@ from typing import Any
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.effect import Effect
 
 
@@ -83,7 +84,10 @@ class Unknown:
 
 @dataclass(frozen=True)
 class NoMismatch:
-    """Nothing significant; `detectable` is the smallest shift per observable that would show."""
+    """Nothing significant; `detectable` is the smallest shift per observable that would show.
+
+    `p` is that of the first search; where several share 5 %, or a witness is asked, less is needed.
+    """
 
     detectable: dict[str, float]
     p: float
@@ -92,12 +96,13 @@ class NoMismatch:
 
     def __str__(self) -> str:
         seen = self.detectable.get("error_m")
+        found = f"p = {self.p:.2g}{', not enough by itself' * (self.p <= FAMILY_WISE)}"
         if seen is None:
-            return f"no mismatch found (p = {self.p:.2g})"
+            return f"no mismatch found ({found})"
         least = f"; a range shift of {seen:.2g} m would have been seen every second time"
         if not isfinite(seen):
             least = "; no shift of all ranges would have been seen: too few links or simulated rows"
-        return f"no mismatch found (p = {self.p:.2g}){least}"
+        return f"no mismatch found ({found}){least}"
 
 
 Verdict = LeftOut | Ambiguous | Unknown | NoMismatch

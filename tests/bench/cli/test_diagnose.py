@@ -241,6 +241,13 @@ def test_same_seed_same_bytes_however_many_threads(call, tmp_path, monkeypatch):
     assert texts[0] == texts[1]
 
 
+def test_a_folder_that_cannot_be_is_refused_before_any_work(call, tmp_path):
+    (tmp_path / "taken").write_text("a file")
+    answer = call(recorded(), "-o", str(tmp_path / "taken"))
+    one_line(answer, "cannot write", "taken is a file, expected a folder")
+    assert "searching" not in answer[2]
+
+
 def test_an_interrupted_run_leaves_whole_files_and_runs_again(call, tmp_path, monkeypatch):
     out = tmp_path / "out"
     with monkeypatch.context() as patched:
@@ -248,6 +255,7 @@ def test_an_interrupted_run_leaves_whole_files_and_runs_again(call, tmp_path, mo
         code, _, err = call(recorded(), "-o", str(out))
         assert code == 130
         assert "interrupted" in err
+        assert "the same command goes on" in err
     assert not (out / "report.md").exists()
     assert not list(out.glob("*.part*"))
     first = (out / "diagnosis.json").read_text()
