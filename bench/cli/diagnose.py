@@ -117,11 +117,13 @@ def _print(diagnosis: Diagnosis) -> None:
         measured_lines,
         nameless_lines,
     )
+    from bench.discrepancy.report.doing import doings
     from bench.discrepancy.report.parameters import skipped_lines
 
     say(diagnosis.headline)
+    does = doings(diagnosis)
     for verdict in diagnosis.selection.verdicts:
-        for line in describe(verdict):
+        for line in describe(verdict, does):
             say(line.replace("**", ""))
     laws = law_lines(diagnosis.law) if diagnosis.law else []
     for line in (*laws, *nameless_lines(diagnosis)):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
+from bench.discrepancy.confirm import NOTHING
 from bench.discrepancy.data.own_columns import RULE
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.method import SETTINGS, Diagnosis
+from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.report.folder import REPORT
@@ -114,8 +116,9 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     told = (*diagnosis.counted, *measured_lines(diagnosis))
     lines += [part for line in told for part in (line, "")]
     lines += ["## What was found", ""]
+    does = doings(diagnosis)
     for verdict in diagnosis.selection.verdicts:
-        lines += [*describe(verdict), ""]
+        lines += [*describe(verdict, does), ""]
     if diagnosis.law is not None:
         lines += [*law_lines(diagnosis.law), ""]
     lines += [part for line in nameless_lines(diagnosis) for part in (line, "")]
@@ -149,8 +152,8 @@ def measured_lines(diagnosis: Diagnosis) -> list[str]:
     return out
 
 
-def describe(verdict: Verdict) -> list[str]:
-    """Return one verdict in words and figures."""
+def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
+    """Return one verdict in words and figures; `does` says what names do to ranges."""
     if isinstance(verdict, NoMismatch):
         return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
@@ -163,8 +166,8 @@ def describe(verdict: Verdict) -> list[str]:
     if isinstance(verdict, Ambiguous):
         out = [f"**{' or '.join(verdict.names)}**: these recordings cannot tell them apart."]
         out += [f"To progress: {verdict.separate}."]
-        return out + [line for option in verdict.options for line in _option_lines(option)]
-    return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict)]
+        return out + [line for option in verdict.options for line in _option_lines(option, does)]
+    return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict, does)]
 
 
 def _findings(findings: Sequence[Finding], most: int) -> list[str]:
@@ -198,10 +201,12 @@ def law_lines(law: FoundLaw) -> list[str]:
     ]
 
 
-def _option_lines(option: LeftOut) -> list[str]:
+def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     """Return one named effect: what it does, its parameters, its evidence."""
     effect = option.effect
     out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
+    if (words := does.get(option.names[0])) is not None:
+        out += [f"  - does to these recordings: {words}"]
     out += parameter_lines(option.parameters)
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]

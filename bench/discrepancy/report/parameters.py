@@ -42,7 +42,8 @@ def _rest(
 ) -> str:
     left = [one for one in values if one not in first]
     none = sum(not one.determined or one.low <= 0 <= one.high for one in left)
-    return f"and {len(left)} more values of {name}, {none} of them not told from zero"
+    told = f"of which {none} may be zero" if none else "none of them zero"
+    return f"and {len(left)} more values of {name}, {told}"
 
 
 def value_table(verdicts: Sequence[Verdict]) -> list[str]:

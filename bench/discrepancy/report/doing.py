@@ -1,0 +1,62 @@
+"""What a named effect does to the ranges that were recorded, in metres.
+
+Parameters may be undetermined each by itself (a thickness and a delay per thickness) where what
+they do together is well known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.settings import LEAST_SCATTER_M
+from bench.errors import BenchError
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+from bench.physics.units import Floats
+
+
+def doings(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return in words what every added effect does to ranges of the working rows, by its name.
+
+    Not of those that draw at random, row by row or link by link, nor of those that do nothing.
+    """
+    if diagnosis.evidence is None:
+        return {}
+    frame, base = diagnosis.evidence.frame, diagnosis.base
+    shifts = {one.physics: _shift_m(one, frame, base) for one in diagnosis.added if _steady(one)}
+    said = {name: in_words(shift) for name, shift in shifts.items() if shift is not None}
+    return {name: words for name, words in said.items() if words}
+
+
+def in_words(shift_m: Floats) -> str:
+    """Return shifts of rows [n] in words, "" where none is a millimetre or more."""
+    acts = np.abs(shift_m) > LEAST_SCATTER_M
+    if not acts.any():
+        return ""
+    low, middle, high = np.percentile(shift_m[acts], [5, 50, 95])
+    where = "" if acts.all() else f" of the rows where it acts ({acts.mean():.0%})"
+    same = high - low <= LEAST_SCATTER_M
+    around = "" if same else f", {low:+.3g} to {high:+.3g} m in nine of ten"
+    return f"ranges {middle:+.3g} m in the median{where}{around}"
+
+
+def _steady(effect: Effect) -> bool:
+    kind = type(effect)
+    return not (kind.independent or kind.per_link or kind.strikes)
+
+
+def _shift_m(effect: Effect, frame: pd.DataFrame, base: Base) -> Floats | None:
+    """Return what an effect does to the range of every row [n], None where paths do not tell."""
+    try:
+        rows = scene(frame)
+        made = [Simulator(base, one).observe(rows, 0, cir=False) for one in ((effect,), ())]
+    except BenchError:
+        return None
+    if made[0].range_m is None or made[1].range_m is None:
+        return None
+    shift = np.asarray(made[0].range_m - made[1].range_m, np.float64)
+    return shift if np.isfinite(shift).all() else None

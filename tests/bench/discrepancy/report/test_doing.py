@@ -1,0 +1,41 @@
+"""What a name does to the recorded ranges is said in metres."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.report.doing import doings, in_words
+from bench.discrepancy.report.evidence import Evidence
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+
+FRAME = pd.DataFrame({"link": list("aabb"), "true_range_m": [5.0, 5.0, 10.0, 10.0]})
+
+
+def said(*effects: Effect) -> dict[str, str]:
+    """Return what effects do to four rows."""
+    held = Evidence(FRAME, ("error_m",), np.zeros((4, 1)), np.zeros((4, 1)))
+    found: Any = SimpleNamespace(evidence=held, base=Base(), added=effects)
+    return doings(cast("Any", found))
+
+
+def test_a_delay_and_a_scale_are_said_in_metres() -> None:
+    made = said(AntennaDelay(delay_ns=1.0), RangeScale(scale=0.01))
+    assert made["antenna-delay"] == "ranges +0.15 m in the median"
+    assert made["range-scale"] == "ranges +0.075 m in the median, +0.05 to +0.1 m in nine of ten"
+
+
+def test_what_draws_at_random_or_does_nothing_is_not_said() -> None:
+    assert said(TimestampJitter(jitter_samples=0.2), RangeScale(scale=0.0)) == {}
+
+
+def test_where_it_acts_in_part_of_the_rows_alone_is_said() -> None:
+    shift = np.where(np.arange(10) < 3, 0.16, 0.0)
+    assert in_words(shift) == "ranges +0.16 m in the median of the rows where it acts (30%)"
