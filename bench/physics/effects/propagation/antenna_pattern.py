@@ -16,6 +16,7 @@ from bench.physics.scene import Scene, scene
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of the first harmonic [source: Ledergerber 2018]
+WIDEST_M = 0.5  # over all directions: 0.2 m was measured; what is more stands in the way
 KNOWN_SHARE = 0.9  # of the headings
 SECTORS = 12  # of a circle
 WIDEST_GAP = 2 * np.pi / 3  # between headings that lie all around: three are enough
@@ -69,6 +70,11 @@ class AntennaPattern(Effect):
     def tellable(cls, rows: Scene) -> bool:
         """Return whether headings lie all around: over a few of them a pattern is a constant."""
         return all_around(heading_rad(rows))
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:  # noqa: ARG003
+        """Return whether ranges differ over the direction by no more than antennas make."""
+        return float(np.ptp(shift_m)) <= WIDEST_M
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Shift and weaken all paths by heading."""
