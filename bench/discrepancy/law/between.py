@@ -68,8 +68,8 @@ def _gained(given: Material, own: Floats, parts: Floats) -> float:
 
 def _parts(given: Material, structure: Structure, found: Fitted) -> Floats | None:
     """Return what a structure about places may do to rows [n, q], to first order."""
-    if isinstance(structure, Position):
-        return structure.slopes(given, found.constants)
+    if isinstance(structure, Position):  # of one device: said as it does as well as its delay
+        return None if structure.device else structure.slopes(given, found.constants)
     if isinstance(structure, GridLaw) and over_places((structure.names[0], structure.names[2])):
         return structure.design(given, structure.free_value(found))
     return None

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import constants_of_devices, over_places
+from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Columns, Weighed
-from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE
+from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -46,6 +47,22 @@ def told_from_delays(contest: Contest, rest: Set, parts: tuple[Floats, ...], pri
     delays = {OWN_DELAYS: (own,)}
     lead = nats_with(contest, rest, {**delays, "within": within}) - nats_with(contest, rest, delays)
     return lead >= price
+
+
+def misplaced(contest: Contest, causes: Set) -> Set:
+    """Return the set with a device that stands elsewhere instead of a name it does as well as.
+
+    A receiver that hangs too low is late by nearly the same everywhere, as by its own delay:
+    where rows do not tell, nothing is sure of the name (see `TIED_NATS`).
+    """
+    places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
+    for name in [one for one in causes if one in contest.library]:
+        rest = tuple(one for one in causes if one != name)
+        lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
+        best = max(lead, key=lambda one: lead[one], default=None)
+        if best is not None and lead[best] > contest.nats(causes) + TIED_NATS:
+            causes = (*rest, best)
+    return causes
 
 
 def nats_with(contest: Contest, rest: Set, more: Columns) -> float:

@@ -40,6 +40,7 @@ from bench.recordings.motion import SPEED
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
+PLACE = "the position of "
 # What changes clocks and delays, and no pulse on its way.
 OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
@@ -133,7 +134,7 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
         if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > LAW_SAME_PLACE_M:
             continue
         stands[str(name)] = here[mine][0]
-        out[f"the position of {name}"] = (LAW_M * line * mine[:, None],)
+        out[f"{PLACE}{name}"] = (LAW_M * line * mine[:, None],)
         out[f"the unit of {name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
     for one, two in combinations(stands, 2):
         shift = np.zeros(len(true_m))

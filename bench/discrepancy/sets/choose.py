@@ -13,7 +13,7 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.sets.beside import told_law
+from bench.discrepancy.sets.beside import misplaced, told_law
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
     Blocks,
@@ -141,7 +141,7 @@ class Contest:
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
         best = self._at_usual_levels(self._beyond_deformed(self._calm()))
-        best = self._beyond_forms(best)
+        best = self._beyond_forms(misplaced(self, best))
         names = tuple(one for one in best if one in self.library)
         return Choice(
             names,

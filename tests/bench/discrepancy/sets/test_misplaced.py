@@ -1,0 +1,32 @@
+"""Where a wrong position does as well as a name, the name is not sure."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from bench.discrepancy.sets.beside import misplaced
+
+MOVED = "the position of a2"
+
+
+@pytest.mark.parametrize(
+    ("moved_nats", "kept"), [(99.0, False), (98.0, False), (90.0, True), (101.0, False)]
+)
+def test_a_device_that_may_stand_elsewhere_goes_before_its_delay(
+    moved_nats: float, kept: bool
+) -> None:
+    nats = {
+        frozenset({"antenna-delay", "time-lag"}): 100.0,
+        frozenset({MOVED, "time-lag"}): moved_nats,
+        frozenset({MOVED, "antenna-delay"}): 40.0,
+    }
+    contest: Any = SimpleNamespace(
+        evidence=SimpleNamespace(blocks={MOVED: (), "antenna-delay": (), "time-lag": ()}),
+        library={"antenna-delay", "time-lag"},
+        nats=lambda causes: nats[frozenset(causes)],
+    )
+    found = set(misplaced(cast("Any", contest), ("antenna-delay", "time-lag")))
+    assert found == {"antenna-delay" if kept else MOVED, "time-lag"}
