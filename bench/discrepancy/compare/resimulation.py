@@ -44,6 +44,10 @@ class Resimulation:
         """Return how many members repeat nothing of each other: any number."""
         return UNLIMITED_MEMBERS
 
+    def alike(self, view: View) -> int:
+        """Return the same: every member is of the row itself."""
+        return UNLIMITED_MEMBERS
+
     def paired(self, view: View) -> bool:
         """Return that every row has simulated rows of its own."""
         return True

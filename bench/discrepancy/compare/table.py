@@ -265,6 +265,10 @@ class TableComparison:
         """Return how many versions, the first ones, a permutation may swap with the recorded."""
         return self._matched(view)[1]
 
+    def alike(self, view: View) -> int:
+        """Return how many versions there are, of the same links and then of similar ones."""
+        return len(self.versions(view))
+
     def _similar_links(self, view: View) -> list[Rows]:
         """Match rows with those of the simulated links nearest in all that both tables know."""
         alike = shared_with_categories(view.frame, self.frame)

@@ -102,6 +102,9 @@ class Comparison(Protocol):
     def distinct(self, view: View) -> int:
         """Return how many members there are that repeat nothing of each other."""
 
+    def alike(self, view: View) -> int:
+        """Return how many members there are with those of similar links, that repeat nothing."""
+
     def paired(self, view: View) -> bool:
         """Return whether every recorded row has simulated rows of its own."""
 

@@ -93,6 +93,13 @@ def evidence(
     return max(_evidence(given, moments, responses, parameters, form, free) for form in FORMS)
 
 
+def evidence_of(
+    given: Statistics, moments: Moments, responses: Responses, parameters: int
+) -> float:
+    """Return the log evidence of a set, for one allowance of its forms, in nats."""
+    return _evidence(given, moments, responses, parameters, FORMS[1], NONE)
+
+
 def left_free(
     given: Statistics, moments: Moments, responses: Responses, parameters: int
 ) -> tuple[float, float]:

@@ -12,9 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
-from bench.discrepancy.joint.likelihood import evidence, left_free, misfit
+from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -25,7 +26,6 @@ from bench.discrepancy.joint.settings import (
     GROWN,
     LEFT_NATS,
     LEFT_SHARE,
-    MISFIT,
     MOST,
     NAME_NATS,
     NAME_SHARE,
@@ -76,7 +76,7 @@ class Sets:
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         much = much or (self._scatters(best, self.none) and free[1] > LEFT_NATS)
-        much = much or (best.names != marked and self._off(best))
+        much = much or (best.names != marked and off(self.given, best))
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
@@ -84,10 +84,6 @@ class Sets:
         return WaveChoice(
             best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond
         )
-
-    def _off(self, best: Fit) -> bool:
-        """Return whether recordings are farther from a set than its simulated links are."""
-        return misfit(self.given, best.moments, best.responses) > MISFIT
 
     def _doubted(self, best: Fit) -> tuple[str, ...]:
         """Return the members that bring too little beside something without a form."""
@@ -151,11 +147,18 @@ class Sets:
             whole = self.worth(fit) - self.worth(self.start)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
             brings = {n: nats * (not of_form(self.given, fit, n)) for n, nats in brings.items()}
+            needed = max(NAME_NATS, NAME_SHARE * whole)
+            if min(brings.values()) >= needed:
+                brings = {n: nats - self._by_chance(fit, n) for n, nats in brings.items()}
             least = min(brings, key=lambda name: brings[name])
-            if brings[least] >= max(NAME_NATS, NAME_SHARE * whole):
+            if brings[least] >= needed:
                 break
             fit = self._without(fit, least)
         return fit
+
+    def _by_chance(self, fit: Fit, name: str) -> float:
+        """Return what a member may bring on simulated links that lack nothing, in nats."""
+        return by_chance(self.given, fit, self._without(fit, name))
 
     def _scatters(self, fit: Fit, rest: Fit) -> bool:
         """Return whether links of a set scatter more than those of the rest of it.

@@ -30,8 +30,10 @@ from bench.discrepancy.joint.settings import (
     LEAST_EIGENVALUE,
     MEMBERS,
     NOISE_LEAST,
+    OTHERS,
     TAIL,
 )
+from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
 from bench.physics.memory import Memory
 
@@ -66,12 +68,13 @@ class Statistics:
         self, comparison: Comparison, rows: View, beside: Added = (), members: int = MEMBERS
     ) -> None:
         self.comparison, self.rows, self.beside = comparison, rows, beside
-        self.members = members
         self.by_rows = isinstance(comparison, Resimulation)
+        own = comparison.distinct(rows)
+        repeated = comparison.paired(rows) and own > 1 and not self.by_rows
+        self.members = min(members, own) if repeated else members
         self.code = np.unique(rows.links, return_inverse=True)[1]
         self.count = np.bincount(self.code)
-        self.crowding = comparison.crowding(rows) ** 2
-        bare = comparison.ensemble(rows, beside, members)
+        bare = comparison.ensemble(rows, beside, self.members)
         known = np.isfinite(bare.versions[:2]).all(axis=0).mean(axis=0) >= KNOWN_SHARE
         self.names = tuple(
             name for name, often in zip(bare.names, known, strict=True) if often and name != RANGE
@@ -80,6 +83,10 @@ class Statistics:
             raise BenchError("no waveforms to compare")
         units = dict(zip(bare.names, bare.units, strict=True))
         self.floor = np.array([FLOOR.get(units[name], 0.1) for name in self.names]) ** 2
+        self.apart = np.zeros((len(self.names),) * 2)
+        if repeated:
+            self.apart = self._apart()
+        self.crowding = 1.0 if self.apart.any() else comparison.crowding(rows) ** 2
         self._kept: Memory[Moments | None] = Memory(KEPT)
 
     @property
@@ -129,6 +136,7 @@ class Statistics:
             return self
         less = copy(self)
         less.names, less.floor = tuple(self.names[i] for i in keep), self.floor[keep]
+        less.apart = self.apart[np.ix_(keep, keep)]
         less._kept = Memory(KEPT)
         return less
 
@@ -141,6 +149,34 @@ class Statistics:
         """Return the statistics of one simulated version [L, p], None as for `moments`."""
         made = self._made(added, 1)
         return None if made is None else self._of_links(np.nan_to_num(self._values(made)[1]))
+
+    def others(self, added: Added) -> Floats:
+        """Return what further simulated versions leave [v, L, p], in the recorded ones' place.
+
+        Of a table those of similar links, which draw what a link has by chance anew; none where
+        there are too few. Raises BenchError where nothing can be simulated.
+        """
+        paired = self.comparison.paired(self.rows) and not self.by_rows
+        own = self.comparison.distinct(self.rows) if paired else 0
+        first = max(self.members, own)
+        count = min(OTHERS, self.comparison.alike(self.rows) - first)
+        if count < FEW_VERSIONS:
+            return np.zeros((0, self.links, len(self.names)))
+        made = self.comparison.ensemble(self.rows, (*self.beside, *added), first + count)
+        values = np.nan_to_num(self._values(made))
+        mean = self._of_links(values[1 : 1 + self.members].mean(axis=0))
+        return np.stack([self._of_links(one) for one in values[1 + first :]]) - mean
+
+    def _apart(self) -> Floats:
+        """Return what similar links differ by beyond what versions of one link do [p, p]."""
+        others, bare = self.others(()), self._made((), self.members)
+        if not len(others) or bare is None:
+            return self.apart
+        plain = self._compared(self._values(bare)).covariances
+        usual = np.mean([plain[int(n)] for n in self.count], axis=0) - np.diag(self.floor)
+        wide = np.einsum("vli,vlj->ij", others, others) / others[..., 0].size
+        sizes, ways = np.linalg.eigh(wide - usual)
+        return np.asarray((ways * np.maximum(sizes, 0)) @ ways.T)
 
     def _made(self, added: Added, members: int) -> Ensemble | None:
         try:
@@ -170,9 +206,10 @@ class Statistics:
         own = np.nan_to_num(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
         of_links = np.stack([self._of_links(one) for one in own])
         between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
-        scatter = np.maximum(np.diag(between), 1e-9)
+        scatter = np.maximum(np.diag(between + self.apart), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
-        usual = np.log(NOISE_LEAST + own**2 * (1 + 1 / members) / scatter).mean(axis=0)
+        alike = own**2 / np.maximum(np.diag(between), 1e-9)
+        usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
         rows = self._of_rows(own - of_links[:, self.code], members)
         return Moments(
             self._of_links(left),
@@ -212,7 +249,9 @@ class Statistics:
         link = between - rows * float(np.mean(1 / self.count))
         shrunk = min(len(self.names) / max(members * self.links, 1), 1.0)
         return {
-            int(n): self._shrunk(link + rows / n, shrunk) * (1 + 1 / members) + np.diag(self.floor)
+            int(n): self._shrunk(link + rows / n, shrunk) * (1 + 1 / members)
+            + self.apart
+            + np.diag(self.floor)
             for n in np.unique(self.count)
         }
 

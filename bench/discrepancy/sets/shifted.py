@@ -36,6 +36,10 @@ class Shifted:
         """Return how many members there are that repeat nothing of each other."""
         return self.comparison.distinct(view)
 
+    def alike(self, view: View) -> int:
+        """Return how many members there are with those of similar links."""
+        return self.comparison.alike(view)
+
     def paired(self, view: View) -> bool:
         """Return whether every recorded row has simulated rows of its own."""
         return self.comparison.paired(view)

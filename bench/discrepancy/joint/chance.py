@@ -1,0 +1,57 @@
+"""What sets of effects say of simulated links in the recorded ones' place: what chance makes.
+
+The likelihood takes statistics for normal. Where they are not - first paths found too early in a
+few rows, weak taps that another effect buries - an effect may bring much though nothing is left
+out. How much is seen on simulated links that nothing was left out of (a negative control: Lipsitch
+et al. 2010), and how far these are from a set is how far the recorded ones may be (a posterior
+predictive check: Gelman, Meng and Stern 1996).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t
+
+from bench.discrepancy.joint.likelihood import evidence_of, misfit
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import MISFIT, PREDICTED_P
+from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.discrepancy.settings import FEW_VERSIONS
+
+Floats = NDArray[np.float64]
+
+
+def off(given: Statistics, fit: Fit) -> bool:
+    """Return whether recordings are farther from a set than its simulated links are."""
+    moments, responses = fit.moments, fit.responses
+    others = given.others(fit.effects)
+    usual = [misfit(given, replace(moments, left=one), responses) for one in others]
+    return misfit(given, moments, responses) > max(MISFIT, highest(usual))
+
+
+def by_chance(given: Statistics, fit: Fit, rest: Fit) -> float:
+    """Return what a set may bring over the `rest` of it on simulated links, in nats.
+
+    These have the rest in them, and not what the set has beside it; 0 where it brings nothing.
+    """
+    more = rest.moments.mean - fit.moments.mean
+    brought = [_of(given, fit, one + more) - _of(given, rest, one) for one in given.others(())]
+    return max(0.0, highest(brought))
+
+
+def highest(values: Sequence[float]) -> float:
+    """Return what one more of normal values stays below (one-sided prediction bound), 0 of none."""
+    if len(values) < FEW_VERSIONS:
+        return 0.0
+    wide = t.isf(PREDICTED_P, len(values) - 1) * np.sqrt(1 + 1 / len(values))
+    return float(np.mean(values) + wide * np.std(values, ddof=1))
+
+
+def _of(given: Statistics, fit: Fit, left: Floats) -> float:
+    """Return the evidence of a set that leaves `left` [L, p], in nats."""
+    moments: Moments = replace(fit.moments, left=left, within=0.0)
+    return evidence_of(given, moments, fit.responses, fit.parameters)
