@@ -12,7 +12,7 @@ import numpy as np
 from bench.discrepancy.compare.calibration import rank_distance, separability
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap, cluster_quantile
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.skill import gain_interval, tally
+from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
 from bench.discrepancy.select.verdict import Unknown, Verdict
@@ -80,17 +80,22 @@ NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
+NO_GAIN = Estimate(0.0, 0.0, 0.0, "nats")
+
+
 @dataclass(frozen=True)
 class Served:
     """What some effects do for held-out links: gain in nats, and whether ranges are farther.
 
-    `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them.
+    `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them;
+    `waves` the gain of all that is compared but the range.
     """
 
     gain: Estimate
     farther: bool
     missed_m: float
     before_m: float = float("nan")
+    waves: Estimate = NO_GAIN
 
     def __str__(self) -> str:
         score = "better" if self.gain.value > 0 else "no better"
@@ -118,8 +123,15 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     misses = [_misses(before), _misses(_centred(comparison, held, added, after))]
     nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
     means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
-    gained = gain_interval(tally(before), tally(after), seed)
-    return Served(gained, is_farther(nearer, means, medians), means[1], means[0])
+    scores = tally(before), tally(after)
+    gained, waves = gain_interval(*scores, seed), _of_waves(*scores, seed)
+    return Served(gained, is_farther(nearer, means, medians), means[1], means[0], waves)
+
+
+def _of_waves(before: Tally, after: Tally, seed: int) -> Estimate:
+    """Return the gain of all that is compared but the range; none where that is all."""
+    names = tuple(name for name in before.names if name != RANGE and name in after.names)
+    return gain_interval(before, after, seed, names) if names else NO_GAIN
 
 
 def _centred(comparison: Comparison, held: View, added: Added, made: Ensemble) -> Ensemble:

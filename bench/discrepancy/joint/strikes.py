@@ -24,6 +24,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between, free_parameters
+from bench.discrepancy.joint.chance import highest
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.rows import compared_rows
@@ -39,7 +40,7 @@ from bench.discrepancy.joint.settings import (
     STRIKE_POINTS,
     STRUCK_FEWEST,
 )
-from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.statistics import Moments, Statistics
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
@@ -120,10 +121,26 @@ class Mixture:
         moments = self.given.moments((*self.beside, effect))
         if moments is None:
             return None
-        found = link_nats(self.given, moments, (moments.mean - self.bare.mean,))
-        more = np.where(self.inert, -np.inf, found - self.spared)
-        self.tried.append(mixed(values, self.spared, more))
+        self.tried.append(mixed(values, self.spared, self._more(moments, self.bare, self.spared)))
         return self.tried[-1]
+
+    def _more(self, moments: Moments, bare: Moments, spared: Floats) -> Floats:
+        """Return how much likelier every link [L] is if struck, in nats."""
+        found = link_nats(self.given, moments, (moments.mean - bare.mean,))
+        return np.where(self.inert, -np.inf, found - spared)
+
+    def by_chance(self, best: Mixed) -> float:
+        """Return what the mixture may bring on simulated links that nothing struck, in nats."""
+        assert self.kind.strikes is not None
+        effect = valued(self.kind, {**best.values, self.kind.strikes[0]: 1.0})
+        struck, bare, brought = self.given.needed((*self.beside, effect)), self.bare, []
+        for left in self.given.others(self.beside):
+            alike = replace(bare, left=left)
+            hit = replace(struck, left=left + bare.mean - struck.mean)
+            spared = link_nats(self.given, alike, ())
+            more = self._more(hit, alike, spared)
+            brought.append(mixed(best.values, spared, more).best - float(spared.sum()))
+        return max(0.0, highest(brought)) / self.given.crowding
 
     def near(self, best: Mixed) -> list[Mixed]:
         """Return what was tried that is about as likely as the best."""
@@ -185,6 +202,8 @@ def strike_beside(
     found = [one for kind in able if (one := _found(given, bases, kind))]
     found.sort(key=lambda one: -one.nats)
     if not found or found[0].nats - common < least or not _witnessed(comparison, found[0]):
+        return None
+    if found[0].nats - common < least + found[0].mixture.by_chance(found[0].best):
         return None
     first, *others = (_strike(one, common) for one in _alike(found, common))
     return replace(first, others=tuple(others))

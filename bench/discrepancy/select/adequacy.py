@@ -99,6 +99,8 @@ def adequacy(
     names = tuple(n for n in whole.names if n in rest.names)
     if RANGE in names and not views[0].waveform:  # from paths alone levels are approximate
         names = (RANGE,) if moves_ranges(whole, rest) else names
+    if type(effect).stage != "ranging" and views[0].waveform:  # no receiver's detector is another's
+        names = tuple(n for n in names if n != RANGE)
     if type(effect).by_rows and views[0].waveform:  # its shape hangs on rays within a pulse
         names = tuple(n for n in names if n in LEVELS)
     if not names:

@@ -48,15 +48,18 @@ def unrefused(
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
     struck = [(e, seen[e.name]) for e in gone if e.name in seen]
     held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
-    held |= {e.physics for e in gone if sealed.waveform and _surely_better(e, change((e,)))}
+    held |= {e.physics for e in gone if sealed.waveform and _better_waves(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
     words = {e.physics: str(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
     return replace(said, withheld=words), tuple(e for e in more if e.name in names)
 
 
-def _surely_better(effect: Effect, found: Served | None) -> bool:
-    """Return whether scores of held-out links are better with an effect on waveforms, for sure."""
-    return effect.stage != "ranging" and found is not None and found.gain.above_zero
+def _better_waves(effect: Effect, found: Served | None) -> bool:
+    """Return whether held-out links are better with an effect on waveforms but for their ranges.
+
+    No more is asked: all other links spoke for it, and held-out ones are few.
+    """
+    return effect.stage != "ranging" and found is not None and found.waves.value > 0
 
 
 def _surely_worse(sealed: View, found: Served | None, strike: Strike) -> bool:

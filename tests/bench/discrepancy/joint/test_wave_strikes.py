@@ -11,7 +11,14 @@ from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.settings import NAME_NATS
-from bench.discrepancy.joint.strikes import is_longer, mixed, predicted, strike_beside
+from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.strikes import (
+    Mixture,
+    is_longer,
+    mixed,
+    predicted,
+    strike_beside,
+)
 from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.base import Base
 from bench.physics.effect import Effect
@@ -76,6 +83,19 @@ def test_an_obstruction_beside_what_all_links_share_is_found_beside_it():
     found = found_in(recordings((ringing, STRUCK)), (ringing,))
     assert found is not None
     assert found.effect.name == "obstructed-path"
+
+
+def test_what_strikes_simulated_links_alike_is_none_left_out():
+    """The simulator has its own obstructions: links far off are on both sides."""
+    frame = recordings((STRUCK,))
+    comparison, rows = compared(frame)
+    alike = Resimulation(Simulator(Base(), (STRUCK,), 11, "test"), window_of(frame))
+    for simulator, there in ((comparison, True), (alike, False)):
+        mixture = Mixture(Statistics(simulator, rows), (), ObstructedPath)
+        best = mixture.fitted()
+        brought = best.best - mixture.spared.sum() if best else 0.0
+        by_chance = mixture.by_chance(best) if best else 0.0
+        assert bool(brought - by_chance > NAME_NATS) is there
 
 
 def test_the_mixture_has_the_share_of_links_that_are_likelier_struck():

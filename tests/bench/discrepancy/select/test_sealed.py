@@ -28,6 +28,7 @@ from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.effects.receiver.level_control import LevelControl
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 
 DELAY, SCALE, LAG = AntennaDelay(), RangeScale(), TimeLag()
 ONE = Estimate(1, 0.5, 1.5)
@@ -101,6 +102,22 @@ def test_a_score_says_nothing_where_chance_may_spare_all_sealed_links(
                     rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
     frame = pd.DataFrame({"error_m": np.zeros(len(LINKS))})
     rows = SimpleNamespace(frame=frame, waveform=False, links=LINKS)
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said
+
+
+@pytest.mark.parametrize(("waves", "said"), [(1.0, True), (-1.0, False)])
+def test_a_detector_does_not_take_the_name_of_what_waveforms_bear_out(
+    monkeypatch: pytest.MonkeyPatch, waves: float, said: bool
+) -> None:
+    """Ranges are worse with it on sealed links: only what it does to waveforms decides."""
+    judged = Served(Estimate(-1, -2, 1), True, 0.1, 0.02, Estimate(waves, waves - 2, waves + 2))
+    monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    found = selection()
+    ringing = PulseRinging(ring_db=-10.0)
+    found = replace(found, added=(ringing,), verdicts=(named(ringing),))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=True)
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
