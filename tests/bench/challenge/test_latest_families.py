@@ -17,7 +17,7 @@ from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, t
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
-LAST = ("harbour", "attic", "tunnel", "orchard", "pool", "market", *KEPT)
+LAST = ("harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks", *KEPT)
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
     "seiche": "time_s",
@@ -28,6 +28,8 @@ PERIOD_OF = {
     "fridges-run": "time_s",
     "ballast-pumped": "time_s",
     "air-handler": "time_s",
+    "fogging-turns": "time_s",
+    "sump-pumped": "time_s",
 }
 WORLD_OF_DEVICE = {
     "crane": "tx",
@@ -38,6 +40,8 @@ WORLD_OF_DEVICE = {
     "lamp": "rx",
     "pillar": "rx",
     "reader": "rx",
+    "gutter": "rx",
+    "mast": "rx",
 }
 
 
@@ -95,10 +99,11 @@ def test_their_tables_have_other_columns_and_lengths() -> None:
     assert {"room_x_m"} <= has["pool", "CIR"] - has["market", "CIR"]
     assert {"channel", "prf_mhz"} <= has["market", "CIR"] - has["pool", "CIR"]
     assert {"room_x_m"} <= has["stacks", "ranges"] - has["ferry", "ranges"]
+    assert {"room_x_m"} <= has["glasshouse", "CIR"] - has["quarry", "CIR"]
     assert "preamble_count" not in has["harbour", "ranges"]
     assert "temperature_c" not in has["attic", "CIR"]
     lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in LAST}
-    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110}
+    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110, 128, 144}
 
 
 @pytest.mark.parametrize(("family", "mode"), MODES)
@@ -244,7 +249,10 @@ def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
     assert abs(lost[~struck].mean()) < 0.5
 
 
-@pytest.mark.parametrize(("family", "channel"), [("market", 9), ("ferry", 5), ("stacks", 9)])
+@pytest.mark.parametrize(
+    ("family", "channel"),
+    [("market", 9), ("ferry", 5), ("stacks", 9), ("glasshouse", 2), ("quarry", 3)],
+)
 @pytest.mark.parametrize("mode", ["ranges again", "CIR again"])
 def test_recordings_have_the_levels_of_the_channel_that_they_state(
     mode: str, family: str, channel: int
