@@ -44,6 +44,7 @@ from bench.discrepancy.settings import (
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.diffraction import Diffraction
 from bench.physics.units import Floats
 from bench.physics.ways import known_mostly, spread_over
 
@@ -61,7 +62,9 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
         return state
-    ranged = replace(search, work=joined(search.fit, search.discover))
+    kinds = {n: kind for n, kind in search.kinds.items() if kind.name != Diffraction.name}
+    # Its step where metal stands is one between groups, which takes part without a name here.
+    ranged = replace(search, work=joined(search.fit, search.discover), kinds=kinds)
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
     found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside, unlisted)

@@ -93,6 +93,15 @@ def test_diffraction_leaves_line_of_sight_alone() -> None:
     )
 
 
+def test_metal_whose_edges_nobody_lists_is_gone_around_as_a_body_is() -> None:
+    listed = line(64, obstacles=[["metal"]] * 64)
+    body = line(64, los=[False] * 64)
+    around, of_body = (change(one, Diffraction(body_half_width_m=0.23)) for one in (listed, body))
+    moved = [np.median(made.range_m - base.range_m) for made, base in (around, of_body)]
+    assert moved[1] > 0.015
+    assert abs(moved[0] - moved[1]) < 0.01
+
+
 def test_metal_is_gone_around_and_wood_is_gone_through() -> None:
     def behind(kind: str) -> np.ndarray:
         frame = line(

@@ -11,8 +11,11 @@ from bench.physics.batch import DIFFRACTED, Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.material_delay import unlisted
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.slabs import of_metal, slabs
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
+
+TYPICAL_M = 0.1  # longer around an edge
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,8 @@ class Diffraction(Effect):
 
     Knife edge at `obstacle_clearance_m` (near edge) and `obstacle_far_clearance_m` from the
     straight line, at the fraction `obstacle_at` of it. Rows without line of sight whose obstacles
-    are not listed get a blocking body of `body_half_width_m` at `body_at`.
+    are not listed, and rows behind metal whose edges are not, get a blocking body of
+    `body_half_width_m` at `body_at`.
     """
 
     name = "diffraction"
@@ -51,6 +55,20 @@ class Diffraction(Effect):
     body_half_width_m: float = parameter(0.2, "m", 0.02, 2, "of a blocker that is not listed")
     body_at: float = parameter(0.5, "ratio", 0.01, 0.99, "where it stands on the straight line")
     blocking_db: float = parameter(40, "dB", 0, 60, "loss of the straight path where blocked")
+
+    @classmethod
+    def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
+        """Return a step where metal stands in the way; None where none does.
+
+        Only there is it certain that what arrives came around an edge.
+        """
+        metal = np.any(of_metal(rows), axis=1, keepdims=True).astype(np.float64)
+        return (TYPICAL_M * metal,) if metal.any() else None
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether the ways around metal are longer."""
+        return float(np.mean(shift_m[of_metal(rows).any(axis=1)])) > 0
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Block the straight path behind metal and bodies, and add the paths around."""
@@ -91,7 +109,7 @@ class Diffraction(Effect):
         delay, loss = slabs(rows, batch.centre_ghz)
         others_db = loss.sum(axis=1, keepdims=True) - loss
         others_m = delay.sum(axis=1, keepdims=True) - delay
-        body = np.where(unlisted(rows), self.body_half_width_m / self.clearance_scale, np.nan)
+        body = np.where(_without_edges(rows), self.body_half_width_m / self.clearance_scale, np.nan)
         body_at, none = np.full((len(rows), 2), self.body_at), np.zeros((len(rows), 2))
         edges = np.column_stack([near, far, body, body]) * self.clearance_scale
         return (
@@ -118,6 +136,14 @@ def knife_edge(
     loss = 6.9 + 20 * np.log10(np.sqrt(bend**2 + 1) + bend)
     excess = np.hypot(first, edge_m) + np.hypot(second, edge_m) - range_m
     return np.asarray(excess), np.asarray(np.maximum(loss, 0))
+
+
+def _without_edges(rows: Scene) -> NDArray[np.bool_]:
+    """Return the rows [n] behind something opaque of which nobody says where its edges are."""
+    listed = rows.obstacle("obstacle_clearance_m", np.nan)
+    far = rows.obstacle("obstacle_far_clearance_m", np.nan)
+    unknown = of_metal(rows) & np.isnan(listed) & np.isnan(far)
+    return np.asarray(unlisted(rows) | unknown.any(axis=1))
 
 
 def _direct_gain(batch: Batch) -> Complexes:

@@ -12,7 +12,7 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import of_kind, slabs
+from bench.physics.slabs import of_kind, of_metal, slabs
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of one wall
@@ -44,9 +44,14 @@ class MaterialDelay(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return a step per kind of obstacle, and one for any; None where none is listed."""
-        counts = [(rows.kinds == kind).sum(axis=1) for kind in range(len(rows.kind_names))]
-        parts = [*counts, rows.obstacle_count() > 0, unlisted(rows)]
+        """Return a step per kind of obstacle, and one for any; None where none is listed.
+
+        None of metal: what arrives behind it went around, not through.
+        """
+        through = (rows.kinds >= 0) & ~of_metal(rows)
+        kinds = np.unique(rows.kinds[through])
+        counts = [(rows.kinds == kind).sum(axis=1) for kind in kinds]
+        parts = [*counts, through.any(axis=1), unlisted(rows)]
         steps = TYPICAL_M * np.stack(parts, axis=1).astype(np.float64)
         return (steps,) if steps.any() else None
 
