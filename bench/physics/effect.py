@@ -122,6 +122,7 @@ class Effect(ABC):
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
     `with_phases` asks for phases that a table of magnitudes has not.
     `follows`: the measured column that its error follows, at a fixed distance too.
+    `by_device`: every device has a size of its own of it, which nothing known foretells.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -147,6 +148,7 @@ class Effect(ABC):
     by_rows: ClassVar[bool] = False
     marked: ClassVar[bool] = False
     follows: ClassVar[str] = ""
+    by_device: ClassVar[bool] = False
     everywhere: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True

@@ -68,10 +68,13 @@ def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
     """Return the mean square of what a set leaves, in scatters of its links: 1 where it is right.
 
     A posterior predictive check (Gelman, Meng and Stern 1996): among other sets the likeliest may
-    be far off all the same.
+    be far off all the same. What devices have of their own is at its likeliest.
     """
     matrices, _ = whitener(given, moments, responses)
-    return float((white(matrices, moments.left) ** 2).mean())
+    flat, own = white(matrices, moments.left), own_columns(matrices, moments)
+    ways = own.reshape(flat.size, own.shape[2])
+    factors = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ flat.ravel())
+    return float(((flat - own @ factors) ** 2).mean())
 
 
 def link_nats(given: Statistics, moments: Moments, responses: Responses) -> Floats:
@@ -132,7 +135,8 @@ def _evidence(
     flat = white(matrices, moments.left)
     columns = [columns_of(matrices, form * response, given.ways) for response in responses]
     columns.append(columns_of(matrices, np.full_like(moments.left, free[0]), free[1]))
-    nats = _integrated(flat, np.concatenate(columns, axis=2)) - 0.5 * volume
+    ways = (np.concatenate([*columns, own], axis=2) for own in owns(matrices, moments))
+    nats = max(_integrated(flat, each) for each in ways) - 0.5 * volume
     return paid(given, nats + moments.within, parameters)
 
 
@@ -151,6 +155,19 @@ def _integrated(flat: Floats, columns: Floats) -> float:
         left = flat - columns @ factors
     nats = -0.5 * float(freedom * np.log1p((left**2).sum(axis=1) / TAIL).sum())
     return nats - 0.5 * float(factors @ factors) - 0.5 * float(np.linalg.slogdet(inner)[1])
+
+
+def own_columns(matrices: Floats, moments: Moments) -> Floats:
+    """Return what devices may have of their own, whitened [L, p, r]."""
+    if moments.own is None:
+        return np.zeros((*moments.left.shape, 0))
+    return np.asarray(np.einsum("lij,ljr->lir", matrices, moments.own))
+
+
+def owns(matrices: Floats, moments: Moments) -> tuple[Floats, ...]:
+    """Return the columns of devices that do not differ, [L, p, 0], and of those that may."""
+    own = own_columns(matrices, moments)
+    return (own[..., :0], own) if own.shape[2] else (own,)
 
 
 def columns_of(matrices: Floats, part: Floats, ways: Floats) -> Floats:

@@ -6,8 +6,8 @@ in the likelihood; squared deviations beside them, by which scatter is fitted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,19 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
         return None
     responses = tuple(moments.mean - rest.mean for rest in rests if rest is not None)
     count = sum(len(free_parameters(type(effect))) for effect in effects)
+    moments = replace(moments, own=_own(given, effects, responses))
     return Fit(effects, moments, responses, fitness(given, moments, moments.left, responses, count))
+
+
+def _own(given: Statistics, effects: Added, responses: Sequence[Floats]) -> Floats | None:
+    """Return what devices may have of their own of the effects of which they do [L, p, r].
+
+    Of a size that is not negative only the mean is known, the response: the likeliest law of that
+    (of most entropy) is exponential, whose standard deviation is its mean. So factors are of one.
+    """
+    able = zip(effects, responses, strict=True)
+    parts = [one[:, :, None] * given.devices[:, None] for e, one in able if type(e).by_device]
+    return np.concatenate(parts, axis=2) if parts else None
 
 
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:

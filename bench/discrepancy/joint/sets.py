@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.joint.apart import brought_alone
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
@@ -146,15 +147,28 @@ class Sets:
         while len(fit.names) > len(self.start.names):
             whole = self.worth(fit) - self.worth(self.start)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
-            brings = {n: nats * (not of_form(self.given, fit, n)) for n, nats in brings.items()}
-            needed = max(NAME_NATS, NAME_SHARE * whole)
-            if min(brings.values()) >= needed:
-                brings = {n: nats - self._by_chance(fit, n) for n, nats in brings.items()}
-            least = min(brings, key=lambda name: brings[name])
-            if brings[least] >= needed:
+            spare = {n: nats - self._asked(fit, n, whole) for n, nats in brings.items()}
+            if min(spare.values()) >= 0:
+                spare = {n: nats - self._by_chance(fit, n) for n, nats in spare.items()}
+            least = min(spare, key=lambda name: spare[name])
+            if spare[least] >= 0:
                 break
             fit = self._without(fit, least)
         return fit
+
+    def _asked(self, fit: Fit, name: str, whole: float) -> float:
+        """Return what a member must bring to a set that brings `whole`, in nats.
+
+        A share of that, as other forms of the others may be mistaken for it, and more than there
+        is where these would do all of it; but where the others do nothing, no form of them is.
+        """
+        formed = of_form(self.given, fit, name)
+        if not formed and NAME_SHARE * whole <= NAME_NATS:
+            return NAME_NATS
+        alone = brought_alone(self.given, fit, self._without(fit, name), name)
+        if alone >= NAME_NATS:
+            return NAME_NATS
+        return float("inf") if formed else NAME_SHARE * whole
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""

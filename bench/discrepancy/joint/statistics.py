@@ -38,6 +38,7 @@ from bench.errors import BenchError
 from bench.physics.memory import Memory
 
 Floats = NDArray[np.float64]
+DEVICES = ("tx=", "rx=")  # how groups of devices begin: in two-way ranging both ends receive
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ class Moments:
     `left` [L, p]: recorded minus simulated mean; `mean` [L, p]: the simulated mean; `covariances`
     maps numbers of rows of a link to the covariance of `left` [p, p]; `spread_left` [L, p]: how
     much larger the logarithm of squared deviations is. `within`: the log likelihood of how rows
-    of a link scatter about its mean, in nats.
+    of a link scatter about its mean, in nats. `own` [L, p, r]: what devices may have of their own
+    of the effects, at normal factors of one; None where that is nothing.
     """
 
     left: Floats
@@ -55,6 +57,7 @@ class Moments:
     covariances: Mapping[int, Floats]
     spread_left: Floats
     within: float = 0.0
+    own: Floats | None = None
 
 
 class Statistics:
@@ -113,6 +116,17 @@ class Statistics:
         varied = [one for one in numbers if one.std() > 0]
         standard = [np.clip((one - one.mean()) / one.std(), -3, 3) for one in varied]
         return np.stack(standard, axis=1) if standard else np.zeros((self.links, 0))
+
+    @cached_property
+    def devices(self) -> Floats:
+        """Whether a device is at an end of a link [L, r], of each that several links have."""
+        groups = self.rows.covariates.groups
+        shares = [
+            self._of_links(groups[n][:, None].astype(np.float64))[:, 0]
+            for n in groups
+            if n.startswith(DEVICES)
+        ]
+        return np.stack(shares, axis=1) if shares else np.zeros((self.links, 0))
 
     def moments(self, added: Added) -> Moments | None:
         """Return the statistics with effects `added`; None where one leaves an observable unknown.

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.joint.likelihood import columns_of, paid, white, whitener
+from bench.discrepancy.joint.likelihood import columns_of, owns, paid, white, whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import (
     FORMS,
@@ -31,23 +31,23 @@ def beside_unformed(given: Statistics, fit: Fit) -> float:
 
     The sizes cost nothing: what must be asked of a name is then that it brings anything at all.
     """
-    fixed, free, flat, volume = _parts(given, fit)
-    count = flat.shape[1]
-    square, best = np.ones(count), -np.inf
-    for _ in range(SIZE_STEPS):
-        nats, squares = _likeliest(flat, fixed, free, square)
-        best = max(best, nats - 0.5 * volume)
-        square = np.clip(squares, SIZE_LEAST**2, SIZE_LARGEST**2)
-    return paid(given, best + fit.moments.within, fit.parameters)
-
-
-def _parts(given: Statistics, fit: Fit) -> tuple[Floats, Floats, Floats, float]:
-    """Return the whitened columns of forms and of what has none, what is left, and the volume."""
     matrices, volume = whitener(given, fit.moments, fit.responses)
     flat = white(matrices, fit.moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
-    fixed = np.concatenate([np.zeros((*flat.shape, 0)), *forms], axis=2)
-    return fixed, columns_of(matrices, np.ones_like(flat), given.ways), flat, volume
+    free = columns_of(matrices, np.ones_like(flat), given.ways)
+    every = (np.concatenate([own, *forms], axis=2) for own in owns(matrices, fit.moments))
+    best = max(_of_sizes(flat, fixed, free) for fixed in every) - 0.5 * volume
+    return paid(given, best + fit.moments.within, fit.parameters)
+
+
+def _of_sizes(flat: Floats, fixed: Floats, free: Floats) -> float:
+    """Return the log likelihood at the likeliest sizes of what has no form."""
+    square, best = np.ones(flat.shape[1]), -np.inf
+    for _ in range(SIZE_STEPS):
+        nats, squares = _likeliest(flat, fixed, free, square)
+        best = max(best, nats)
+        square = np.clip(squares, SIZE_LEAST**2, SIZE_LARGEST**2)
+    return best
 
 
 def _likeliest(flat: Floats, fixed: Floats, free: Floats, square: Floats) -> tuple[float, Floats]:

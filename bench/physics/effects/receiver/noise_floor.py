@@ -24,6 +24,7 @@ class NoiseFloor(Effect):
     number = 17
     stage = "receiver"
     source = "measured on Zenodo 10.5281/zenodo.4742391"
+    by_device = True
     signature = "noise level and correlation in every bin alike, before the first path too"
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)

@@ -1,0 +1,62 @@
+"""What one member of a set brings where the others do nothing.
+
+Forms of effects are never exactly right, and what a loud one leaves may look like another. But
+where it does nothing at all - a path loss to the noise that is logged - no form of it does either.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.joint.form import variances
+from bench.discrepancy.joint.likelihood import evidence
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import ACTS, SCATTERS
+from bench.discrepancy.joint.statistics import Moments, Statistics
+
+Floats = NDArray[np.float64]
+
+
+def brought_alone(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
+    """Return the evidence of a member over the `rest` in statistics that no other moves, in nats.
+
+    0 where there are none.
+    """
+    places = untouched(given, fit, name)
+    if not len(places):
+        return 0.0
+    return _of(given, fit, places) - _of(given, rest, places)
+
+
+def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:
+    """Return the places of statistics of which others than `name` move no mean nor scatter."""
+    others = [one for n, one in zip(fit.names, fit.responses, strict=True) if n != name]
+    moved = np.abs(np.stack(others)).max(axis=(0, 1)) if others else 0.0
+    kept = tuple(effect for effect in fit.effects if effect.name != name)
+    wider = variances(given.needed(kept)) > SCATTERS * variances(given.needed(()))
+    return np.flatnonzero((moved < ACTS) & ~wider)
+
+
+def _of(given: Statistics, fit: Fit, places: NDArray[np.intp]) -> float:
+    """Return the evidence of a set by some statistics alone, in nats."""
+    responses = [one[:, places] for one in fit.responses]
+    return evidence(given, _part(fit.moments, places), responses, fit.parameters)
+
+
+def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
+    """Return some of the statistics; how rows scatter within links is not told by statistic."""
+    some = {n: one[np.ix_(places, places)] for n, one in moments.covariances.items()}
+    own = None if moments.own is None else moments.own[:, places]
+    spread = moments.spread_left[:, places]
+    return replace(
+        moments,
+        left=moments.left[:, places],
+        mean=moments.mean[:, places],
+        covariances=some,
+        spread_left=spread,
+        within=0.0,
+        own=own,
+    )

@@ -1,0 +1,91 @@
+"""Noise floors: of every device another, and beside what is louder but does nothing to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import Added, View, view
+from bench.discrepancy.data.observables import window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.apart import brought_alone, untouched
+from bench.discrepancy.joint.likelihood import left_free, misfit
+from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS
+from bench.discrepancy.joint.statistics import Statistics
+from bench.physics.base import Base
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS = 60
+STEEPER = PathLoss(exponent=2.3, offset_db=-0.5)
+WHITE = {"lag_1": 0.0, "lag_2": 0.0, "lag_3": 0.0}
+
+
+def statistics(hidden: Added) -> Statistics:
+    """Return the statistics of 60 links with CIRs of five receivers; SIMULATED."""
+    rng = np.random.default_rng(3)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(LINKS)],
+            "true_range_m": rng.uniform(2, 15, LINKS),
+            "tx": [f"t{i % 3}" for i in range(LINKS)],
+            "rx": [f"r{i % 5}" for i in range(LINKS)],
+        }
+    )
+    made = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77).table(frame)
+    return Statistics(*compared(made))
+
+
+def compared(frame: pd.DataFrame) -> tuple[Resimulation, View]:
+    """Return rows beside a simulator that hides nothing."""
+    window = window_of(frame)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), window)
+    return Resimulation(Simulator(Base(), (), 11, "test"), window), rows
+
+
+def fit_of(given: Statistics, effects: Added) -> Fit:
+    """Return a set as fitted from where it is."""
+    made = polished(given, effects)
+    assert made is not None
+    return made
+
+
+def test_a_noise_floor_of_every_device_leaves_nothing_without_a_name():
+    """Receivers have noise figures of their own: no uniform level is right for any of them."""
+    given = statistics((NoiseFloor(level_db=4.0, device_spread_db=2.0, **WHITE),))
+    fit = fit_of(given, (NoiseFloor(level_db=4.0, **WHITE),))
+    uniform = replace(fit.moments, own=None)
+    assert given.devices.shape == (LINKS, 8)
+    of_one = left_free(given, uniform, fit.responses, fit.parameters)
+    of_each = left_free(given, fit.moments, fit.responses, fit.parameters)
+    assert max(of_one) > LEFT_NATS > max(of_each)
+    at_one, at_each = (misfit(given, each, fit.responses) for each in (uniform, fit.moments))
+    assert at_each < 1 < at_one
+
+
+def test_what_every_device_has_of_its_own_is_none_of_an_effect_of_the_way():
+    given = statistics((STEEPER,))
+    made = fitted(given, (STEEPER,))
+    assert made is not None
+    assert made.moments.own is None
+
+
+@pytest.mark.parametrize(("level_db", "needed"), [(0.8, True), (0.0, False)])
+def test_noise_counts_beside_a_louder_path_loss_by_what_is_logged_of_it(
+    level_db: float, needed: bool
+) -> None:
+    """Samples after the pulse are weaker for either reason, the noise that is logged for one."""
+    noise = NoiseFloor(level_db=level_db, **WHITE)
+    given = statistics((STEEPER, noise))
+    both, rest = fit_of(given, (STEEPER, replace(noise, level_db=0.8))), fit_of(given, (STEEPER,))
+    names = [given.names[i] for i in untouched(given, both, "noise-floor")]
+    assert "noise_std" in names
+    assert "rx_power_dbm" not in names
+    assert (brought_alone(given, both, rest, "noise-floor") > NAME_NATS) is needed
