@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.apart import brought_alone
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.counterpart import counterparts, told_apart
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.polish import Fit, fitted, polished
@@ -33,6 +34,7 @@ from bench.discrepancy.joint.settings import (
     POLISHED,
     REFITTED,
     SCATTERS,
+    SETTLED,
     STEPS,
 )
 from bench.discrepancy.joint.statistics import Statistics
@@ -97,12 +99,14 @@ class Sets:
 
         Where another turns out likelier in the place of one, it begins again with that.
         """
-        for _ in range(MOST):
-            best = self._needed(max(self.fits.values(), key=lambda fit: fit.nats))
+        begin = max(self.fits.values(), key=lambda fit: fit.nats)
+        for _ in range(SETTLED):
+            best = self._needed(begin)
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
-            if max(alike, key=lambda fit: fit.nats).nats <= best.nats + DONE_NATS:
+            begin = max(alike, key=lambda fit: fit.nats)
+            if begin.nats <= best.nats + DONE_NATS:
                 break
         return best, rivals
 
@@ -198,10 +202,18 @@ class Sets:
         """Return the effects that would do as well in the place of a member, likeliest first."""
         rest = self._without(fit, name)
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
-        made = self._fit([(*rest.effects, other) for other in others[:2]])
+        same = [one for one in self._counterparts(fit, name) if one.name not in rest.names]
+        made = self._fit([(*rest.effects, other) for other in [*others[:2], *same]])
         gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (fit.nats - rest.nats))
-        near = [one for one in made if one.nats > fit.nats - gap]
-        return tuple(one.effects[-1] for one in sorted(near, key=lambda one: -one.nats))
+        untold = [one.name for one in same if told_apart(self.given, fit, name) < CLASS_NATS]
+        near = [one for one in made if one.nats > fit.nats - gap or one.names[-1] in untold]
+        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=lambda one: one.nats)}
+        return tuple(reversed(best.values()))
+
+    def _counterparts(self, fit: Fit, name: str) -> Added:
+        """Return what may do the same as a member, of the effects that can be tried."""
+        effect = next(one for one in fit.effects if one.name == name)
+        return tuple(one for one in counterparts(effect) if one.name in self.screen.points)
 
 
 def _key(effects: Added) -> frozenset[str]:

@@ -40,6 +40,7 @@ POLISHED: Final = 8  # single effects that are fitted in full [cost]
 BEAM: Final = (5, 4)  # sets of one, of two effects that are added to [cost]
 GROWN: Final = 2  # sets with one effect more that are fitted in full, of each [cost]
 MOST: Final = 3  # effects in a set [cost]
+SETTLED: Final = 6  # times that another set may take the place of the likeliest [cost]
 STEPS: Final = 5  # of a fit [cost]
 STEP: Final = 0.03  # of the bounds, for differences [convention]
 LONGEST_STEP: Final = 0.3  # of the bounds, in one step of a fit [convention]
@@ -60,6 +61,7 @@ MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulate
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 DB_PER_NEPER: Final = 8.686  # of an amplitude [derived]
+TONE_FADING_DB: Final = 3.0  # of a tone where its fit begins: half that of a Rayleigh channel
 RISE_NS: Final = 2.0  # of an edge of 500 MHz: by at most so much a level moves it [derived]
 LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it
 BOUNDS_INFORMATION: Final = 12.0  # of a parameter that lies anywhere between its bounds [derived]

@@ -1,0 +1,86 @@
+"""Where to begin trying what raises the noise in the place of something else that does.
+
+A tone and a louder noise floor both raise what is there before the first path, and are told apart
+only where both are fitted. A tone fades, so from points of some other level its fit ends in a wrong
+place: it begins at the power that the noise floor adds, and the floor at the power of the tone.
+
+Of magnitudes, a weak tone does what a louder noise does: of K times the noise's power it raises
+their mean power and their variance by a factor 1 + K, but for a part of K^2 (0.46 K^2 / (1 + K) of
+the variance, Rice 1945). How the level differs between rows tells them apart no better, as noise
+differs from place to place too. So they are told by the noise that is logged, or not at all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import ive
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.joint.likelihood import whitener
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import DB_PER_NEPER, TONE_FADING_DB
+from bench.discrepancy.joint.statistics import Statistics
+from bench.physics.effect import Effect
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+NOISE = "noise_std"
+
+
+def counterparts(effect: Effect) -> Added:
+    """Return the effects of the other kind that add as much power to the noise; mostly none."""
+    if isinstance(effect, NoiseFloor) and effect.level_db > 0:
+        return (_tone(_more(effect)),)
+    if isinstance(effect, NarrowbandInterference):
+        return (NoiseFloor(_within(NoiseFloor, 10 * np.log10(1 + _power(effect)))),)
+    return ()
+
+
+def told_apart(given: Statistics, fit: Fit, name: str) -> float:
+    """Return the nats by which logged noise tells a tone from a noise floor of the same power.
+
+    Of a steady tone: infinite where no noise is logged, and the whole likelihood must tell.
+    """
+    if NOISE not in given.names:
+        return float("inf")
+    effect = next(one for one in fit.effects if one.name == name)
+    power = _power(effect) if isinstance(effect, NarrowbandInterference) else _more(effect)
+    place = given.names.index(NOISE)
+    matrices, _ = whitener(given, fit.moments, fit.responses)
+    apart = matrices[:, :, place] * steadier_db(power)
+    return float(0.5 * (apart**2).sum() / given.crowding)
+
+
+def steadier_db(power: float) -> float:
+    """Return how much less magnitudes scatter with a tone than with noise of the same power, dB.
+
+    `power` is the tone's over the noise's: the moments of Rice's distribution (Rice 1945).
+    """
+    mean = (1 + power) * ive(0, power / 2) + power * ive(1, power / 2)
+    scatter = (1 + power - np.pi / 4 * mean**2) / (1 - np.pi / 4)
+    return float(10 * np.log10((1 + power) / scatter))
+
+
+def _tone(power: float, fading_db: float = TONE_FADING_DB) -> NarrowbandInterference:
+    """Return a tone of a mean power over the noise's, that is always on."""
+    faded = NarrowbandInterference(0.0, fading_db, share=1.0)
+    level = _within(NarrowbandInterference, 10 * np.log10(max(power, 1e-9) / _power(faded)))
+    return NarrowbandInterference(level, fading_db, share=1.0)
+
+
+def _more(effect: Effect) -> float:
+    """Return the power that a noise floor adds, over the noise's."""
+    assert isinstance(effect, NoiseFloor)
+    return float(10 ** (effect.level_db / 10) - 1)
+
+
+def _power(tone: NarrowbandInterference) -> float:
+    """Return the mean power of a tone over the noise's: that of a lognormal level."""
+    nepers = tone.fading_db / (DB_PER_NEPER / 2)
+    return float(tone.share * 10 ** (tone.level_db / 10) * np.exp(nepers**2 / 2))
+
+
+def _within(kind: type[Effect], level_db: float) -> float:
+    """Return a level within the bounds of an effect."""
+    item = next(p for p in kind.parameters() if p.name == "level_db")
+    return float(np.clip(level_db, item.low, item.high))
