@@ -56,8 +56,8 @@ def scatter_alone(
         return None
     nats = _nats(recorded[usable], spread, spread + extra)
     evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
-    if evidence.value < STRIKE_NATS:
-        return None
+    if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
+        return None  # normal rows of all links make both at once, a few wild links the first alone
     effect, sizes = _sized(search, added, type(kinds[0]), _extras(made, recorded, simulated))
     return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
 

@@ -25,14 +25,19 @@ from bench.physics.units import C_M_PER_NS
 LINK = np.repeat(np.arange(80), 4)
 
 
-def found(of_rows_m: float, of_links_m: float, moment: str = "spread") -> Strike | None:
-    """Return what is said of one simulated row for each recorded one, which scatters more."""
+def found(
+    of_rows_m: float, of_links_m: float, moment: str = "spread", links: int = 80
+) -> Strike | None:
+    """Return what is said of one simulated row for each recorded one, which scatters more.
+
+    Rows of the first `links` links.
+    """
     rng = np.random.default_rng(4)
     frame = pd.DataFrame(
         {"link": [f"l{i}" for i in LINK], "true_range_m": rng.uniform(3, 20, 80)[LINK]}
     )
     recorded, simulated = (frame.assign(error_m=rng.normal(0, 0.02, len(LINK))) for _ in range(2))
-    recorded["error_m"] += of_rows_m * rng.normal(size=len(LINK))
+    recorded["error_m"] += of_rows_m * rng.normal(size=len(LINK)) * (links > LINK)
     recorded["error_m"] += of_links_m * rng.normal(size=80)[LINK]
     seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
     tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
@@ -55,6 +60,10 @@ def test_what_links_keep_or_what_moves_is_no_scatter() -> None:
     assert found(0.0, 0.0) is None
     assert found(0.02, 0.06) is None
     assert found(0.02, 0.0, "mean") is None
+
+
+def test_what_a_few_links_make_is_no_scatter_of_all() -> None:
+    assert found(0.1, 0.0, links=3) is None
 
 
 def errors(wild: int, members: int = 3) -> Ensemble:
