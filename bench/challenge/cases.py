@@ -70,14 +70,15 @@ class Case:
         Ranges: the matched-filter signal-to-noise ratio of the weakest hidden effect on the
         searched links, of a test that knows the exact shape of each, the others projected out.
         Waveforms, and effects on levels alone: how far the mean of the most changed observable
-        moved, in standard errors over the links that the search sees.
+        moved, in standard errors over the links that the search sees; of several, of the one that
+        moves least beside the others.
         """
         if not self.drawn.hidden:
             return 0.0
         shifts = _on_ranges_alone(self) if self.shifts_m is None else self.shifts_m
         if shifts is not None and np.abs(shifts).max(axis=1).min() > 0:
             return _matched(self.recorded.frame, shifts)
-        return _moved(self.clean, self.recorded.frame)
+        return min([_moved(self.clean, self.recorded.frame), *_beside_others(self)])
 
     @property
     def above_limit(self) -> bool:
@@ -196,6 +197,30 @@ def _longer(base: Base, lead: int, samples: int) -> Base:
     """Return the base with records of `samples`, `lead` of them before the first path."""
     known = {one.name: getattr(base, one.name) for one in fields(base)}
     return _Longer(**{**known, "cir_lead": lead, "cir_samples": samples})
+
+
+def _beside_others(case: Case) -> list[float]:
+    """Return how loud each of several hidden effects is beside the others (see `strength_z`).
+
+    One that leaves waveforms as they are is as loud as its own shape in the ranges.
+    """
+    hidden = case.drawn.hidden
+    if len(hidden) < 2:
+        return []
+    whole, out = recorded_with(case, hidden), []
+    for name in hidden:
+        rest = recorded_with(case, tuple(one for one in hidden if one != name))
+        shift_m = _shift_alone(rest, whole)
+        out.append(_moved(rest, whole) if shift_m is None else _matched(whole, shift_m[None]))
+    return out
+
+
+def _shift_alone(rest: pd.DataFrame, whole: pd.DataFrame) -> Floats | None:
+    """Return what the ranges [n] change by where nothing else does, else None."""
+    kept = [name for name in ("rx_power_dbm", "noise_std", "cir") if name in rest and name in whole]
+    shift_m = (whole["error_m"] - rest["error_m"]).to_numpy(np.float64)
+    same = all(all(map(np.array_equal, whole[name], rest[name])) for name in kept)
+    return shift_m if same and np.abs(shift_m).max() > 0 else None
 
 
 def _on_ranges_alone(case: Case) -> Floats | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from bench.challenge import blind
+from bench.challenge import blind, cases
 from bench.challenge.blind import run_blind, seal
 from bench.challenge.blind_report import blind_markdown
 from bench.challenge.cases import LIMIT_Z, Case, drawn_of, make_case
@@ -32,6 +32,21 @@ def _alone(number: int) -> bool:
     """Whether a case hides one effect of the library that shifts ranges, in a table."""
     turn, drawn = drawn_of(number, 4, ("hall",))
     return turn.mode == "ranges" and drawn.hidden == ("temperature-drift",)
+
+
+@pytest.mark.parametrize("mode", ["CIR", "CIR again"])
+def test_of_several_causes_the_weakest_beside_the_others_is_asked_for(mode: str) -> None:
+    """A loud tail or echo does not make a quiet shift of ranges one that must be found."""
+    made = make_case(next(n for n in range(2000) if _hides_both(n, mode)), 6)
+    assert 0 < made.strength_z < cases._moved(made.clean, made.recorded.frame)
+
+
+def _hides_both(number: int, mode: str) -> bool:
+    """Return whether a case of a mode hides something loud in waveforms and a shift of ranges."""
+    turn, drawn = drawn_of(number, 6)
+    loud, quiet = {"diffuse-tail", "pulse-ringing"}, {"range-scale", "antenna-delay"}
+    both = loud & set(drawn.hidden) and quiet & set(drawn.hidden)
+    return turn.mode == mode and bool(both) and drawn.strength <= 0.5
 
 
 def test_the_seal_holds_the_answers_of_a_whole_challenge():
