@@ -18,14 +18,16 @@ from bench.physics.units import Floats, Reals
 _CLIMB = 4  # samples from the first crossing to the peak of its edge, at most
 
 
-def first_path(magnitude: Reals, threshold: Floats) -> Floats:
+def first_path(magnitude: Reals, threshold: Floats, timed: Floats | None = None) -> Floats:
     """Return the first-path index [n] in samples of `magnitude` [n, S], `threshold` [n] counts.
 
-    Where nothing exceeds the threshold, the strongest sample's edge is taken. Resolved to 1/64.
+    Where nothing exceeds the threshold, the strongest sample's edge is taken. An edge is timed at
+    half of its peak, but not below `timed` [n] counts. Resolved to 1/64.
     """
     found = np.empty(len(magnitude))
     limit = np.asarray(threshold, np.float64)
-    compiled(edge_rows)(found, np.asarray(magnitude, np.float32), limit, _CLIMB)
+    least = np.zeros(len(found)) if timed is None else np.asarray(timed, np.float64)
+    compiled(edge_rows)(found, np.asarray(magnitude, np.float32), limit, least, _CLIMB)
     return np.rint(found * 64) / 64
 
 

@@ -149,11 +149,11 @@ def magnitude_rows(made: Reals, signal: Parts, noise: Parts, sums: Floats) -> No
         sums[row, 0], sums[row, 1], sums[row, 2], sums[row, 3] = energy, np.sqrt(top), total, power
 
 
-def edge_rows(found: Floats, magnitude: Reals, limit: Floats, climb: int) -> None:
+def edge_rows(found: Floats, magnitude: Reals, limit: Floats, timed: Floats, climb: int) -> None:
     """Write to `found` [n] where the first edge of `magnitude` [n, S] above `limit` [n] rises.
 
     In samples: at half of its peak, which lies at most `climb` samples behind the crossing; of the
-    strongest sample where nothing is above.
+    strongest sample where nothing is above. Not below `timed` [n], as far as its peak reaches.
     """
     last = magnitude.shape[1] - 1
     for row in range(magnitude.shape[0]):
@@ -167,7 +167,7 @@ def edge_rows(found: Floats, magnitude: Reals, limit: Floats, climb: int) -> Non
         for _ in range(climb):
             ahead = min(top + 1, last)
             top = ahead if size[ahead] > size[top] else top
-        half, upper = size[top] * np.float32(0.5), top
+        half, upper = max(size[top] * np.float32(0.5), min(np.float32(timed[row]), size[top])), top
         for _ in range(climb):
             before = max(upper - 1, 0)
             upper = before if size[before] > half else upper

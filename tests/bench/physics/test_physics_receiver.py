@@ -45,6 +45,16 @@ def test_threshold_as_a_share_of_the_peak_does_the_same() -> None:
     assert np.median(late.range_m - base.range_m) > 1.0
 
 
+def test_an_edge_is_timed_no_lower_than_the_fraction_of_the_peak_that_is_asked_for() -> None:
+    base, low, high = (
+        seen(line(256), *some).range_m
+        for some in ((), (LateDetection(peak_fraction=0.45),), (LateDetection(peak_fraction=0.9),))
+    )
+    np.testing.assert_array_equal(low, base)  # half of the peak is higher
+    assert 0.04 < np.median(high - base) < 0.3  # within a rise of 2 ns
+    assert (high > base).all()
+
+
 def test_late_detection_acts_on_paths_without_a_waveform() -> None:
     before = Diffraction(strength_db=-20), SpecularReflections(wall_m=2.0, walls="metal")
     late, base = change(shadowed(), *before, LateDetection(rise_db=34.0), cir=False)
