@@ -168,15 +168,15 @@ class Statistics:
         """Return what further simulated versions leave [v, L, p], in the recorded ones' place.
 
         Of a table those of similar links, which draw what a link has by chance anew; none where
-        there are too few. Raises BenchError where nothing can be simulated.
+        there are too few, or where a statistic is not known of them.
         """
         paired = self.comparison.paired(self.rows) and not self.by_rows
         own = self.comparison.distinct(self.rows) if paired else 0
         first = max(self.members, own)
         count = min(OTHERS, self.comparison.alike(self.rows) - first)
-        if count < FEW_VERSIONS:
+        made = self._made(added, first + count) if count >= FEW_VERSIONS else None
+        if made is None:
             return np.zeros((0, self.links, len(self.names)))
-        made = self.comparison.ensemble(self.rows, (*self.beside, *added), first + count)
         values = np.nan_to_num(self._values(made))
         mean = self._of_links(values[1 : 1 + self.members].mean(axis=0))
         return np.stack([self._of_links(one) for one in values[1 + first :]]) - mean

@@ -74,6 +74,13 @@ def test_versions_of_one_link_do_not_tell_what_links_draw() -> None:
     assert given.crowding == 1.0  # no simulated link stands for two
 
 
+def test_where_similar_links_lack_a_statistic_there_are_no_others() -> None:
+    comparison, rows = compared(())
+    given = Statistics(comparison, rows)
+    given.names = (*given.names, "not_simulated_db")
+    assert len(given.others(())) == 0
+
+
 def test_what_an_effect_brings_on_simulated_links_does_not_count() -> None:
     comparison, rows = compared(())
     given = Statistics(comparison, rows)
