@@ -50,7 +50,8 @@ def wave_verdicts(
         return (NoMismatch(last.located.detectable, last.located.p),)
     quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
     turns = [turn for turn in rounds if _named(turn) not in {"", *quiet}]
-    sizes = sizes_seen(search) if turns else parameter_intervals
+    able = Guard().safely("sizes of waveform effects", sizes_seen, parameter_intervals)
+    sizes = able(search) if turns else parameter_intervals
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained or quiet:
