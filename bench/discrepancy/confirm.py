@@ -78,9 +78,7 @@ Pair = tuple[float, float]
 NOT_ADDED: Final = "Nothing was added to the simulator."
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
-
-
-NO_GAIN = Estimate(0.0, 0.0, 0.0, "nats")
+NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.apart import brought_alone
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.counterpart import counterparts, told_apart
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.polish import Fit, fitted, polished
@@ -38,6 +37,7 @@ from bench.discrepancy.joint.settings import (
     STEPS,
 )
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.tone_or_noise import counterparts, told_apart
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.errors import BenchError
 from bench.physics.effect import Effect

@@ -13,6 +13,7 @@ SCREEN_ROWS: Final = 60  # of those, that effects are tried on first [cost]
 KNOWN_SHARE: Final = 0.5  # of the rows, that must know a statistic [convention]
 MEMBERS: Final = 4  # simulated versions that a set is judged by [cost]
 OTHERS: Final = 8  # further simulated versions, that stand in the recorded ones' place [cost]
+OTHERS_KEPT: Final = 4  # sets whose further versions are remembered (changes nothing but time)
 NOISE_LEAST: Final = 0.3  # squared standard deviations, that a squared deviation counts at least
 FLOOR: Final = {"dB": 0.15, "ns": 0.1, "counts": 0.15, "symbols": 0.15, "1": 0.15}
 # standard deviations that every statistic has at least: counts, symbols and kurtosis in decibels

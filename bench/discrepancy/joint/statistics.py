@@ -31,6 +31,7 @@ from bench.discrepancy.joint.settings import (
     MEMBERS,
     NOISE_LEAST,
     OTHERS,
+    OTHERS_KEPT,
     TAIL,
 )
 from bench.discrepancy.settings import FEW_VERSIONS
@@ -86,6 +87,7 @@ class Statistics:
             raise BenchError("no waveforms to compare")
         units = dict(zip(bare.names, bare.units, strict=True))
         self.floor = np.array([FLOOR.get(units[name], 0.1) for name in self.names]) ** 2
+        self._others: Memory[Floats] = Memory(OTHERS_KEPT)
         self.apart = np.zeros((len(self.names),) * 2)
         if repeated:
             self.apart = self._apart()
@@ -151,7 +153,7 @@ class Statistics:
         less = copy(self)
         less.names, less.floor = tuple(self.names[i] for i in keep), self.floor[keep]
         less.apart = self.apart[np.ix_(keep, keep)]
-        less._kept = Memory(KEPT)
+        less._kept, less._others = Memory(KEPT), Memory(OTHERS_KEPT)
         return less
 
     def worth(self, nats: float, effects: Added) -> float:
@@ -168,8 +170,12 @@ class Statistics:
         """Return what further simulated versions leave [v, L, p], in the recorded ones' place.
 
         Of a table those of similar links, which draw what a link has by chance anew; none where
-        there are too few, or where a statistic is not known of them.
+        there are too few, or where a statistic is not known of them. Not to be written into.
         """
+        return self._others.get(added, lambda: self._left_by_others(added))
+
+    def _left_by_others(self, added: Added) -> Floats:
+        """Return `others`, simulated."""
         paired = self.comparison.paired(self.rows) and not self.by_rows
         own = self.comparison.distinct(self.rows) if paired else 0
         first = max(self.members, own)

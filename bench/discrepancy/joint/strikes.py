@@ -116,13 +116,17 @@ class Mixture:
 
     def _at(self, values: Values) -> Mixed | None:
         """Return the mixture with these parameters of the effect, None where it has none."""
-        assert self.kind.strikes is not None
-        effect = valued(self.kind, {**values, self.kind.strikes[0]: 1.0})
-        moments = self.given.moments((*self.beside, effect))
+        moments = self._struck(values)
         if moments is None:
             return None
         self.tried.append(mixed(values, self.spared, self._more(moments, self.bare, self.spared)))
         return self.tried[-1]
+
+    def _struck(self, values: Values) -> Moments | None:
+        """Return the statistics where every link is struck, None where there are none."""
+        assert self.kind.strikes is not None
+        effect = valued(self.kind, {**values, self.kind.strikes[0]: 1.0})
+        return self.given.moments((*self.beside, effect))
 
     def _more(self, moments: Moments, bare: Moments, spared: Floats) -> Floats:
         """Return how much likelier every link [L] is if struck, in nats."""
@@ -131,9 +135,8 @@ class Mixture:
 
     def by_chance(self, best: Mixed) -> float:
         """Return what the mixture may bring on simulated links that nothing struck, in nats."""
-        assert self.kind.strikes is not None
-        effect = valued(self.kind, {**best.values, self.kind.strikes[0]: 1.0})
-        struck, bare, brought = self.given.needed((*self.beside, effect)), self.bare, []
+        struck, bare, brought = self._struck(best.values), self.bare, []
+        assert struck is not None  # the best was made of it
         for left in self.given.others(self.beside):
             alike = replace(bare, left=left)
             hit = replace(struck, left=left + bare.mean - struck.mean)

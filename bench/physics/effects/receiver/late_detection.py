@@ -17,8 +17,8 @@ class LateDetection(Effect):
     The threshold becomes `rise_db` above the base's multiple of the noise, and at least
     `peak_fraction` of the strongest sample; no edge is timed below that fraction, so that one of
     the strongest path is late by some of its own rise too (Guvenc and Sahinoglu 2005: thresholds
-    relative to the peak). Rows simulated without a waveform take the first path
-    above the raised threshold.
+    relative to the peak). Rows simulated without a waveform take the first path above the raised
+    threshold.
     """
 
     name = "late-detection"

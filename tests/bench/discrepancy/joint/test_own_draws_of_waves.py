@@ -78,7 +78,7 @@ def test_where_similar_links_lack_a_statistic_there_are_no_others() -> None:
     comparison, rows = compared(())
     given = Statistics(comparison, rows)
     given.names = (*given.names, "not_simulated_db")
-    assert len(given.others(())) == 0
+    assert len(given.others((NoiseFloor(),))) == 0
 
 
 def test_what_an_effect_brings_on_simulated_links_does_not_count() -> None:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.discrepancy.joint.counterpart import counterparts, steadier_db, told_apart
+from bench.discrepancy.joint.tone_or_noise import counterparts, steadier_db, told_apart
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
