@@ -25,6 +25,7 @@ from bench.discrepancy.joint.settings import (
     CLASS_SHARE,
     DONE_NATS,
     GROWN,
+    KEPT,
     LEFT_NATS,
     LEFT_SHARE,
     MOST,
@@ -41,6 +42,7 @@ from bench.discrepancy.joint.tone_or_noise import counterparts, told_apart
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.errors import BenchError
 from bench.physics.effect import Effect
+from bench.physics.memory import Memory
 
 
 class Sets:
@@ -68,6 +70,7 @@ class Sets:
         able = [kind for kind in kinds if kind.name not in have]
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
+        self._worths: Memory[float] = Memory(KEPT)
 
     def chosen(self) -> WaveChoice:
         """Return what the sets say."""
@@ -99,19 +102,26 @@ class Sets:
 
         Where another turns out likelier in the place of one, it begins again with that.
         """
-        begin = max(self.fits.values(), key=lambda fit: fit.nats)
+        begin = max(self.fits.values(), key=self.worth)
         for _ in range(SETTLED):
             best = self._needed(begin)
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
-            begin = max(alike, key=lambda fit: fit.nats)
-            if begin.nats <= best.nats + DONE_NATS:
+            begin = max(alike, key=self.worth)
+            if self.worth(begin) <= self.worth(best) + DONE_NATS:
                 break
         return best, rivals
 
     def worth(self, fit: Fit) -> float:
-        """Return the evidence of a set, whatever forms its effects have, in nats."""
+        """Return the evidence of a set, whatever forms its effects have, in nats.
+
+        By this sets are compared: how likely a fit is says nothing of what devices have of their
+        own, so one cause that differs from device to device would lose to another that scatters.
+        """
+        return self._worths.get(fit.effects, lambda: self._evidence(fit))
+
+    def _evidence(self, fit: Fit) -> float:
         return evidence(self.given, fit.moments, fit.responses, fit.parameters)
 
     def _grow(self) -> None:
@@ -204,10 +214,11 @@ class Sets:
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
         same = [one for one in self._counterparts(fit, name) if one.name not in rest.names]
         made = self._fit([(*rest.effects, other) for other in [*others[:2], *same]])
-        gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (fit.nats - rest.nats))
+        whole = self.worth(fit)
+        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.worth(rest)))
         untold = [one.name for one in same if told_apart(self.given, fit, name) < CLASS_NATS]
-        near = [one for one in made if one.nats > fit.nats - gap or one.names[-1] in untold]
-        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=lambda one: one.nats)}
+        near = [one for one in made if self.worth(one) > least or one.names[-1] in untold]
+        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=self.worth)}
         return tuple(reversed(best.values()))
 
     def _counterparts(self, fit: Fit, name: str) -> Added:

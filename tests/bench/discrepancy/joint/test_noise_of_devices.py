@@ -15,10 +15,12 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.apart import brought_alone, untouched
 from bench.discrepancy.joint.likelihood import left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -68,6 +70,16 @@ def test_a_noise_floor_of_every_device_leaves_nothing_without_a_name():
     assert max(of_one) > LEFT_NATS > max(of_each)
     at_one, at_each = (misfit(given, each, fit.responses) for each in (uniform, fit.moments))
     assert at_each < 1 < at_one
+
+
+def test_a_noise_floor_of_every_device_is_no_tone_that_fades():
+    """A fit of one level for all is worse than a tone's, whose level scatters: not the evidence."""
+    given = statistics((NoiseFloor(level_db=2.0, device_spread_db=2.0, **WHITE),))
+    sets = Sets(given.comparison, given.rows, given.rows, (NoiseFloor, NarrowbandInterference))
+    found = sets.chosen()
+    alone = {fit.names: fit.nats for fit in sets.fits.values()}
+    assert alone[("narrowband-interference",)] > alone[("noise-floor",)]
+    assert [effect.name for effect in found.added] == ["noise-floor"]
 
 
 def test_what_every_device_has_of_its_own_is_none_of_an_effect_of_the_way():
