@@ -13,11 +13,23 @@ import pytest
 
 from bench.challenge import families
 from bench.challenge.cases import make_case
-from bench.challenge.families.case import KEPT, WITH_WAVES, Draw, Law, Tables, turn_of, world_of
+from bench.challenge.families.case import (
+    KEPT,
+    SCHEDULE,
+    WITH_WAVES,
+    Draw,
+    Law,
+    Tables,
+    turn_of,
+    world_of,
+)
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
-LAST = ("harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks", *KEPT)
+LAST = (
+    "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks", "glasshouse",
+    "quarry", *KEPT,
+)  # fmt: skip
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
     "seiche": "time_s",
@@ -30,6 +42,8 @@ PERIOD_OF = {
     "air-handler": "time_s",
     "fogging-turns": "time_s",
     "sump-pumped": "time_s",
+    "drier-cycles": "time_s",
+    "glycol-pump-cycles": "time_s",
 }
 WORLD_OF_DEVICE = {
     "crane": "tx",
@@ -42,6 +56,8 @@ WORLD_OF_DEVICE = {
     "reader": "rx",
     "gutter": "rx",
     "mast": "rx",
+    "truss": "rx",
+    "gantry": "rx",
 }
 
 
@@ -100,10 +116,11 @@ def test_their_tables_have_other_columns_and_lengths() -> None:
     assert {"channel", "prf_mhz"} <= has["market", "CIR"] - has["pool", "CIR"]
     assert {"room_x_m"} <= has["stacks", "ranges"] - has["ferry", "ranges"]
     assert {"room_x_m"} <= has["glasshouse", "CIR"] - has["quarry", "CIR"]
+    assert {"room_x_m"} <= has["rink", "ranges"] - has["brewery", "ranges"]
     assert "preamble_count" not in has["harbour", "ranges"]
     assert "temperature_c" not in has["attic", "CIR"]
     lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in LAST}
-    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110, 128, 144}
+    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110, 128, 144, 136, 116}
 
 
 @pytest.mark.parametrize(("family", "mode"), MODES)
@@ -249,11 +266,13 @@ def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
     assert abs(lost[~struck].mean()) < 0.5
 
 
-@pytest.mark.parametrize(
-    ("family", "channel"),
-    [("market", 9), ("ferry", 5), ("stacks", 9), ("glasshouse", 2), ("quarry", 3)],
-)
-@pytest.mark.parametrize("mode", ["ranges again", "CIR again"])
+CHANNELS = {
+    "market": 9, "ferry": 5, "stacks": 9, "glasshouse": 2, "quarry": 3, "rink": 5, "brewery": 9,
+}  # fmt: skip
+AGAIN = [(m, f, CHANNELS[f]) for m, f in SCHEDULE if f in CHANNELS and m.endswith("again")]
+
+
+@pytest.mark.parametrize(("mode", "family", "channel"), sorted({*AGAIN}))
 def test_recordings_have_the_levels_of_the_channel_that_they_state(
     mode: str, family: str, channel: int
 ) -> None:
