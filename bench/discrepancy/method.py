@@ -167,8 +167,8 @@ def diagnose(
     rerun = isinstance(comparison, Resimulation)
     able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), rerun)
     skipped |= lacking | text_instead(frame)
-    untried = {name: kind for name, kind in (kinds or every).items() if not kind.on_tables}
-    search = replace(_search(comparison, rows, able, progress), untried={} if rerun else untried)
+    untried = {name: (kinds or every)[name] for name in lacking}
+    search = replace(_search(comparison, rows, able, progress), untried=untried)
     journal.know(search.kinds)
     found = select_effects(search, journal)
     if found.mistaken:  # the guess was wrong: what was set aside is known before

@@ -16,7 +16,7 @@ from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
-from bench.discrepancy.joint.untried import with_untried
+from bench.discrepancy.joint.untried import with_unlisted, with_untried
 from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.candidates import Explanation, contender
@@ -155,7 +155,11 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
     said = state.guard.safely("untried effects", with_untried, said)(search, state.added, said)
     struck = tuple(turn.strike for turn in rounds if turn.strike)
-    names = [struck_out(search, turn, turn.strike, state.added) for turn in rounds if turn.strike]
+    names = [
+        with_unlisted(search, struck_out(search, turn, turn.strike, state.added))
+        for turn in rounds
+        if turn.strike
+    ]
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))
     held = Checked(state.added, rounds)
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)

@@ -3,6 +3,8 @@
 Into the rows of another simulator's table not every effect can be put. One that draws every row
 anew also scatters ranges; independent scatter is then a name beside it, unless levels scatter too
 little: a level that changes by a share moves a rising edge by at most that share of its rise time.
+Effects of walls and edges need them listed. Where nobody did, they obstruct some links as by
+chance: the straight path is weaker and later there, whichever it is.
 """
 
 from __future__ import annotations
@@ -23,9 +25,11 @@ from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Verdic
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
+NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
 def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
@@ -46,10 +50,24 @@ def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Eff
     return Ambiguous(options, separating(options))
 
 
-def _untried(said: LeftOut, effect: Effect) -> LeftOut:
+def with_unlisted(search: Search, said: Verdict) -> Verdict:
+    """Return the verdict on what struck links, with what obstacles do that nobody listed.
+
+    An obstructed path is what these do to a link that they stand in the way of.
+    """
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    fitted = tuple(one for one in options if isinstance(one, LeftOut))
+    if not any(isinstance(one.effect, ObstructedPath) for one in fitted):
+        return said
+    kinds = [one for one in search.untried.values() if any("obstacles" in way for way in one.needs)]
+    options = (*fitted, *(_untried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
+    return Ambiguous(options, separating(options)) if kinds else said
+
+
+def _untried(said: LeftOut, effect: Effect, note: str = NOTE) -> LeftOut:
     """Return an effect that was not fitted beside one that was."""
     unknown = Control(type(effect).control, None)
-    return replace(said, effect=effect, parameters=(), control=unknown, note=NOTE)
+    return replace(said, effect=effect, parameters=(), control=unknown, note=note)
 
 
 def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:

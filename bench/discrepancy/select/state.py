@@ -30,8 +30,8 @@ class Search:
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
     where that would cost too much. `choice`: the set of causes that ranges speak for. `doubtful`:
     columns of all recorded rows that were set aside as measured by their scatter alone. `untried`:
-    effects that cannot be put into another simulator's table. `logged`: effects that logs of the
-    receiver show beside ranges (see `bench.discrepancy.select.logged`).
+    effects that cannot be tried: no table can have them, or columns lack. `logged`: effects that
+    logs of the receiver show beside ranges (see `bench.discrepancy.select.logged`).
     """
 
     comparison: Comparison

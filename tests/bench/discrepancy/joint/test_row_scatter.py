@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -19,12 +19,17 @@ from bench.discrepancy.joint.form import beyond_forms, of_form
 from bench.discrepancy.joint.polish import fitted
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.untried import scatter_at_most, with_untried
+from bench.discrepancy.joint.untried import scatter_at_most, with_unlisted, with_untried
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.propagation.diffraction import Diffraction
 from bench.physics.effects.propagation.fading import SmallScaleFading
+from bench.physics.effects.propagation.material_delay import MaterialDelay
+from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
@@ -149,6 +154,27 @@ def test_where_all_can_be_tried_or_nothing_scatters_verdicts_stay(monkeypatch):
     assert with_untried(bare, (SAID.effect,), (SAID,)) == (SAID,)
     other = LeftOut(SHADOWED, (), SAID.gain, 1.0, SAID.control)
     assert with_untried(search_of(Table(2.5)), (SHADOWED,), (other,)) == (other,)
+
+
+UNLISTED: dict[str, type[Effect]] = {
+    kind.name: kind for kind in (Diffraction, MaterialDelay, SmallScaleFading)
+}
+
+
+@pytest.mark.parametrize(
+    ("effect", "names"),
+    [
+        (ObstructedPath(), ("obstructed-path", "diffraction", "material-delay")),
+        (BlockedPath(), ("blocked-path",)),  # nothing came through or around an edge
+    ],
+)
+def test_what_obstructs_links_may_be_what_obstacles_do_that_nobody_listed(
+    effect: Effect, names: tuple[str, ...]
+) -> None:
+    search = Search(None, None, None, {}, 0, untried=UNLISTED)  # type: ignore[arg-type]
+    said = LeftOut(effect, (), SAID.gain, 1.0, SAID.control)
+    assert with_unlisted(search, said).names == names
+    assert with_unlisted(replace(search, untried={}), said) is said
 
 
 def test_what_levels_may_scatter_beyond_simulated_ones_is_bounded():
