@@ -129,6 +129,8 @@ LINE_STEPS: Final = (
 FINE_LINE_STEPS: Final = (0.0025, 0.001, 0.0004)  # besides, where no waveform is simulated [blind]
 RATIO_STEPS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # where the way is in decades [waves]
 DECIBEL_STEPS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)  # in decibels [waves]
+ONSET_SHARES: Final = (0.2, 0.4, 0.6, 0.8)  # of the way from a point that does nothing to one that
+# does too much [convention]
 SCATTERED_POINTS: Final = 12  # where no amplitude leads from nothing [cost]
 ELSEWHERE_POINTS: Final = 8  # with the other parameters elsewhere [cost]
 DELAY_POINTS: Final = 16  # of those where a delay is among them: echoes are short [waves]

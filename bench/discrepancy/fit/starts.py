@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from bench.discrepancy.settings import (
     FINE_LINE_STEPS,
     LINE_STEPS,
     LOUD_DB,
+    ONSET_SHARES,
     RATIO_STEPS,
     SCATTERED_POINTS,
     SHORTEST_ECHO_NS,
@@ -87,6 +89,38 @@ def _steps(item: Parameter, plain: tuple[float, ...]) -> tuple[float, ...]:
     if by_level(item):
         return DECIBEL_STEPS
     return RATIO_STEPS if by_ratio(item) else plain
+
+
+def onsets(
+    kind: type[Effect], points: Sequence[Mapping[str, float]], much: Sequence[bool | None]
+) -> list[dict[str, float]]:
+    """Return points between what does nothing and what does too much, along every amplitude.
+
+    A threshold does nothing for long, and far too much a step later. `much`: whether a point does
+    more than recordings show, None where it does nothing.
+    """
+    defaults = {p.name: p.default for p in free_parameters(kind)}
+    out = []
+    for item in (p for p in free_parameters(kind) if p.null is not None):
+        line = [
+            (_from(item)(point[item.name]), point[item.name], did)
+            for point, did in zip(points, much, strict=True)
+            if point == defaults | {item.name: point[item.name]} and point != defaults
+        ]
+        for side in (-1.0, 1.0):
+            for ends in _onset([one for one in line if side * (one[1] - (item.null or 0.0)) > 0]):
+                at = (inside(item, between(item, *ends, share)) for share in ONSET_SHARES)
+                out += [defaults | {item.name: value} for value in at]
+    return out
+
+
+def _onset(line: list[tuple[float, float, bool | None]]) -> list[tuple[float, float]]:
+    """Return a value that does nothing and the next one, where that does too much."""
+    return [
+        (last, first)
+        for (_, last, before), (_, first, after) in pairwise(sorted(line))
+        if before is None and after
+    ]
 
 
 def elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str, float]]:

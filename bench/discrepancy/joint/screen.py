@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.search import valued
-from bench.discrepancy.fit.starts import delayed, elsewhere, free_parameters, starts
+from bench.discrepancy.fit.starts import delayed, elsewhere, free_parameters, onsets, starts
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.polish import Fit, fitted
 from bench.discrepancy.joint.settings import TAIL, TOUCHES, TRIED_BESIDE
@@ -51,11 +51,15 @@ class Screen:
             raise BenchError("nothing can be simulated at these rows")
         self.begin, self._mean = begin, mean
         self._flat = whitener(given, begin, ())[0]
+        self._nothing = fitness(given, begin, begin.left, (), 0)
         every = {kind.name: self._tried(kind) for kind in kinds}
         self.points: Mapping[str, Sequence[Tried]] = {n: made for n, made in every.items() if made}
 
     def _tried(self, kind: type[Effect]) -> list[Tried]:
-        made = [self._point(kind, values) for values in starts(kind, False, True)]
+        points = starts(kind, False, True)
+        made = [self._point(kind, values) for values in points]
+        much = [one.nats < self._nothing if one else None for one in made]
+        made += [self._point(kind, values) for values in onsets(kind, points, much)]
         found = [one for one in made if one]
         if not found:
             return []
