@@ -122,7 +122,8 @@ class Effect(ABC):
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
     `with_phases` asks for phases that a table of magnitudes has not.
     `follows`: the measured column that its error follows, at a fixed distance too.
-    `by_device`: every device has a size of its own of it, which nothing known foretells.
+    `by_device`: every device has a size of its own of it, and it comes and goes, which nothing
+    known foretells.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random

@@ -49,7 +49,7 @@ def _of(given: Statistics, fit: Fit, places: NDArray[np.intp]) -> float:
 def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
     """Return some of the statistics; how rows scatter within links is not told by statistic."""
     some = {n: one[np.ix_(places, places)] for n, one in moments.covariances.items()}
-    own = None if moments.own is None else moments.own[:, places]
+    own, uneven = (None if one is None else one[:, places] for one in (moments.own, moments.uneven))
     spread = moments.spread_left[:, places]
     return replace(
         moments,
@@ -59,4 +59,5 @@ def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
         spread_left=spread,
         within=0.0,
         own=own,
+        uneven=uneven,
     )

@@ -35,6 +35,8 @@ def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple
     places = np.arange(covariance.shape[1])
     for response in responses:
         covariance[:, places, places] += (FORM_ALONE * response) ** 2
+    if moments.uneven is not None:
+        covariance += np.einsum("lik,ljk->lij", moments.uneven, moments.uneven)
     root = np.linalg.cholesky(covariance)
     volume = 2 * float(np.log(np.einsum("lii->li", root)).sum())
     return np.asarray(np.linalg.inv(root)), volume

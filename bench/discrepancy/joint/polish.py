@@ -24,6 +24,7 @@ from bench.discrepancy.joint.settings import (
     STEP,
     STEPS,
     TAIL,
+    UNEVEN,
     UNSURE_NATS,
 )
 from bench.discrepancy.joint.statistics import Moments, Statistics
@@ -64,7 +65,16 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
     responses = tuple(moments.mean - rest.mean for rest in rests if rest is not None)
     count = sum(len(free_parameters(type(effect))) for effect in effects)
     moments = replace(moments, own=_own(given, effects, responses))
-    return Fit(effects, moments, responses, fitness(given, moments, moments.left, responses, count))
+    each = [replace(moments, uneven=one) for one in _uneven(effects, responses)]
+    made = (Fit(effects, m, responses, fitness(given, m, m.left, responses, count)) for m in each)
+    return max(made, key=lambda fit: fit.nats)
+
+
+def _uneven(effects: Added, responses: Sequence[Floats]) -> list[Floats | None]:
+    """Return by how much links may differ of the effects of which devices do [L, p, k], or not."""
+    able = zip(effects, responses, strict=True)
+    parts = [one for effect, one in able if type(effect).by_device]
+    return [None, *(size * np.stack(parts, axis=2) for size in UNEVEN if parts)]
 
 
 def _own(given: Statistics, effects: Added, responses: Sequence[Floats]) -> Floats | None:
@@ -139,6 +149,7 @@ def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:
     moments = given.moments(effects)
     if moments is None:
         return None
+    moments = replace(moments, uneven=now.moments.uneven)
     nats = fitness(given, moments, moments.left, now.responses, now.parameters)
     if nats <= now.nats - UNSURE_NATS:  # as far as can be said before responses are simulated
         return None

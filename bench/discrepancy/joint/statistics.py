@@ -50,7 +50,8 @@ class Moments:
     maps numbers of rows of a link to the covariance of `left` [p, p]; `spread_left` [L, p]: how
     much larger the logarithm of squared deviations is. `within`: the log likelihood of how rows
     of a link scatter about its mean, in nats. `own` [L, p, r]: what devices may have of their own
-    of the effects, at normal factors of one; None where that is nothing.
+    of the effects, at normal factors of one; `uneven` [L, p, k]: by how much links have more or
+    less of them, each by itself, in all statistics at once; None where that is nothing.
     """
 
     left: Floats
@@ -59,6 +60,7 @@ class Moments:
     spread_left: Floats
     within: float = 0.0
     own: Floats | None = None
+    uneven: Floats | None = None
 
 
 class Statistics:

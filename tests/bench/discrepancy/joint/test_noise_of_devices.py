@@ -18,6 +18,7 @@ from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.tone_or_noise import counterparts
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -32,6 +33,11 @@ WHITE = {"lag_1": 0.0, "lag_2": 0.0, "lag_3": 0.0}
 
 def statistics(hidden: Added) -> Statistics:
     """Return the statistics of 60 links with CIRs of five receivers; SIMULATED."""
+    return Statistics(*compared(made_with(hidden)))
+
+
+def made_with(hidden: Added) -> pd.DataFrame:
+    """Return 60 links with CIRs of five receivers; SIMULATED."""
     rng = np.random.default_rng(3)
     frame = pd.DataFrame(
         {
@@ -41,8 +47,7 @@ def statistics(hidden: Added) -> Statistics:
             "rx": [f"r{i % 5}" for i in range(LINKS)],
         }
     )
-    made = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77).table(frame)
-    return Statistics(*compared(made))
+    return Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77).table(frame)
 
 
 def compared(frame: pd.DataFrame) -> tuple[Resimulation, View]:
@@ -63,7 +68,7 @@ def test_a_noise_floor_of_every_device_leaves_nothing_without_a_name():
     """Receivers have noise figures of their own: no uniform level is right for any of them."""
     given = statistics((NoiseFloor(level_db=4.0, device_spread_db=2.0, **WHITE),))
     fit = fit_of(given, (NoiseFloor(level_db=4.0, **WHITE),))
-    uniform = replace(fit.moments, own=None)
+    uniform = replace(fit.moments, own=None, uneven=None)
     assert given.devices.shape == (LINKS, 8)
     of_one = left_free(given, uniform, fit.responses, fit.parameters)
     of_each = left_free(given, fit.moments, fit.responses, fit.parameters)
@@ -87,6 +92,20 @@ def test_what_every_device_has_of_its_own_is_none_of_an_effect_of_the_way():
     made = fitted(given, (STEEPER,))
     assert made is not None
     assert made.moments.own is None
+    assert made.moments.uneven is None
+
+
+def test_a_noise_that_comes_and_goes_is_no_tone():
+    """Lamps blink: of every link another noise, so it scatters as a tone does that fades."""
+    frames = [made_with((NoiseFloor(level_db=level, **WHITE),)) for level in (0.5, 3.0, 7.0)]
+    lit = np.random.default_rng(1).integers(0, len(frames), LINKS)
+    given = Statistics(*compared(pd.concat([frames[k].iloc[[i]] for i, k in enumerate(lit)])))
+    floor = fit_of(given, (NoiseFloor(level_db=4.0, **WHITE),))
+    tone = fit_of(given, counterparts(floor.effects[0]))
+    assert floor.moments.uneven is not None
+    assert floor.nats > tone.nats + NAME_NATS
+    even = replace(floor.moments, uneven=None)
+    assert misfit(given, floor.moments, floor.responses) < 1 < misfit(given, even, floor.responses)
 
 
 @pytest.mark.parametrize(("level_db", "needed"), [(0.8, True), (0.0, False)])

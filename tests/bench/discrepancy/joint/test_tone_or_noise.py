@@ -39,6 +39,6 @@ def _apart(level_db: float) -> float:
     links, scatter_db = 84, 0.4
     names = ("noise_std",)
     given = SimpleNamespace(names=names, count=np.ones(links, int), crowding=1.0)
-    moments = SimpleNamespace(covariances={1: np.array([[scatter_db**2]])})
+    moments = SimpleNamespace(covariances={1: np.array([[scatter_db**2]])}, uneven=None)
     fit = SimpleNamespace(effects=(NoiseFloor(level_db=level_db),), moments=moments, responses=())
     return told_apart(given, fit, "noise-floor")
