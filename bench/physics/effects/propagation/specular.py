@@ -47,7 +47,9 @@ class SpecularReflections(Effect):
 
     Rooms given by `room_x_m`, `room_y_m`, `room_z_m` (a corner at the origin of the positions)
     get all images of up to `highest_order` reflections. Other rows get two walls of the same
-    material parallel to the link, `wall_m` and 1.7 x `wall_m` away (0 = none).
+    material parallel to the link, `wall_m` and 1.7 x `wall_m` away (0 = none). Positions are known
+    to a centimetre or two, of a wavelength of three to nine: `placed_m` turns the carrier of every
+    path of a link by chance.
     """
 
     name = "specular-reflections"
@@ -61,6 +63,11 @@ class SpecularReflections(Effect):
     strength_db: float = parameter(0, "dB", -40, 10, "over the Fresnel coefficient")
     wall_m: float = parameter(1.5, "m", 0, 50, "distance of the walls where no room is given")
     highest_order: int = parameter(2, "reflections", 1, 3, "per path")
+    spread_db: float = parameter(3, "dB", 0, 12, "std over the surfaces that a link sees")
+    moved_m: float = parameter(0.01, "m", 0, 0.03, "std of path lengths between rows of a link")
+    placed_m: float = parameter(
+        0.02, "m", 0, 0.5, "std of path lengths about those of the positions", fitted=False
+    )
     walls: str = "plasterboard"
     floor: str = "concrete"
     ceiling: str = "plasterboard"
@@ -86,17 +93,29 @@ class SpecularReflections(Effect):
         """Add the reflected paths of every row."""
         inside = in_room(batch.rows)
         if inside.any():
-            batch = self._added(batch, self._images(batch, inside))
+            batch = self._added(batch, self._images(batch, inside), draws)
         if self.wall_m > 0 and not inside.all():
-            batch = self._added(batch, self._side_walls(batch, ~inside))
+            batch = self._added(batch, self._side_walls(batch, ~inside), draws)
         return batch
 
-    def _added(self, batch: Batch, seen: Images) -> Batch:
+    def _added(self, batch: Batch, seen: Images, draws: Draws) -> Batch:
         """Add image paths, each `factor` times the free-space field as it would arrive."""
         reference = np.zeros(len(batch)) if batch.free_gain is None else batch.free_gain
         spread = seen.spread * amplitude(self.strength_db)
         gain = reference[:, None] * seen.factor * spread * seen.turn
+        gain = gain * self._of_links(batch, draws, gain.shape[1])
         return batch.with_paths(seen.extra_m / C_M_PER_NS, gain.astype(np.complex64), SPECULAR)
+
+    def _of_links(self, batch: Batch, draws: Draws, count: int) -> Complexes | float:
+        """Return what `count` paths have by chance [n, Q]: a loss of a link's own, and phases."""
+        if not (self.placed_m or self.moved_m or self.spread_db):
+            return 1.0
+        own = draws.group_complex(batch.rows.group("link"), count) * np.sqrt(2)
+        extra_m = self.placed_m * own.real
+        if self.moved_m:
+            extra_m = extra_m + self.moved_m * draws.normal(len(batch), count)
+        turn = np.exp(-2j * np.pi * extra_m / wavelength_m(batch.centre_ghz))
+        return np.asarray(amplitude(self.spread_db * own.imag) * turn)
 
     def _images(self, batch: Batch, inside: NDArray[np.bool_]) -> Images:
         """Return a room's images; factor 0 outside of rooms. Remembered with the rows."""
