@@ -13,9 +13,10 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.loops import compiled, decay_rows
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.units import Complexes, Floats, Reals, amplitude, decibel
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, amplitude, decibel
 
 _CLUSTERS = 6  # at most, the one of the straight line included
+_REFERENCE_M = 5.0
 _MEAN_FREE_NS = 9.1  # 4 V / (c S) of a room of 5 x 5 x 2.8 m
 
 
@@ -29,15 +30,17 @@ class DiffuseTail(Effect):
     where that is 40) and falls as distance^-`distance_exponent` (0: a reverberant room, 2: follows
     the straight path). Clusters are drawn per link; `static` of a tap's power is the same in all
     rows of a link, the rest changes from row to row as the tag moves.
-    `room_scaling` 1 scales both decays with the mean free path of the row's room; rows in the
-    open (room columns there, but empty) have `open_space_db` more.
+    Both decays grow with the distance over 5 m to the power of `delay_exponent`, and with the mean
+    free path of the row's room to that of `room_scaling`; rows in the open (room columns there, but
+    empty) have `open_space_db` more.
     """
 
     name = "diffuse-tail"
     number = 13
     stage = "propagation"
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004); room scaling: "
-    source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27"
+    source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27; distance: Greenstein et "
+    source += "al., IEEE Trans. Veh. Technol. 46 (1997) 477"
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
     needs = (("cir",),)
 
@@ -48,9 +51,8 @@ class DiffuseTail(Effect):
     cluster_rate: float = parameter(0.05, "1/ns", 0.001, 1, "arrivals of clusters (Lambda)")
     cluster_sigma_db: float = parameter(3, "dB", 0, 10, "shadowing of each cluster")
     static: float = parameter(0.3, "ratio", 0, 1, "of a tap's power that a link keeps")
-    room_scaling: int = parameter(
-        1, "0 or 1", 0, 1, "decays follow the size of the room", fitted=False
-    )
+    delay_exponent: float = parameter(0, "1", -1, 1, "how decays grow with distance")
+    room_scaling: float = parameter(1, "1", 0, 1, "how decays grow with the size of the room")
     open_space_db: float = parameter(
         -15, "dB", -60, 0, "level where there is no room", fitted=False
     )
@@ -61,7 +63,7 @@ class DiffuseTail(Effect):
         if self.level_db <= -60:
             return batch
         taps = max(2, int(self.length_ns / batch.sample_period_ns))
-        scale = self._room_scale(batch.rows)
+        scale = self._decay_scale(batch.rows)
         profile = self._amplitudes(batch, draws, taps, scale)
         made = draws.complex_normal(len(batch), taps)
         if self.static > 0:
@@ -81,13 +83,10 @@ class DiffuseTail(Effect):
         indoors = np.where(in_the_open(batch.rows), self.open_space_db, 0.0)
         return amplitude(at_1m + self.level_db + indoors - fall).astype(np.float32)
 
-    def _room_scale(self, rows: Scene) -> Floats:
-        """Return each row's decay over that of the reference room [n], 1 where no room is known."""
-        size = [rows.number(f"room_{axis}_m", np.nan) for axis in "xyz"]
-        surface = 2 * (size[0] * size[1] + size[1] * size[2] + size[0] * size[2])
-        free_ns = 4 * size[0] * size[1] * size[2] / surface / 0.299792458
-        known = np.isfinite(free_ns) & bool(self.room_scaling)
-        return np.where(known, free_ns / _MEAN_FREE_NS, 1.0)
+    def _decay_scale(self, rows: Scene) -> Floats:
+        """Return each row's decays over those of the reference room at 5 m [n]."""
+        far = np.maximum(rows.true_range_m, 0.3) / _REFERENCE_M
+        return np.asarray(far**self.delay_exponent * _rooms(rows) ** self.room_scaling)
 
     def _amplitudes(self, batch: Batch, draws: Draws, taps: int, scale: Floats) -> Reals:
         """Return the root of each tap's mean share of the power [n, taps]; alike within a link."""
@@ -108,6 +107,14 @@ class DiffuseTail(Effect):
         power = _decayed(starts, self.ray_decay_ns * scale[first] / period)
         power /= np.sum(power, axis=1, keepdims=True)
         return np.sqrt(power, out=power)[place]
+
+
+def _rooms(rows: Scene) -> Floats:
+    """Return each room's mean free path over the reference room's [n], 1 where none is known."""
+    size = [rows.number(f"room_{axis}_m", np.nan) for axis in "xyz"]
+    surface = 2 * (size[0] * size[1] + size[1] * size[2] + size[0] * size[2])
+    free_ns = 4 * size[0] * size[1] * size[2] / surface / C_M_PER_NS
+    return np.where(np.isfinite(free_ns), free_ns / _MEAN_FREE_NS, 1.0)
 
 
 def in_the_open(rows: Scene) -> NDArray[np.bool_]:
