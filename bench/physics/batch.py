@@ -36,7 +36,8 @@ class Batch:
     and `level_dbm`.
     `noise_power` [n] is the mean |noise|^2 of one sample, `steady_power` [n] what tones and offsets
     hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
-    table, with its noise in it; `noise` holds only what effects add.
+    table, with its noise in it; `noise` holds only what effects add. `peak_held`: it was scaled
+    to a height that no gain changes.
     Ranging: `magnitude` [n, S] of signal and noise, `first_path` [n] (samples from sample 0),
     `range_m` [n], the chip's `rx_power_dbm` and `first_path_power_dbm` [n], `noise_std` [n] counts.
     `clock_offset_ppm` [n] where known.
@@ -64,6 +65,7 @@ class Batch:
     noise_power: Floats | None = None
     steady_power: Floats | None = None
     as_given: bool = False
+    peak_held: bool = False
     level_dbm: Floats | None = None
     magnitude: Reals | None = None
     first_path: Floats | None = None

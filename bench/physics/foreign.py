@@ -34,6 +34,7 @@ from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.sampling import sampled
+from bench.physics.scaled_peaks import ScaledPeaks
 from bench.physics.scene import Scene, scene
 from bench.physics.units import (
     C_M_PER_NS,
@@ -131,7 +132,9 @@ class ForeignTable:
         arriving = self._arriving(slice(start, start + BLOCK), phased)
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        receive = partial(self._received, offset_db=offset_db, edge=arriving.free_gain)
+        peaks = None if self.cir is None else self._peaks[start : start + BLOCK]
+        edge = arriving.free_gain
+        receive = partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks)
         return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
 
     def _arriving(self, part: slice, phased: bool = False) -> Batch:
@@ -152,6 +155,18 @@ class ForeignTable:
         cir = np.zeros((0, 0), np.complex64) if self.cir is None else self.cir
         whole = cir if np.any(cir.imag) else cir * lobe_phases(absolute(cir))
         return np.asarray(whole, np.complex64)
+
+    @cached_property
+    def _peaks(self) -> Floats:
+        """The highest magnitude of every CIR [n] in counts."""
+        whole = np.zeros((0, 1)) if self.cir is None else absolute(self.cir)
+        return np.asarray(whole.max(axis=1), np.float64)
+
+    @cached_property
+    def _scaled(self) -> ScaledPeaks:
+        """Whether the CIRs were scaled to one peak."""
+        level, noise = (self.rows.number(n, np.nan) for n in ("rx_power_dbm", "noise_std"))
+        return ScaledPeaks.of(self._peaks, level, noise)
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
@@ -176,10 +191,13 @@ class ForeignTable:
         """Return the first path's index in the table's CIRs [n]."""
         return rows.number("first_path_index", float(self.base.cir_lead))
 
-    def _received(self, batch: Batch, offset_db: Floats, edge: Complexes | None) -> Batch:
+    def _received(
+        self, batch: Batch, offset_db: Floats, edge: Complexes | None, peaks: Floats | None
+    ) -> Batch:
         """Return the batch at the receiver: its own samples, no noise but its own.
 
-        `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge.
+        `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge,
+        `peaks` [n] its highest magnitude.
         """
         batch = self.base.counted(batch)
         batch = replace(batch, level_dbm=batch.level() + offset_db)
@@ -192,9 +210,11 @@ class ForeignTable:
         scale = (amplitude(self.base.power_offset_db) * there(batch.symbols)).astype(np.float32)
         waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.base.pulse_fwhm)
         waveform *= scale[:, None]
-        waveform = with_own_noise(waveform, _louder_by(batch, edge), power)
+        if not self._scaled.held or self._scaled.with_noise:
+            waveform = with_own_noise(waveform, _louder_by(batch, edge), power)
         noise = np.zeros_like(waveform)
-        return replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
+        batch = replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
+        return self._scaled.again(batch, peaks) if self._scaled.held else batch
 
     def _outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
         """Return the table's values plus what the effects changed in one block."""
