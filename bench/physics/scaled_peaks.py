@@ -1,7 +1,8 @@
 """CIRs that another simulator, or whoever stored them, scaled to one height.
 
 Their samples then say nothing of the level: what makes a signal weaker leaves their peaks alone.
-The noise beside them tells when they were scaled: where it grows as levels fall, after it was added.
+The noise beside them tells when they were scaled: after it was added, where it grows as levels
+fall.
 """
 
 from __future__ import annotations

@@ -70,13 +70,15 @@ def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
     """Return the mean square of what a set leaves, in scatters of its links: 1 where it is right.
 
     A posterior predictive check (Gelman, Meng and Stern 1996): among other sets the likeliest may
-    be far off all the same. What devices have of their own is at its likeliest.
+    be far off all the same. Forms and what devices have of their own are at their likeliest.
     """
     matrices, _ = whitener(given, moments, responses)
-    flat, own = white(matrices, moments.left), own_columns(matrices, moments)
-    ways = own.reshape(flat.size, own.shape[2])
+    flat = white(matrices, moments.left)
+    forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in responses]
+    columns = np.concatenate([own_columns(matrices, moments), *forms], axis=2)
+    ways = columns.reshape(flat.size, columns.shape[2])
     factors = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ flat.ravel())
-    return float(((flat - own @ factors) ** 2).mean())
+    return float(((flat - columns @ factors) ** 2).mean())
 
 
 def link_nats(given: Statistics, moments: Moments, responses: Responses) -> Floats:

@@ -16,7 +16,8 @@ from bench.discrepancy.joint.apart import brought_alone
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
-from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.likelihood import left_free
+from bench.discrepancy.joint.plainer import plainer, worth
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -70,12 +71,14 @@ class Sets:
         able = [kind for kind in kinds if kind.name not in have]
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
+        self._plains: Memory[Fit] = Memory(KEPT)
         self._worths: Memory[float] = Memory(KEPT)
 
     def chosen(self) -> WaveChoice:
         """Return what the sets say."""
         self._grow()
         best, rivals = self._settled()
+        best = self._plain(best)
         marked = self.start.names
         explained = self.worth(best) - self.worth(self.none)
         free = left_free(self.given, best.moments, best.responses, best.parameters)
@@ -94,7 +97,8 @@ class Sets:
     def _doubted(self, best: Fit) -> tuple[str, ...]:
         """Return the members that bring too little beside something without a form."""
         whole = beside_unformed(self.given, best)
-        rests = {one: beside_unformed(self.given, self._without(best, one)) for one in best.names}
+        less = {name: self._plain(self._without(best, name)) for name in best.names}
+        rests = {name: beside_unformed(self.given, one, best) for name, one in less.items()}
         return tuple(name for name, rest in rests.items() if whole - rest < NAME_NATS)
 
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
@@ -114,15 +118,16 @@ class Sets:
         return best, rivals
 
     def worth(self, fit: Fit) -> float:
-        """Return the evidence of a set, whatever forms its effects have, in nats.
+        """Return the evidence of a set without what it does not need, in nats.
 
         By this sets are compared: how likely a fit is says nothing of what devices have of their
         own, so one cause that differs from device to device would lose to another that scatters.
         """
-        return self._worths.get(fit.effects, lambda: self._evidence(fit))
+        return self._worths.get(fit.effects, lambda: worth(self.given, self._plain(fit)))
 
-    def _evidence(self, fit: Fit) -> float:
-        return evidence(self.given, fit.moments, fit.responses, fit.parameters)
+    def _plain(self, fit: Fit) -> Fit:
+        """Return a set without the amplitudes that it does not need."""
+        return self._plains.get(fit.effects, lambda: plainer(self.given, fit))
 
     def _grow(self) -> None:
         """Fit the likeliest sets of one, two and three effects more."""

@@ -57,7 +57,7 @@ CLASS_NATS: Final = 3.0  # behind the best set, within which another is not excl
 CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do as well [joint]
 LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is
 # there that no effect explains [convention]
-LEFT_SHARE: Final = 0.15  # and of all that is explained then [joint]
+LEFT_SHARE: Final = NAME_SHARE  # and of all that is explained then: as a name must [derived]
 MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulated links, up to which
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:

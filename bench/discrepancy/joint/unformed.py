@@ -26,12 +26,15 @@ from bench.discrepancy.joint.statistics import Statistics
 Floats = NDArray[np.float64]
 
 
-def beside_unformed(given: Statistics, fit: Fit) -> float:
+def beside_unformed(given: Statistics, fit: Fit, whole: Fit | None = None) -> float:
     """Return the evidence of a set beside what has no form, of a size for every statistic, in nats.
 
     The sizes cost nothing: what must be asked of a name is then that it brings anything at all.
+    Links may differ by themselves from what has no form as from what `whole` does in its place:
+    else the name alone would pay for that it may not be right.
     """
-    matrices, volume = whitener(given, fit.moments, fit.responses)
+    alone = (whole or fit).responses
+    matrices, volume = whitener(given, fit.moments, alone)
     flat = white(matrices, fit.moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
     free = columns_of(matrices, np.ones_like(flat), given.ways)
