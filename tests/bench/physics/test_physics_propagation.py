@@ -1,6 +1,8 @@
 """Signature, magnitude and negative control of the effects on paths."""
 
 import numpy as np
+import pandas as pd
+import pytest
 from physics_scenes import change, line, room, seen
 
 from bench.physics import Base
@@ -142,6 +144,28 @@ def test_reflections_of_unknown_rooms_come_from_two_walls() -> None:
     np.testing.assert_array_equal(none.cir, base.cir)
 
 
+@pytest.mark.parametrize(("moved_m", "alike"), [(0.0, True), (0.03, False)])
+def test_reflections_keep_their_phase_within_a_link_that_does_not_move(
+    moved_m: float, alike: bool
+) -> None:
+    """Positions are known to centimetres: phases differ between links, and where rows move."""
+    effect = SpecularReflections(wall_m=0.4, walls="metal", moved_m=moved_m)
+    frame = line(256).assign(true_range_m=4.0)
+    level = seen(frame, effect).rx_power_dbm.reshape(-1, 4)
+    within, between = np.median(level.std(axis=1)), level.mean(axis=1).std()
+    assert between > 0.5
+    assert bool(within < 0.2 * between) is alike
+
+
+def test_surfaces_of_a_link_reflect_each_as_it_does() -> None:
+    alike, own = (
+        seen(line(256, far_m=4.0), SpecularReflections(wall_m=4.0, spread_db=db)).cir[:, 20:60]
+        for db in (0.0, 8.0)
+    )
+    spread = [20 * np.log10(one.max(axis=1)).std() for one in (alike, own)]
+    assert spread[1] > spread[0] + 2
+
+
 def test_ground_bounce_is_the_two_ray_model() -> None:
     batch = Base().paths(scene(line(64, tx_z_m=1.0, rx_z_m=2.0)))
     from bench.physics.randomness import Draws
@@ -257,3 +281,23 @@ def test_fades_may_take_more_than_peaks_give() -> None:
     assert abs(np.std(made.rx_power_dbm - base.rx_power_dbm) - scatter_db(2.0)) < 0.3
     none, base = change(line(200), SmallScaleFading(1000, 1000, 1000, deeper=3.0), cir=False)
     np.testing.assert_allclose(none.rx_power_dbm, base.rx_power_dbm)
+
+
+def test_tails_decay_more_slowly_where_links_and_rooms_are_larger_as_far_as_asked() -> None:
+    """Greenstein et al. 1997: delay spreads grow with the distance."""
+    frame = line(1024, far_m=16.0)
+    far = frame["true_range_m"] > 8
+
+    def longer(effect: DiffuseTail, of: pd.DataFrame, one: pd.Series) -> float:
+        power = np.abs(seen(of, effect).cir.astype(float)) ** 2
+        late = power[:, 60:].sum(axis=1) / power[:, 10:60].sum(axis=1)
+        return float(np.median(late[one]) / np.median(late[~one]))
+
+    plain = {"level_db": 2.0, "distance_exponent": 2.0}
+    grown = longer(DiffuseTail(delay_exponent=0.6, **plain), frame, far)
+    assert grown > 2 * longer(DiffuseTail(**plain), frame, far)
+    rooms = frame.assign(true_range_m=5.0, room_y_m=5.0, room_z_m=3.0)
+    rooms["room_x_m"] = np.where(far, 40.0, 4.0)
+    follows, not_at_all = (longer(DiffuseTail(room_scaling=s, **plain), rooms, far) for s in (1, 0))
+    assert follows > 1.5
+    assert 0.7 < not_at_all < 1.4
