@@ -11,10 +11,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.form import variances
-from bench.discrepancy.joint.likelihood import evidence
+from bench.discrepancy.joint.likelihood import evidence, white, whitener
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import ACTS, SCATTERS
+from bench.discrepancy.joint.settings import ACTS, NAME_NATS, SCATTERS
 from bench.discrepancy.joint.statistics import Moments, Statistics
 
 Floats = NDArray[np.float64]
@@ -29,6 +30,23 @@ def brought_alone(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
     if not len(places):
         return 0.0
     return _of(given, fit, places) - _of(given, rest, places)
+
+
+def refuted(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
+    """Return whether a member is not seen where it alone would show, and would be plain to see.
+
+    So a noise floor that makes up for another's form in the profile, where noise is logged.
+    """
+    places = untouched(given, fit, name)
+    if not len(places) or len(fit.names) == 1:
+        return False
+    part = _part(fit.moments, places)
+    response = fit.responses[fit.names.index(name)][:, places]
+    matrices, _ = whitener(given, part, [response])
+    foreseen = 0.5 * float((white(matrices, response) ** 2).sum()) / given.crowding
+    paid_for = len(free_parameters(type(fit.effects[fit.names.index(name)])))
+    asked = NAME_NATS + paid_for / 2 * float(np.log(given.links))
+    return foreseen > asked and brought_alone(given, fit, rest, name) < 0
 
 
 def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:

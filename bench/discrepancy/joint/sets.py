@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.joint.apart import brought_alone
+from bench.discrepancy.joint.apart import brought_alone, refuted
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
@@ -179,12 +179,16 @@ class Sets:
         """Return what a member must bring to a set that brings `whole`, in nats.
 
         A share of that, as other forms of the others may be mistaken for it, and more than there
-        is where these would do all of it; but where the others do nothing, no form of them is.
+        is where these would do all of it; but where the others do nothing, no form of them is. And
+        it must be seen there, if it would be plain to see.
         """
+        rest = self._without(fit, name)
+        if refuted(self.given, fit, rest, name):
+            return float("inf")
         formed = of_form(self.given, fit, name)
         if not formed and NAME_SHARE * whole <= NAME_NATS:
             return NAME_NATS
-        alone = brought_alone(self.given, fit, self._without(fit, name), name)
+        alone = brought_alone(self.given, fit, rest, name)
         if alone >= NAME_NATS:
             return NAME_NATS
         return float("inf") if formed else NAME_SHARE * whole
