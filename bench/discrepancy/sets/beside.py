@@ -50,10 +50,10 @@ def told_from_delays(contest: Contest, rest: Set, parts: tuple[Floats, ...], pri
 
 
 def misplaced(contest: Contest, causes: Set) -> Set:
-    """Return the set with a device that stands elsewhere instead of a name it does as well as.
+    """Return the set with devices that stand elsewhere instead of a name they do as well as.
 
-    A receiver that hangs too low is late by nearly the same everywhere, as by its own delay:
-    where rows do not tell, nothing is sure of the name (see `TIED_NATS`).
+    A receiver that hangs too low is late by nearly the same everywhere, as by its own delay, and a
+    plan that is stretched moves all: where rows do not tell, no name is sure (see `TIED_NATS`).
     """
     places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
     for name in [one for one in causes if one in contest.library]:

@@ -136,6 +136,9 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
         stands[str(name)] = here[mine][0]
         out[f"{PLACE}{name}"] = (LAW_M * line * mine[:, None],)
         out[f"the unit of {name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
+    if len(stands) > 1:  # a plan that is stretched, turned or old moves all of them at once
+        every = np.hstack([out[f"{PLACE}{name}"][0] for name in stands])
+        out[f"{PLACE}every {end}"] = (every,)
     for one, two in combinations(stands, 2):
         shift = np.zeros(len(true_m))
         for name, really in ((one, stands[two]), (two, stands[one])):
