@@ -59,6 +59,16 @@ class Ensemble:
         """Return recorded minus ensemble mean of one observable [n], in its unit."""
         return np.asarray(self.residual[:, self.place(name)])
 
+    def scatter_of(self, name: str) -> float:
+        """Return the standard deviation of one observable among simulated versions of a row.
+
+        In its unit, as most rows have it (a few may be blocked); infinite with fewer than two.
+        """
+        simulated = self.simulated_of(name)
+        spread = np.std(simulated, axis=0, ddof=1) if len(simulated) > 1 else np.array([np.inf])
+        known = spread[~np.isnan(spread)]
+        return float(np.median(known)) if len(known) else np.inf
+
     @property
     def recorded(self) -> Floats:
         """Recorded observables [n, p]."""

@@ -88,6 +88,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     laws = _kept(of_laws(search.kinds, rows) | of_setup(rows), known)
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
+    evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     crowding = search.comparison.crowding(rows) ** 2
     usual = usual_levels(rows, ensemble)[known]
@@ -115,8 +116,7 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which of them it has; `usual` which of these have a level as is usual at
-    their distance. `pays`: what laws of a form cost for it, in nats.
+    the evidence, `known` which of them it has; `usual`: see `usual_levels`. `pays`: nats, by form.
     """
 
     def __init__(

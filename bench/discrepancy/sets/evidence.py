@@ -22,6 +22,7 @@ from bench.discrepancy.sets.settings import (
     LARGE_OFFSETS,
     LEAST_VARIANCE_M2,
     LEAST_WEIGHT,
+    NAME_NATS,
     NOTHING,
     OFFSET_RATIOS,
     REWEIGHINGS,
@@ -58,7 +59,8 @@ class Evidence:
     """Residual ranges `left_m` [n] of rows of `links` [n], and parts [n, k] of causes by name.
 
     `widest` maps causes to the largest variance of their factors, where it is not the usual.
-    `offset_mean`: whether the mean of link offsets is unknown, which takes several rows of a link.
+    `offset_mean`: whether the mean of link offsets is unknown, which takes several rows of a link;
+    `scatter_m2`: variance of simulated ranges, that large offsets are measured by.
     """
 
     def __init__(
@@ -78,6 +80,7 @@ class Evidence:
         self.places = {name: np.arange(a, b) for name, a, b in pairs}
         self.widest = dict(widest or {})
         self.offset_mean = len(left_m) >= ROWS_PER_LINK * len(np.unique(links))
+        self.scatter_m2 = np.inf
         self.mean_ratio = 0.0  # variance of that mean over the rows', as `reweigh` finds it
         self.weights = np.ones(len(left_m))
         self.ratios: tuple[float, ...] = OFFSET_RATIOS
@@ -88,6 +91,7 @@ class Evidence:
         made = Evidence(self.left_m, self.links, blocks, self.widest)
         made.weights, made.ratios = self.weights, self.ratios
         made.offset_mean, made.mean_ratio = self.offset_mean, self.mean_ratio
+        made.scatter_m2 = self.scatter_m2
         return made
 
     def among(self, rows: NDArray[np.bool_]) -> Evidence:
@@ -126,12 +130,15 @@ class Evidence:
     def _around_mean(self, causes: Sequence[str]) -> float:
         """Return the ratio of link offsets around a mean that may be anything; 0 where it is small.
 
-        A constant alone must not pass for offsets, whose mean it would then be.
+        A constant alone must not pass for offsets, whose mean it would then be. What jitter adds to
+        rows makes no offsets smaller: of the two scatters, recorded and simulated, the less counts.
         """
         other = self.with_blocks({one: self.blocks[one] for one in causes})
         other.mean_ratio = ANY_MEAN
-        ratio = other.of(tuple(causes)).ratio
-        return ratio if ratio >= LARGE_OFFSETS else 0.0
+        made, none = other.of(tuple(causes)), other._at(tuple(causes), 0.0)
+        least = LARGE_OFFSETS * min(made.variance_m2, self.scatter_m2)
+        sure = made.nats - none.nats > NAME_NATS  # loud rows leave links offsets by chance
+        return made.ratio if sure and made.ratio * made.variance_m2 >= least else 0.0
 
     def _stray(self, left_m: Floats) -> NDArray[np.bool_]:
         """Return which links [L] are struck by something of their own."""

@@ -165,6 +165,19 @@ def test_what_stands_in_the_way_of_some_links_is_no_constant() -> None:
         assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named
 
 
+@pytest.mark.parametrize(("walls", "named"), [(True, False), (False, True)])
+def test_jitter_beside_walls_makes_no_constant_of_them(walls: bool, named: bool) -> None:
+    """Offsets of links are as large as they were, measured by what simulated rows scatter."""
+    rng = np.random.default_rng(8)
+    links = np.repeat(np.arange(80), 4)
+    offset = np.where(rng.random(80) < 0.5, rng.uniform(0.05, 0.2, 80), 0.0) if walls else 0.06
+    left = (offset * np.ones(80))[links] + rng.normal(0, 0.09, len(links))
+    evidence = Evidence(left, links, {"a constant": (np.full((len(links), 1), 0.05),)})
+    evidence.scatter_m2 = 0.02**2
+    evidence.reweigh(())
+    assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named
+
+
 def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
     """A clock has a part of the temperature behind those of its devices."""
     rng, every = np.random.default_rng(9), np.arange(80)
