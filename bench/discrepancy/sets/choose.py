@@ -42,6 +42,7 @@ from bench.discrepancy.sets.settings import (
     RANGE_LAW_NATS,
     RIVAL_NATS,
 )
+from bench.discrepancy.sets.spared import moves_every_row
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
 
@@ -116,7 +117,7 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which of them it has; `usual`: see `usual_levels`. `pays`: nats, by form.
+    the evidence, `known` which it has; `usual`: see `usual_levels`. `pays`: nats, by form.
     """
 
     def __init__(
@@ -141,7 +142,7 @@ class Contest:
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
         best = self._at_usual_levels(self._beyond_deformed(self._calm()))
-        best = self._beyond_forms(misplaced(self, best))
+        best = moves_every_row(self, self._beyond_forms(misplaced(self, best)))
         names = tuple(one for one in best if one in self.library)
         return Choice(
             names,
@@ -157,10 +158,7 @@ class Contest:
         return self.worth(self._calm())
 
     def _calm(self) -> Set:
-        """Return the best set with weights of its own.
-
-        Links far off take no part, unless a set explains nearly all of them.
-        """
+        """Return the best set with weights of its own, without links far off that none explains."""
         first = self._physical(self._able())
         left = self._weigh(first)
         if left > EXPLAINED_STRAYS * self._weigh(()):
