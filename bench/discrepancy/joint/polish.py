@@ -20,7 +20,6 @@ from bench.discrepancy.joint.settings import (
     DAMPING,
     DONE_NATS,
     LONGEST_STEP,
-    RENEWED,
     SPREAD_WEIGHT,
     STEP,
     STEPS,
@@ -90,24 +89,12 @@ def _own(given: Statistics, effects: Added, responses: Sequence[Floats]) -> Floa
 
 
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
-    """Return a set of effects fitted from where they are, None where they cannot be simulated.
-
-    Slopes are taken anew as long as that leads on: echoes turn, so slopes that are corrected on the
-    way point nowhere after some steps.
-    """
+    """Return a set of effects fitted from where they are, None where they cannot be simulated."""
     best = fitted(given, effects)
-    for _ in range(RENEWED if best and len(shares(effects)) else 0):
+    slopes = slopes_of(given, best) if best and len(shares(effects)) else None
+    for _ in range(steps if slopes is not None else 0):
         assert best is not None
-        gained, best = -best.nats, _climbed(given, best, steps)
-        if gained + best.nats < UNSURE_NATS:
-            break
-    return best
-
-
-def _climbed(given: Statistics, best: Fit, steps: int) -> Fit:
-    """Return the likeliest set that some steps by one set of slopes lead to."""
-    slopes = slopes_of(given, best)
-    for _ in range(steps):
+        assert slopes is not None
         better = _step(given, best, slopes)
         if better is None:
             break

@@ -17,13 +17,7 @@ from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import delayed, elsewhere, free_parameters, onsets, starts
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.polish import Fit, fitted
-from bench.discrepancy.joint.settings import (
-    ALIKE,
-    TAIL,
-    TOUCHES,
-    TRIED_BESIDE,
-    UNSURE_NATS,
-)
+from bench.discrepancy.joint.settings import TAIL, TOUCHES, TRIED_BESIDE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.errors import BenchError
 from bench.physics.effect import Effect
@@ -106,19 +100,6 @@ class Screen:
         best = [max(points, key=lambda one: one.nats) for points in self.points.values()]
         return sorted(best, key=lambda one: -one.nats)
 
-    def unlike(self, one: Tried) -> list[Tried]:
-        """Return the likeliest other point of an effect that does something else about as well.
-
-        On few rows these are hardly told, and a fit from either ends where it began: an echo once
-        and one that rings on are parted by what is worse than both.
-        """
-        if type(one.effect).by_rows:
-            return []
-        mine = white(self._flat, one.response).ravel()
-        near = [p for p in self.points[one.effect.name] if p.nats > one.nats - UNSURE_NATS]
-        other = [p for p in near if _cosine(mine, white(self._flat, p.response).ravel()) < ALIKE]
-        return sorted(other, key=lambda p: -p.nats)[:1]
-
     def beside(self, effects: Added) -> list[Tried]:
         """Return the likeliest point of every other effect beside a set, likeliest first."""
         now = fitted(self.given, effects)
@@ -156,11 +137,6 @@ class Screen:
         left = now.moments.left - one.response
         nats = fitness(self.given, now.moments, left, responses, count)
         return Tried(one.effect, one.response, nats, nats - now.nats)
-
-
-def _cosine(one: Floats, other: Floats) -> float:
-    """Return how alike two responses are, whatever their sizes: 1 where one is the other's."""
-    return float(abs(one @ other) / np.sqrt((one @ one) * (other @ other)))
 
 
 def _alone(effect: Effect) -> Effect:

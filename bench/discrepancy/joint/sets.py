@@ -131,10 +131,8 @@ class Sets:
 
     def _grow(self) -> None:
         """Fit the likeliest sets of one, two and three effects more."""
-        first = self.screen.singly()[:POLISHED]
-        begun = [(one, *self.screen.unlike(one)) for one in first]
-        each = [self._fit([(*self.start.effects, p.effect) for p in points]) for points in begun]
-        beam = [max(made, key=lambda fit: fit.nats) for made in each if made]
+        first = [one.effect for one in self.screen.singly()[:POLISHED]]
+        beam = self._fit([(*self.start.effects, effect) for effect in first])
         for width in BEAM[: MOST - 1]:
             known = max(fit.nats for fit in self.fits.values())
             followed = sorted(beam, key=lambda fit: -fit.nats)[:width]

@@ -38,7 +38,6 @@ TOUCHES: Final = 4.0  # squared scatters over all links, that an effect must mov
 
 TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
 REFITTED: Final = 2  # steps of a fit that others began [cost]
-ALIKE: Final = 0.9  # cosine of two responses, from where on they are one [convention]
 POLISHED: Final = 8  # single effects that are fitted in full [cost]
 BEAM: Final = (5, 4)  # sets of one, of two effects that are added to [cost]
 GROWN: Final = 2  # sets with one effect more that are fitted in full, of each [cost]
@@ -47,7 +46,6 @@ SETTLED: Final = 6  # times that another set may take the place of the likeliest
 STEPS: Final = 5  # of a fit [cost]
 STEP: Final = 0.03  # of the bounds, for differences [convention]
 LONGEST_STEP: Final = 0.3  # of the bounds, in one step of a fit [convention]
-RENEWED: Final = 3  # times that slopes are taken, where that leads on [cost]
 DAMPING: Final = (0.1, 1.0, 10.0)  # tried one after the other [convention]
 UNSURE_NATS: Final = 20.0  # that other responses may make of a difference [convention]
 DONE_NATS: Final = 0.5  # a step that gains less is the last [cost]

@@ -16,9 +16,8 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import fitness
 from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
-from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.sets import Sets
-from bench.discrepancy.joint.settings import NAME_NATS, UNSURE_NATS
+from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.sizes import Sizes
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.unformed import beside_unformed
@@ -121,29 +120,6 @@ def test_a_fit_of_all_parameters_at_once_is_likelier_than_where_it_began():
     assert last.nats > first.nats + 10
     again = fitness(given, last.moments, last.moments.left, last.responses, last.parameters)
     assert again == last.nats
-
-
-def test_a_fit_goes_on_where_slopes_taken_anew_lead_on():
-    """An antenna that rings on: its delay, decay and pitch bend each other's slopes."""
-    hidden = PulseRinging(-10.0, 9.0, ring_decay_ns=5.0, ring_offset_mhz=-60.0)
-    given, kinds = Statistics(*compared(recordings((hidden,)))), (PulseRinging,)
-    (begin,) = Screen(given, kinds).singly()
-    made, true = polished(given, (begin.effect,)), fitted(given, (hidden,))
-    assert made is not None
-    assert true is not None
-    assert made.nats > true.nats - UNSURE_NATS
-
-
-def test_a_fit_begins_elsewhere_too_where_something_unlike_is_about_as_likely():
-    screen = Screen(Statistics(*compared(recordings((RINGING,)))), (PulseRinging,))
-    (first,) = screen.singly()
-    same = replace(first, response=2 * first.response, nats=first.nats - 1)
-    flipped = first.response * np.where(np.arange(first.response.shape[1]) % 2, 1.0, -1.0)
-    other, far = (replace(first, response=flipped, nats=first.nats - by) for by in (5, 50))
-    screen.points = {"pulse-ringing": [first, same, far]}
-    assert screen.unlike(first) == []
-    screen.points = {"pulse-ringing": [first, same, other, far]}
-    assert screen.unlike(first) == [other]
 
 
 def test_shares_of_bounds_lead_back_to_the_values():
