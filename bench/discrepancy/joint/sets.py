@@ -72,7 +72,7 @@ class Sets:
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
         self._plains: Memory[Fit] = Memory(KEPT)
-        self._worths: Memory[float] = Memory(KEPT)
+        self._evidences: Memory[float] = Memory(KEPT)
 
     def chosen(self) -> WaveChoice:
         """Return what the sets say."""
@@ -106,24 +106,28 @@ class Sets:
 
         Where another turns out likelier in the place of one, it begins again with that.
         """
-        begin = max(self.fits.values(), key=self.worth)
+        begin = max(self.fits.values(), key=self.evidence)
         for _ in range(SETTLED):
             best = self._needed(begin)
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
-            begin = max(alike, key=self.worth)
-            if self.worth(begin) <= self.worth(best) + DONE_NATS:
+            begin = max(alike, key=self.evidence)
+            if self.evidence(begin) <= self.evidence(best) + DONE_NATS:
                 break
         return best, rivals
 
-    def worth(self, fit: Fit) -> float:
-        """Return the evidence of a set without what it does not need, in nats.
+    def evidence(self, fit: Fit) -> float:
+        """Return the evidence of a set, whatever forms its effects have, in nats.
 
         By this sets are compared: how likely a fit is says nothing of what devices have of their
         own, so one cause that differs from device to device would lose to another that scatters.
         """
-        return self._worths.get(fit.effects, lambda: worth(self.given, self._plain(fit)))
+        return self._evidences.get(fit.effects, lambda: worth(self.given, fit))
+
+    def worth(self, fit: Fit) -> float:
+        """Return the evidence of a set without what it does not need, in nats."""
+        return self.evidence(self._plain(fit))
 
     def _plain(self, fit: Fit) -> Fit:
         """Return a set without the amplitudes that it does not need."""
@@ -223,11 +227,11 @@ class Sets:
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
         same = [one for one in self._counterparts(fit, name) if one.name not in rest.names]
         made = self._fit([(*rest.effects, other) for other in [*others[:2], *same]])
-        whole = self.worth(fit)
-        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.worth(rest)))
+        whole = self.evidence(fit)
+        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
         untold = [one.name for one in same if told_apart(self.given, fit, name) < CLASS_NATS]
-        near = [one for one in made if self.worth(one) > least or one.names[-1] in untold]
-        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=self.worth)}
+        near = [one for one in made if self.evidence(one) > least or one.names[-1] in untold]
+        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=self.evidence)}
         return tuple(reversed(best.values()))
 
     def _counterparts(self, fit: Fit, name: str) -> Added:
