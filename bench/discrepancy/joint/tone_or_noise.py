@@ -7,7 +7,8 @@ place: it begins at the power that the noise floor adds, and the floor at the po
 Of magnitudes, a weak tone does what a louder noise does: of K times the noise's power it raises
 their mean power and their variance by a factor 1 + K, but for a part of K^2 (0.46 K^2 / (1 + K) of
 the variance, Rice 1945). How the level differs between rows tells them apart no better, as noise
-differs from place to place too. So they are told by the noise that is logged, or not at all.
+differs from place to place too. So they are told by the noise that is logged, or not at all: where
+it is known that scatter is logged, as the DW1000 does, not power.
 """
 
 from __future__ import annotations
@@ -39,8 +40,11 @@ def counterparts(effect: Effect) -> Added:
 def told_apart(given: Statistics, fit: Fit, name: str) -> float:
     """Return the nats by which logged noise tells a tone from a noise floor of the same power.
 
-    Of a steady tone: infinite where no noise is logged, and the whole likelihood must tell.
+    Of a steady tone: infinite where no noise is logged, and the whole likelihood must tell. None
+    of another tool's table: it may log the power of noise, which a tone has too, or its scatter.
     """
+    if not given.by_rows:
+        return 0.0
     if NOISE not in given.names:
         return float("inf")
     effect = next(one for one in fit.effects if one.name == name)
