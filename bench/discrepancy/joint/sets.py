@@ -225,14 +225,21 @@ class Sets:
         """Return the effects that would do as well in the place of a member, likeliest first."""
         rest = self._without(fit, name)
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
-        same = [one for one in self._counterparts(fit, name) if one.name not in rest.names]
-        made = self._fit([(*rest.effects, other) for other in [*others[:2], *same]])
+        made = self._fit([(*rest.effects, other) for other in others[:2]])
         whole = self.evidence(fit)
         least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
-        untold = [one.name for one in same if told_apart(self.given, fit, name) < CLASS_NATS]
-        near = [one for one in made if self.evidence(one) > least or one.names[-1] in untold]
-        best = {one.names[-1]: one.effects[-1] for one in sorted(near, key=self.evidence)}
-        return tuple(reversed(best.values()))
+        near = [one for one in made if self.evidence(one) > least]
+        same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]
+        best = {one.names[-1]: one.effects[-1] for one in sorted([*near, *same], key=self.evidence)}
+        return tuple(best[one] for one in reversed(best) if one != name)
+
+    def _same(self, fit: Fit, rest: Fit, name: str, least: float) -> list[Fit]:
+        """Return sets with what may do the same as one that does well, where that is not told."""
+        member = name if name in fit.names else fit.names[-1]
+        able = [one for one in self._counterparts(fit, member) if one.name not in rest.names]
+        made = self._fit([(*rest.effects, one) for one in able])
+        untold = bool(made) and told_apart(self.given, fit, member) < CLASS_NATS
+        return [one for one in made if untold or self.evidence(one) > least]
 
     def _counterparts(self, fit: Fit, name: str) -> Added:
         """Return what may do the same as a member, of the effects that can be tried."""
