@@ -85,8 +85,8 @@ NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
 class Served:
     """What some effects do for held-out links: gain in nats, and whether ranges are farther.
 
-    `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them;
-    `waves` the gain of all that is compared but the range.
+    `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them,
+    `medians_m` the median of both; `waves` the gain of all that is compared but the range.
     """
 
     gain: Estimate
@@ -94,11 +94,15 @@ class Served:
     missed_m: float
     before_m: float = float("nan")
     waves: Estimate = NO_GAIN
+    medians_m: Pair = (0.0, 0.0)
 
     def __str__(self) -> str:
         score = "better" if self.gain.value > 0 else "no better"
-        change = f"{self.before_m:.3g} -> {self.missed_m:.3g} m"
-        worse = f", but ranges are worse: mean |recorded - simulated| {change}"
+        which, means = "mean", (self.before_m, self.missed_m)
+        if means[1] <= means[0] and much_farther(*self.medians_m):  # it is the typical link that is
+            which, means = "median", self.medians_m
+        change = f"{means[0]:.3g} -> {means[1]:.3g} m"
+        worse = f", but ranges are worse: {which} |recorded - simulated| {change}"
         return f"with it the score is {score}{worse if self.farther else ''}, on sealed links"
 
     @property
@@ -123,7 +127,8 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
     scores = tally(before), tally(after)
     gained, waves = gain_interval(*scores, seed), _of_waves(*scores, seed)
-    return Served(gained, is_farther(nearer, means, medians), means[1], means[0], waves)
+    farther = is_farther(nearer, means, medians)
+    return Served(gained, farther, means[1], means[0], waves, medians)
 
 
 def _of_waves(before: Tally, after: Tally, seed: int) -> Estimate:

@@ -7,6 +7,7 @@ could not differ any more.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.settings import CATEGORY_STD, DEVICE_STD, LEAST_STD
+from bench.discrepancy.compare.settings import CATEGORY_STD, DEVICE_STD, FAR_STD, LEAST_STD
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.settings import MOST_CATEGORIES
 
@@ -117,3 +118,20 @@ def _kinds(lists: pd.Series) -> NDArray[Any]:
 def _coded(values: NDArray[Any], known: list[str]) -> Floats:
     """Return 1 for the value of each row, 0 for others, [n, c], over root two: one apart."""
     return np.asarray((values[:, None] == np.array(known)) / np.sqrt(2), np.float64)
+
+
+def no_overlap(names: Sequence[str], far: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> str:
+    """Return in words why most recorded links have no simulated one like them.
+
+    `far` [k, L]: by which covariates `names` [k] links have none near; `unknown` [L]: which are of
+    a category that no simulated link has.
+    """
+    share = {name: float(one.mean()) for name, one in zip(names, far, strict=True)}
+    worst = sorted((name for name in share if share[name] > 0), key=lambda name: -share[name])
+    parts = [f"{name} ({100 * share[name]:.0f} % of the links)" for name in worst]
+    words = "no overlap of covariates: recorded links have no simulated link "
+    if parts:
+        words += f"within {FAR_STD:g} standard deviations of {', '.join(parts)}"
+    if unknown.any():
+        words += f"{' or ' if parts else ''}of their category ({100 * unknown.mean():.0f} %)"
+    return f"{words}; expected such links, or tables without columns that do not matter (--hide)"

@@ -32,7 +32,7 @@ from bench.discrepancy.compare.settings import (
     OVERLAP_LINKS,
     OVERLAP_SHARE,
 )
-from bench.discrepancy.compare.shared import NUMBERS, shared, shared_with_categories
+from bench.discrepancy.compare.shared import NUMBERS, no_overlap, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
@@ -312,15 +312,13 @@ class TableComparison:
         gaps = [
             cKDTree(b[:, None]).query(a[:, None])[0] for a, b in zip(ours.T, theirs.T, strict=True)
         ]
-        far = (np.stack(gaps) > FAR_STD).any(axis=0)
+        apart = np.stack(gaps) > FAR_STD
+        far = apart.any(axis=0)
         unknown = np.bincount(code, categories.unknown) > 0
         inside = ~(far | unknown)[code]
         few = len(np.unique(code[inside])) < OVERLAP_LINKS
         if few and inside.mean() < OVERLAP_SHARE:
-            raise BenchError(
-                "no overlap of covariates: most recorded links have no simulated link within "
-                f"{FAR_STD:g} standard deviations of {', '.join(alike.names)}"
-            )
+            raise BenchError(no_overlap(alike.names, apart, unknown))
         return np.asarray(inside)
 
     def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:

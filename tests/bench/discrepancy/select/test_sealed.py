@@ -187,3 +187,11 @@ def test_the_headline_says_why_a_name_was_not_added() -> None:
     assert "Nothing was added" not in line
     assert "time-lag was not added: with it the score is better, but ranges are worse" in line
     assert "0.0239 -> 0.0293 m" in line
+
+
+def test_what_is_said_to_be_worse_is_worse() -> None:
+    """The mean may be nearer where most links are farther: it is the median that is worse then."""
+    worse = Served(Estimate(3, 2, 4), True, 0.203, 0.21, medians_m=(0.020, 0.034))
+    assert str(worse).endswith(
+        "ranges are worse: median |recorded - simulated| 0.02 -> 0.034 m, on sealed links"
+    )
