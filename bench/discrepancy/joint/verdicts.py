@@ -55,10 +55,10 @@ def wave_verdicts(
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unexplained or quiet:
-        return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES))
+        return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
     if not any(one.names for one in named) or _ranges_left(last):
         named = tuple(one for one in named if one.names)
-        return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES))
+        return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES, added))
     return named
 
 
@@ -164,8 +164,11 @@ def _alike(turn: Round, effect: Effect) -> int:
     return 1 if type(effect).independent else len(turn.explanation.contenders)
 
 
-def _unknown(first: Round, last: Round, note: str) -> Unknown:
-    """Return the verdict on what no effect explains."""
+def _unknown(first: Round, last: Round, note: str, added: Added = ()) -> Unknown:
+    """Return the verdict on what no effect explains, with what differs beside those `added`."""
     seen = last if last.located.significant else first
+    if seen is last and added:
+        names = " and ".join(effect.name for effect in added)
+        note += f"; the differences are those left with {names} in the simulator"
     removable = seen.explanation.removable if seen.explanation else Estimate(0, 0, 0)
     return Unknown(seen.located.findings, removable, {}, note)
