@@ -24,7 +24,6 @@ from bench.discrepancy.joint.settings import (
     BEAM,
     CLASS_NATS,
     CLASS_SHARE,
-    DONE_NATS,
     GROWN,
     KEPT,
     LEFT_NATS,
@@ -106,16 +105,26 @@ class Sets:
 
         Where another turns out likelier in the place of one, it begins again with that.
         """
-        begin = max(self.fits.values(), key=self.evidence)
+        begin = self._likeliest(self.fits.values())
         for _ in range(SETTLED):
             best = self._needed(begin)
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
-            begin = max(alike, key=self.evidence)
-            if self.evidence(begin) <= self.evidence(best) + DONE_NATS:
+            begin = self._likeliest(alike)
+            if _key(begin.effects) == _key(best.effects):
                 break
         return best, rivals
+
+    def _likeliest(self, fits: Iterable[Fit]) -> Fit:
+        """Return the set of most evidence; of those that do as well, the one that fits best.
+
+        Where all forms may differ, what does quite another thing may come out as well.
+        """
+        some = list(fits)
+        most = max(map(self.evidence, some))
+        gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.evidence(self.none)))
+        return max((f for f in some if self.evidence(f) >= most - gap), key=lambda fit: fit.nats)
 
     def evidence(self, fit: Fit) -> float:
         """Return the evidence of a set, whatever forms its effects have, in nats.

@@ -8,6 +8,8 @@ most of these needless, and tells links apart as they cannot; one of the wrong f
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,10 +33,16 @@ def beside_unformed(given: Statistics, fit: Fit, whole: Fit | None = None) -> fl
 
     The sizes cost nothing: what must be asked of a name is then that it brings anything at all.
     Links may differ by themselves from what has no form as from what `whole` does in its place:
-    else the name alone would pay for that it may not be right.
+    else the name alone would pay for that it may not be right. Nor need links scatter more than
+    without the set: how much they do is a matter of its form, too.
     """
-    alone = (whole or fit).responses
-    matrices, volume = whitener(given, fit.moments, alone)
+    plain = replace(fit.moments, covariances=given.needed(()).covariances)
+    scatters = (fit.moments, plain) if fit.effects else (plain,)
+    return max(_beside(given, replace(fit, moments=one), whole or fit) for one in scatters)
+
+
+def _beside(given: Statistics, fit: Fit, whole: Fit) -> float:
+    matrices, volume = whitener(given, fit.moments, whole.responses)
     flat = white(matrices, fit.moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
     free = columns_of(matrices, np.ones_like(flat), given.ways)
