@@ -208,7 +208,8 @@ class Sets:
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""
-        return by_chance(self.given, fit, self._without(fit, name))
+        rest = self._plain(self._without(fit, name))
+        return by_chance(self.given, self._plain(fit), rest)
 
     def _scatters(self, fit: Fit, rest: Fit) -> bool:
         """Return whether links of a set scatter more than those of the rest of it.

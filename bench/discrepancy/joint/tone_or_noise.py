@@ -42,8 +42,9 @@ def told_apart(given: Statistics, fit: Fit, name: str) -> float:
 
     Of a steady tone: infinite where no noise is logged, and the whole likelihood must tell. None
     of another tool's table: it may log the power of noise, which a tone has too, or its scatter.
+    None where links have more or less of a noise floor by chance, as they may have of a tone.
     """
-    if not given.by_rows:
+    if not given.by_rows or fit.moments.uneven is not None:
         return 0.0
     if NOISE not in given.names:
         return float("inf")

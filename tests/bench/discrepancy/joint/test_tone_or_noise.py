@@ -34,12 +34,13 @@ def test_magnitudes_scatter_as_rice_says():
 def test_a_weak_tone_is_not_told_from_noise_and_a_loud_one_is():
     assert _apart(0.6) < 3 < _apart(5.0)
     assert _apart(5.0, again=False) == 0  # another tool may log the power of noise
+    assert _apart(5.0, uneven=np.ones((84, 1, 1))) == 0  # a tone may come and go, too
 
 
-def _apart(level_db: float, again: bool = True) -> float:
+def _apart(level_db: float, again: bool = True, uneven: np.ndarray | None = None) -> float:
     links, scatter_db = 84, 0.4
     names = ("noise_std",)
     given = SimpleNamespace(names=names, count=np.ones(links, int), crowding=1.0, by_rows=again)
-    moments = SimpleNamespace(covariances={1: np.array([[scatter_db**2]])}, uneven=None)
+    moments = SimpleNamespace(covariances={1: np.array([[scatter_db**2]])}, uneven=uneven)
     fit = SimpleNamespace(effects=(NoiseFloor(level_db=level_db),), moments=moments, responses=())
     return told_apart(given, fit, "noise-floor")
