@@ -213,3 +213,12 @@ def test_resonance_rings_on_and_decays() -> None:
     lags, taps = echo_taps(5.0, 0.5 * ring)
     at = dict(zip(lags[1:].tolist(), taps[1:], strict=True))
     assert np.allclose([at[5], at[6]], 0.5 * ring[:2], atol=1e-6)
+
+
+def test_level_control_follows_a_receiver_whose_levels_are_calibrated_otherwise() -> None:
+    """Other tools' levels are 15 dB off as easily: what is held and cut short is the same."""
+    frame = line(64)
+    usual = seen(frame, LevelControl())
+    off = seen(frame, PathLoss(offset_db=-15.0), LevelControl(shift_db=15.0))
+    assert usual.preamble_count.min() < 0.7 * usual.preamble_count.max()
+    np.testing.assert_array_equal(off.preamble_count, usual.preamble_count)

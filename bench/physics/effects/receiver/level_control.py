@@ -33,7 +33,7 @@ class LevelControl(Effect):
     compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
     peak_counts: float = parameter(20000, "counts", 1000, 1e9, "highest peak let through", null=1e9)
-    shift_db: float = parameter(0, "dB", -6, 6, "the true level at which both curves start")
+    shift_db: float = parameter(0, "dB", -20, 20, "the true level at which both curves start")
     in_samples: float = parameter(1, "ratio", 0, 1, "of the attenuation in dB, that samples show")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
