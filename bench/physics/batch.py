@@ -105,6 +105,11 @@ class Batch:
         free = None if self.free_gain is None else self.free_gain * ratio[:, 0]
         return replace(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
 
+    def told_louder(self, by_db: Floats) -> Batch:
+        """Return the batch whose levels will be reported larger by `by_db` [n] than they arrive."""
+        before = 0.0 if self.reported_db is None else self.reported_db
+        return replace(self, reported_db=before + by_db)
+
     def reported_louder(self, gain_db: Floats) -> Batch:
         """Return the batch with the levels that are reported so far larger by `gain_db` [n]."""
         known = {name: getattr(self, name) for name in REPORTED_LEVELS}

@@ -132,8 +132,7 @@ class ForeignTable:
         arriving = self._arriving(slice(start, start + BLOCK), phased)
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        peaks = None if self.cir is None else self._peaks[start : start + BLOCK]
-        edge = arriving.free_gain
+        peaks, edge = self._peaks[start : start + BLOCK], arriving.free_gain
         receive = partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks)
         return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
 
@@ -158,7 +157,7 @@ class ForeignTable:
 
     @cached_property
     def _peaks(self) -> Floats:
-        """The highest magnitude of every CIR [n] in counts."""
+        """The highest magnitude of every CIR [n] in counts; of none, empty."""
         whole = np.zeros((0, 1)) if self.cir is None else absolute(self.cir)
         return np.asarray(whole.max(axis=1), np.float64)
 
@@ -192,7 +191,7 @@ class ForeignTable:
         return rows.number("first_path_index", float(self.base.cir_lead))
 
     def _received(
-        self, batch: Batch, offset_db: Floats, edge: Complexes | None, peaks: Floats | None
+        self, batch: Batch, offset_db: Floats, edge: Complexes | None, peaks: Floats
     ) -> Batch:
         """Return the batch at the receiver: its own samples, no noise but its own.
 

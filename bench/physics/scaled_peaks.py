@@ -44,17 +44,16 @@ class ScaledPeaks:
         slope = np.polyfit(level_dbm[known], 20 * np.log10(noise[known]), 1)[0]
         return cls(True, bool(slope < FOLLOWS))
 
-    def again(self, batch: Batch, peaks: Floats | None) -> Batch:
+    def again(self, batch: Batch, peaks: Floats) -> Batch:
         """Return a received batch with peaks as high as they were (`peaks` [n] in counts).
 
         Levels are reported as they arrive: whoever scales samples has read them before.
         """
         waveform = there(batch.waveform)
         now = absolute(waveform).max(axis=1)
-        ratio = np.divide(there(peaks), now, out=np.ones(len(now)), where=now > 0)
+        ratio = np.divide(peaks, now, out=np.ones(len(now)), where=now > 0)
         ratio = np.where(np.abs(ratio - 1) < 1e-6, 1.0, ratio)  # nothing was changed
         power = there(batch.noise_power) * (ratio**2 if self.with_noise else 1.0)
         scaled = waveform * ratio.astype(np.float32)[:, None]
-        told_db = (0.0 if batch.reported_db is None else batch.reported_db) - 20 * np.log10(ratio)
-        held = replace(batch, waveform=scaled, noise_power=power, reported_db=told_db)
-        return replace(held, peak_held=True)
+        held = replace(batch, waveform=scaled, noise_power=power, peak_held=True)
+        return held.told_louder(-20 * np.log10(ratio))

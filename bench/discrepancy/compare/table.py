@@ -318,7 +318,8 @@ class TableComparison:
         inside = ~(far | unknown)[code]
         few = len(np.unique(code[inside])) < OVERLAP_LINKS
         if few and inside.mean() < OVERLAP_SHARE:
-            raise BenchError(no_overlap(alike.names, apart[1:], unknown))
+            named = apart[1:]  # before the covariates stands a constant
+            raise BenchError(no_overlap(alike.names, named, unknown))
         return np.asarray(inside)
 
     def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:

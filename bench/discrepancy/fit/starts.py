@@ -102,25 +102,18 @@ def onsets(
     defaults = {p.name: p.default for p in free_parameters(kind)}
     out = []
     for item in (p for p in free_parameters(kind) if p.null is not None):
-        line = [
-            (_from(item)(point[item.name]), point[item.name], did)
+        line = {
+            point[item.name]: did
             for point, did in zip(points, much, strict=True)
             if point == defaults | {item.name: point[item.name]} and point != defaults
-        ]
+        }
         for side in (-1.0, 1.0):
-            for ends in _onset([one for one in line if side * (one[1] - (item.null or 0.0)) > 0]):
-                at = (inside(item, between(item, *ends, share)) for share in ONSET_SHARES)
-                out += [defaults | {item.name: value} for value in at]
+            values = sorted((v for v in line if side * (v - (item.null or 0)) > 0), key=_from(item))
+            for last, first in pairwise(values):
+                if line[last] is None and line[first]:
+                    at = (between(item, last, first, share) for share in ONSET_SHARES)
+                    out += [defaults | {item.name: inside(item, value)} for value in at]
     return out
-
-
-def _onset(line: list[tuple[float, float, bool | None]]) -> list[tuple[float, float]]:
-    """Return a value that does nothing and the next one, where that does too much."""
-    return [
-        (last, first)
-        for (_, last, before), (_, first, after) in pairwise(sorted(line))
-        if before is None and after
-    ]
 
 
 def elsewhere(kind: type[Effect], best: Effect, thorough: bool) -> list[dict[str, float]]:

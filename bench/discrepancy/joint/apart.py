@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.form import variances
 from bench.discrepancy.joint.likelihood import evidence, white, whitener
 from bench.discrepancy.joint.polish import Fit
@@ -32,21 +31,19 @@ def brought_alone(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
     return _of(given, fit, places) - _of(given, rest, places)
 
 
-def refuted(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
+def refuted(given: Statistics, fit: Fit, name: str, alone: float) -> bool:
     """Return whether a member is not seen where it alone would show, and would be plain to see.
 
     So a noise floor that makes up for another's form in the profile, where noise is logged.
+    `alone`: what it brings there (see `brought_alone`).
     """
-    places = untouched(given, fit, name)
-    if not len(places) or len(fit.names) == 1:
+    if alone >= 0 or len(fit.names) == 1:
         return False
-    part = _part(fit.moments, places)
-    response = fit.responses[fit.names.index(name)][:, places]
-    matrices, _ = whitener(given, part, [response])
-    foreseen = 0.5 * float((white(matrices, response) ** 2).sum()) / given.crowding
-    paid_for = len(free_parameters(type(fit.effects[fit.names.index(name)])))
-    asked = NAME_NATS + paid_for / 2 * float(np.log(given.links))
-    return foreseen > asked and brought_alone(given, fit, rest, name) < 0
+    places, place = untouched(given, fit, name), fit.names.index(name)
+    response = fit.responses[place][:, places]
+    matrices, _ = whitener(given, _part(fit.moments, places), [response])
+    foreseen = 0.5 * float((white(matrices, response) ** 2).sum())
+    return given.worth(foreseen, (fit.effects[place],)) > NAME_NATS
 
 
 def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:

@@ -7,32 +7,26 @@ tells whether it is needed (automatic Occam's razor: MacKay 1992).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.starts import free_parameters
-from bench.discrepancy.joint.likelihood import evidence
 from bench.discrepancy.joint.polish import Fit, fitted
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.effect import Effect
 
 
-def plainer(given: Statistics, fit: Fit) -> Fit:
-    """Return a set with all but its members' first amplitudes off, as far as evidence grows."""
-    best, most = fit, worth(given, fit)
+def plainer(given: Statistics, fit: Fit, evidence: Callable[[Fit], float]) -> Fit:
+    """Return a set with all but its members' first amplitudes off, as far as `evidence` grows."""
+    best = fit
     for place, effect in enumerate(fit.effects):
         for item in [p for p in free_parameters(type(effect)) if p.null is not None][1:]:
             other = replace(best.effects[place], **{item.name: item.null})
             made = fitted(given, _with(best.effects, place, other))
-            gained = worth(given, made) - most if made else 0.0
-            if made and gained > 0:
-                best, most = made, most + gained
+            if made and evidence(made) > evidence(best):
+                best = made
     return best
-
-
-def worth(given: Statistics, fit: Fit) -> float:
-    """Return the evidence of a set, whatever forms its effects have, in nats."""
-    return evidence(given, fit.moments, fit.responses, fit.parameters)
 
 
 def _with(effects: Added, place: int, other: Effect) -> Added:

@@ -64,27 +64,26 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
         return None
     responses = tuple(moments.mean - rest.mean for rest in rests if rest is not None)
     count = sum(len(free_parameters(type(effect))) for effect in effects)
-    moments = replace(moments, own=_own(given, effects, responses))
-    each = [replace(moments, uneven=one) for one in _uneven(effects, responses)]
+    able = zip(effects, responses, strict=True)
+    varied = [response for effect, response in able if type(effect).by_device]
+    moments = replace(moments, own=_own(given, varied))
+    each = [replace(moments, uneven=one) for one in _uneven(varied)]
     made = (Fit(effects, m, responses, fitness(given, m, m.left, responses, count)) for m in each)
     return max(made, key=lambda fit: fit.nats)
 
 
-def _uneven(effects: Added, responses: Sequence[Floats]) -> list[Floats | None]:
-    """Return by how much links may differ of the effects of which devices do [L, p, k], or not."""
-    able = zip(effects, responses, strict=True)
-    parts = [one for effect, one in able if type(effect).by_device]
-    return [None, *(size * np.stack(parts, axis=2) for size in UNEVEN if parts)]
+def _uneven(varied: Sequence[Floats]) -> list[Floats | None]:
+    """Return by how much links may differ in responses of which devices do [L, p, k], or not."""
+    return [None, *(size * np.stack(varied, axis=2) for size in UNEVEN if varied)]
 
 
-def _own(given: Statistics, effects: Added, responses: Sequence[Floats]) -> Floats | None:
-    """Return what devices may have of their own of the effects of which they do [L, p, r].
+def _own(given: Statistics, varied: Sequence[Floats]) -> Floats | None:
+    """Return what devices may have of their own of responses of which they do [L, p, r].
 
     Of a size that is not negative only the mean is known, the response: the likeliest law of that
     (of most entropy) is exponential, whose standard deviation is its mean. So factors are of one.
     """
-    able = zip(effects, responses, strict=True)
-    parts = [one[:, :, None] * given.devices[:, None] for e, one in able if type(e).by_device]
+    parts = [one[:, :, None] * given.devices[:, None] for one in varied]
     return np.concatenate(parts, axis=2) if parts else None
 
 

@@ -16,8 +16,8 @@ from bench.discrepancy.joint.apart import brought_alone, refuted
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
-from bench.discrepancy.joint.likelihood import left_free
-from bench.discrepancy.joint.plainer import plainer, worth
+from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.plainer import plainer
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -132,7 +132,8 @@ class Sets:
         By this sets are compared: how likely a fit is says nothing of what devices have of their
         own, so one cause that differs from device to device would lose to another that scatters.
         """
-        return self._evidences.get(fit.effects, lambda: worth(self.given, fit))
+        parts = fit.moments, fit.responses, fit.parameters
+        return self._evidences.get(fit.effects, lambda: evidence(self.given, *parts))
 
     def worth(self, fit: Fit) -> float:
         """Return the evidence of a set without what it does not need, in nats."""
@@ -140,7 +141,7 @@ class Sets:
 
     def _plain(self, fit: Fit) -> Fit:
         """Return a set without the amplitudes that it does not need."""
-        return self._plains.get(fit.effects, lambda: plainer(self.given, fit))
+        return self._plains.get(fit.effects, lambda: plainer(self.given, fit, self.evidence))
 
     def _grow(self) -> None:
         """Fit the likeliest sets of one, two and three effects more."""
@@ -195,13 +196,12 @@ class Sets:
         is where these would do all of it; but where the others do nothing, no form of them is. And
         it must be seen there, if it would be plain to see.
         """
-        rest = self._without(fit, name)
-        if refuted(self.given, fit, rest, name):
+        alone = brought_alone(self.given, fit, self._without(fit, name), name)
+        if refuted(self.given, fit, name, alone):
             return float("inf")
         formed = of_form(self.given, fit, name)
         if not formed and NAME_SHARE * whole <= NAME_NATS:
             return NAME_NATS
-        alone = brought_alone(self.given, fit, rest, name)
         if alone >= NAME_NATS:
             return NAME_NATS
         return float("inf") if formed else NAME_SHARE * whole

@@ -50,8 +50,7 @@ class LevelControl(Effect):
         if batch.waveform is None or batch.noise is None:
             return made
         if batch.peak_held:  # samples show nothing of a gain
-            before = 0.0 if batch.reported_db is None else batch.reported_db
-            return replace(made, reported_db=before + read - level)
+            return made.told_louder(read - level)
         seen_db, told_db = np.multiply.outer([self.in_samples, 1 - self.in_samples], read - level)
         made = replace(made, reported_db=told_db if self.in_samples < 1 else batch.reported_db)
         signal = (longer * amplitude(seen_db)).astype(np.float32)

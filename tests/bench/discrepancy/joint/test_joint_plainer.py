@@ -11,7 +11,8 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.plainer import plainer, worth
+from bench.discrepancy.joint.likelihood import evidence
+from bench.discrepancy.joint.plainer import plainer
 from bench.discrepancy.joint.polish import Fit, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import NAME_NATS
@@ -54,13 +55,23 @@ def fit_of(of: Statistics, *effects: PathLoss) -> Fit:
     return fit
 
 
+def worth(of: Statistics, fit: Fit) -> float:
+    """Return the evidence of a set in nats."""
+    return evidence(of, fit.moments, fit.responses, fit.parameters)
+
+
+def plain_of(of: Statistics, fit: Fit) -> Fit:
+    """Return a set without what it does not need."""
+    return plainer(of, fit, lambda one: worth(of, one))
+
+
 def test_another_form_of_a_loss_is_no_shadowing() -> None:
     """A fit of one slope takes what bends for scatter; evidence lets forms differ."""
     lossy = [made((PathLoss(2.0, 0.3 * far_m - 0.6),)) for far_m in range(16)]  # dB a metre: rain
     rows = [lossy[round(far)].iloc[[i]] for i, far in enumerate(lossy[0]["true_range_m"])]
     of = given(pd.concat(rows))
     fit = fit_of(of, PathLoss(2.2, 0.0, 0.8))
-    plain = plainer(of, fit)
+    plain = plain_of(of, fit)
     assert fit.effects[0].shadowing_db > 0.1
     assert plain.effects[0].shadowing_db == 0
     assert worth(of, plain) > worth(of, fit) + NAME_NATS
@@ -68,14 +79,14 @@ def test_another_form_of_a_loss_is_no_shadowing() -> None:
 
 def test_what_scatters_by_link_stays() -> None:
     of = given(made((PathLoss(2.4, 0.0, 3.0),)))
-    plain = plainer(of, fit_of(of, PathLoss(2.2, 0.0, 1.0)))
+    plain = plain_of(of, fit_of(of, PathLoss(2.2, 0.0, 1.0)))
     assert plain.effects[0].shadowing_db > 1.5
 
 
 def test_a_name_does_not_pay_alone_for_that_forms_may_be_wrong() -> None:
     of = given(made((PathLoss(2.2, 1.7),)))
     fit, none = (fit_of(of, *effects) for effects in ((PathLoss(2.2, 1.5),), ()))
-    plain = plainer(of, fit)
+    plain = plain_of(of, fit)
     alone = beside_unformed(of, plain) - beside_unformed(of, none)
     alike = beside_unformed(of, plain) - beside_unformed(of, none, plain)
     assert alike > max(alone, NAME_NATS)
