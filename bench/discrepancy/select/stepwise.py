@@ -79,9 +79,11 @@ def contradicted(added: Added, located: Located) -> Effect | None:
     """Return an added effect whose signature what is left contradicts, None where none is.
 
     Scatter that is independent from row to row leaves no offsets that links keep; where such
-    offsets are found after all, it only stood in for something else.
+    offsets are found after all, it only stood in for something else. They must be beyond doubt: of
+    every round one in twenty finds something by chance.
     """
-    left = any(f.cell.moment == "link" and f.cell.observable == RANGE for f in located.findings)
+    cells = [f.cell for f in located.findings if f.p <= SURE_P]
+    left = any(cell.moment == "link" and cell.observable == RANGE for cell in cells)
     return next((e for e in added if type(e).independent), None) if left else None
 
 
