@@ -31,6 +31,8 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
 
     Of a set of causes it may be nothing beyond what is left everywhere: that is another cause. This
     only excuses: what its form leaves where it acts (walls of another kind) is nothing elsewhere.
+    What laws and faults of the set do has no name, but is known: a device that stands elsewhere is
+    off where there is no wall, too.
     """
     words = type(effect).control
     inert = effect.inert(Base().paths(search.discover.scene))
@@ -42,6 +44,8 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     if name not in ensemble.names:
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
+    if name == RANGE:
+        residual = residual - nameless_m(search)
     beyond = everywhere_left(search, others, effect, name, ~inert)
     for less in (0.0, beyond):
         left = residual - less
@@ -50,6 +54,19 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
         if passed:
             break
     return Control(words, passed, int(inert.sum()), quiet)
+
+
+def nameless_m(search: Search) -> NDArray[np.float64] | float:
+    """Return what the nameless causes of a set do to the ranges that are searched [n], in metres.
+
+    0 where there are none, or where other rows than these were weighed.
+    """
+    shifts = [search.choice.shifts_m[one] for one in search.choice.others]
+    work = search.work if shifts else None
+    if work is None or len(shifts[0]) != len(work.rows):
+        return 0.0
+    known = dict(zip(work.rows.tolist(), np.sum(shifts, axis=0), strict=True))
+    return np.array([known.get(row, 0.0) for row in search.discover.rows.tolist()])
 
 
 def control_passed(quiet: Estimate, loud: float) -> bool | None:

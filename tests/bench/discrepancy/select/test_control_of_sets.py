@@ -50,3 +50,29 @@ def test_another_form_of_the_delay_does_not_fail_the_control(
     top = SimpleNamespace(cell=SimpleNamespace(observable="kurtosis"))
     found = controls.negative_control(search, (), Walls(), top)  # type: ignore[arg-type]
     assert found.passed is passed
+
+
+def test_what_a_nameless_cause_does_where_nothing_stands_speaks_against_no_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One device stands elsewhere: its clear rows are off, as the set says."""
+    rng, rows = np.random.default_rng(2), np.arange(60)
+    versions = rng.normal(0, 0.01, (9, 60, 1))
+    versions[0, :, 0] += np.where(INERT, 0.2, 0.1)
+    made = Ensemble(("error_m",), ("m",), versions, rows // 2)
+    monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
+    monkeypatch.setattr(controls, "everywhere_left", lambda *_: 0.0)
+    search = SimpleNamespace(
+        discover=SimpleNamespace(scene=None, rows=rows),
+        work=SimpleNamespace(rows=rows[::-1]),
+        comparison=SimpleNamespace(ensemble=lambda *_: made),
+        choice=Choice(
+            names=("material-delay",),
+            others=("the position of a1",),
+            shifts_m={"the position of a1": np.where(INERT, 0.2, 0.0)[::-1]},
+        ),
+        seed=0,
+    )
+    top = SimpleNamespace(cell=SimpleNamespace(observable="error_m"))
+    found = controls.negative_control(search, (), Walls(), top)  # type: ignore[arg-type]
+    assert found.passed is True
