@@ -235,7 +235,9 @@ def _named(
             )
             same = (same[0], *held)
         options = tuple(
-            left_out(search, turn, effect if i == 0 else c.effect, c.gain, whole, share)
+            left_out(
+                search, turn, effect if i == 0 else c.effect, c.gain, c.company[:-1] or whole, share
+            )
             for i, c in enumerate(same)
         )
         objections = [objection(search, turn, whole, effect, option) for option in options]
@@ -263,7 +265,8 @@ def of_class(turn: Round, options: tuple[LeftOut, ...], waveform: bool) -> Verdi
 def objection(search: Search, turn: Round, added: Added, effect: Effect, option: LeftOut) -> str:
     """Return why an option for `effect` is no name, "" where it may be.
 
-    `effect` itself is known to reproduce what it acts on.
+    `effect` itself is known to reproduce what it acts on. How much independent scatter there is
+    rows of one link have told; how it parts into a width and a share of wide rows need not be.
     """
     name = option.names[0]
     if option.control.passed is False:
@@ -276,10 +279,10 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         *search.choice.names,
         *(one for some in search.choice.rivals.values() for one in some),
     }
-    weighed = search.fit.waveform or name in of_set
+    weighed = search.fit.waveform or name in of_set or type(option.effect).independent
     if not weighed and undetermined(option):
         return f"looks most like {name}, but these recordings determine none of its values"
-    if option.effect is effect:
+    if option.effect is effect or name in search.choice.constants_m:  # weighed at usual levels
         return ""
     found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
     return "" if found.adequate else f"looks most like {name}, but {found}"

@@ -15,8 +15,9 @@ class Choice:
     """The names of most evidence, `others` (laws, faults of the set-up) beside them.
 
     `nats` maps names to the evidence that each brings beside the rest; `rivals` to other names
-    that could stand in its place; `wider` to how many times less is known of what it does than if
-    the rest were known; `shifts_m` to what it does to every row [n], names and others alike.
+    that could stand in its place, some beside a constant (`constants_m`, by rival); `wider` to how
+    many times less is known of what it does than if the rest were known; `shifts_m` to what it does
+    to every row [n], names and others alike.
     `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
     aside as measured that a law says are known before (see `mistaken`).
     """
@@ -30,3 +31,9 @@ class Choice:
     beside: Set = ()
     view: int = -1
     mistaken: Set = ()
+    constants_m: dict[str, float] = field(default_factory=dict)
+
+
+def but(causes: Set, gone: str) -> Set:
+    """Return a set without one of its causes."""
+    return tuple(one for one in causes if one != gone)

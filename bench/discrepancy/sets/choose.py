@@ -26,10 +26,11 @@ from bench.discrepancy.sets.blocks import (
     off_by,
     usual_levels,
 )
-from bench.discrepancy.sets.choice import Choice, Set
+from bench.discrepancy.sets.choice import Choice, Set, but
 from bench.discrepancy.sets.evidence import Evidence, Weighed
 from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.mistaken import mistaken
+from bench.discrepancy.sets.rivals import beside_a_constant, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,
@@ -40,7 +41,6 @@ from bench.discrepancy.sets.settings import (
     MOST_LAWS,
     NAME_NATS,
     RANGE_LAW_NATS,
-    RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -138,19 +138,22 @@ class Contest:
         every = [block for blocks in self.single.values() for block in blocks.items()]
         self.evidence = evidence.with_blocks(evidence.blocks | dict(every))
         self._nats: dict[Set, float] = {}
+        self._able: Set = ()
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
         best = self._at_usual_levels(self._beyond_deformed(self._calm()))
         best = moves_every_row(self, self._beyond_forms(misplaced(self, best)))
         names = tuple(one for one in best if one in self.library)
+        beside = {one: beside_a_constant(self, best, one) for one in names}
         return Choice(
             names,
             tuple(one for one in best if one not in self.library),
             {one: self.brings(best, one) for one in names},
-            {one: self.rivals(best, one) for one in names},
+            {o: tuple(sorted({*rivals(self, best, o), *beside[o]})) for o in names},
             {one: self._wider(best, one) for one in names},
             self.shifts(best),
+            constants_m={o: m for some in beside.values() for o, m in some.items()},
         )
 
     def most(self) -> float:
@@ -159,20 +162,24 @@ class Contest:
 
     def _calm(self) -> Set:
         """Return the best set with weights of its own, without links far off that none explains."""
-        first = self._physical(self._able())
+        first = self._best_able()
         left = self._weigh(first)
         if left > EXPLAINED_STRAYS * self._weigh(()):
             first = ()
         for _ in range(2):
             self._weigh(first)
-            first = self._physical(self._able())
+            first = self._best_able()
         return first
+
+    def _best_able(self) -> Set:
+        self._able = self._taking_part()
+        return self._physical(self._able)
 
     def _weigh(self, causes: Set) -> int:
         self._nats = {}
         return self.evidence.reweigh(causes)
 
-    def _able(self) -> Set:
+    def _taking_part(self) -> Set:
         """Return every name, and the laws that do most."""
         none = {one for part in self.single.values() for one in part} | self.library | self.untold
         names = self.best(tuple(self.library))
@@ -185,18 +192,25 @@ class Contest:
         """Return the best set of which every name does only what physics allows."""
         while True:
             best = self.best(able)
-            wrong = [one for one in best if one in self.kinds and not self._possible(best, one)]
+            wrong = [one for one in best if one in self.kinds and not self.possible(best, one)]
             if not wrong:
                 return best
             able = tuple(one for one in able if one not in wrong)
 
-    def _possible(self, causes: Set, name: str) -> bool:
+    def possible(self, causes: Set, name: str) -> bool:
+        """Return whether physics allows what a name of a set does to the ranges."""
         return self.kinds[name].possible(self.rows.scene, self.shifts(causes)[name])
 
     def shifts(self, causes: Set) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""
         made = self.evidence.of(causes)
-        return {one: _spread(self.evidence.response(made, one), self) for one in causes}
+        return {one: self.spread(self.evidence.response(made, one)) for one in causes}
+
+    def spread(self, values: Floats) -> Floats:
+        """Return values of the rows that are known as values of all rows [n], 0 elsewhere."""
+        out = np.zeros(len(self.rows.rows))
+        out[self.known] = values
+        return out
 
     def seen(self, columns: Floats) -> Floats:
         """Return what the evidence has of columns [n, k] of known rows: here all."""
@@ -219,7 +233,7 @@ class Contest:
         mine = self.evidence.places[name][first : first + len(single)]
         of_device = made.factors[np.isin(made.places, mine)]
         loudest = single[int(np.argmax(np.abs(of_device)))]
-        other = self.evidence.of((*_but(made.causes, name), loudest))
+        other = self.evidence.of((*but(made.causes, name), loudest))
         return other.nats - float(np.log(len(single)))
 
     def worth(self, causes: Set) -> float:
@@ -235,46 +249,24 @@ class Contest:
 
     def brings(self, causes: Set, one: str) -> float:
         """Return the evidence that one cause brings beside the others of a set."""
-        return self.nats(causes) - self.nats(_but(causes, one))
+        return self.nats(causes) - self.nats(but(causes, one))
 
     def best(self, able: Set) -> Set:
-        """Return the set of most worth: the best few sets of each size are followed."""
+        """Return the set of most worth: all pairs, then the best few sets of each size."""
         seen: list[Set] = [()]
         beam: list[Set] = [()]
-        for _ in range(MOST_CAUSES):
+        for size in range(MOST_CAUSES):
             grown = {
                 tuple(sorted((*one, more))) for one in beam for more in able if more not in one
             }
             if not grown:
                 break
-            beam = sorted(grown, key=lambda one: -self.worth(one))[:BEAM]
-            if self.worth(beam[0]) < max(map(self.worth, seen)) - NAME_NATS:
+            # a constant and a scale may each do little alone: all pairs are tried
+            beam = sorted(grown, key=lambda one: -self.worth(one))[: BEAM if size else None]
+            if size and self.worth(beam[0]) < max(map(self.worth, seen)) - NAME_NATS:
                 break
             seen += beam
         return max(seen, key=self.worth)
-
-    def rivals(self, causes: Set, name: str) -> Set:
-        """Return the names that could stand in the place of one.
-
-        Those of as much evidence, and those of which one value does the same to every row: freedom
-        that a name does not need here is nothing against it.
-        """
-        rest, least = _but(causes, name), self.worth(causes) - RIVAL_NATS
-        others = sorted((self.library | self.untold) - set(causes))
-        same = self._same_rows(causes, name, tuple(others))
-        able = [o for o in others if o in same or self.worth((*rest, o)) > least]
-        return tuple(o for o in able if o in same or self._possible((*rest, o), o))
-
-    def _same_rows(self, causes: Set, name: str, others: Set) -> Set:
-        """Return of which others one value does to every row what a name does, within scatter."""
-        made = self.evidence.of(causes)
-        target = self.evidence.toward(self.evidence.response(made, name))
-        return tuple(
-            one
-            for one, (nats, shift_m) in ((o, target.nearest(o, made)) for o in others)
-            if nats / self.crowding < RIVAL_NATS
-            and self.kinds[one].possible(self.rows.scene, _spread(shift_m, self))
-        )
 
     def _beyond_deformed(self, causes: Set) -> Set:
         """Return the set without names that a smooth deformation of the others does as well as.
@@ -287,19 +279,21 @@ class Contest:
             least = min(gains, key=lambda one: gains[one], default=None)
             if least is None or gains[least] >= NAME_NATS:
                 break
-            causes = _but(causes, least)
+            causes = but(causes, least)
         return causes
 
     def _at_usual_levels(self, causes: Set) -> Set:
         """Return the set without an error of the level that is seen at unusual levels alone.
 
-        Where something stands in the way signals are weaker for their distance, and longer.
+        Where something stands in the way signals are weaker for their distance, and longer: what
+        stands there may be a cause with a name, so the best set without the error is sought anew.
         """
         made = self.evidence.among(self.usual)
         for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
-            lead = made.of(causes).nats - made.of(_but(causes, one)).nats
+            lead = made.of(causes).nats - made.of(but(causes, one)).nats
             if lead < NAME_NATS * self.crowding:
-                causes = _but(causes, one)
+                self._able = but(self._able, one)
+                causes = self._beyond_deformed(self._physical(self._able))
         return causes
 
     def _beyond_forms(self, causes: Set) -> Set:
@@ -311,13 +305,14 @@ class Contest:
             self.pays[law.name] = law.pays
             self.library -= set(held.names)
             able = dict.fromkeys((*sorted(self.library), *causes, law.name))
-            causes = self._physical(tuple(one for one in able if one not in held.names))
+            self._able = tuple(one for one in able if one not in held.names)
+            causes = self._physical(self._able)
             causes = self._at_usual_levels(self._beyond_deformed(causes))
         return causes
 
     def _beyond(self, causes: Set, name: str) -> float:
         """Return the evidence that a name brings where the others may be deformed."""
-        rest, rows, some = _but(causes, name), self.rows, self.known
+        rest, rows, some = but(causes, name), self.rows, self.known
         shifts = [(o, m, self.kinds.get(o)) for o, m in self.shifts(rest).items()]
         bent = {f"{o}, deformed": (self.seen(deformed(m, rows, of)[some]),) for o, m, of in shifts}
         off = {f"{o}, off": (self.seen(off_by(m, rows, of)[some]),) for o, m, of in shifts}
@@ -335,14 +330,3 @@ class Contest:
         alone = np.linalg.inv(np.linalg.inv(made.covariance)[np.ix_(mine, mine)])
         spread = [float(np.einsum("ij,jk,ik->", columns, one, columns)) for one in (both, alone)]
         return float(np.sqrt(max(spread[0], 1e-30) / max(spread[1], 1e-30)))
-
-
-def _spread(values: Floats, contest: Contest) -> Floats:
-    """Return values of the rows that are known as values of all rows, 0 elsewhere."""
-    out = np.zeros(len(contest.rows.rows))
-    out[contest.known] = values
-    return out
-
-
-def _but(causes: Set, gone: str) -> Set:
-    return tuple(one for one in causes if one != gone)

@@ -22,11 +22,14 @@ from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     FIT_MEMBERS,
+    LONGEST_DELAY_NS,
     SCORE_FIRST,
     SCORE_MEMBERS,
 )
 from bench.errors import BenchError
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.units import C_M_PER_NS
 
 
 def together(search: Search, beside: Added, choice: Choice) -> Added:
@@ -100,12 +103,27 @@ def rounds_of(
         if effect.physics in choice.names:
             rest = without(added, effect)
             base = tally(_scores(search, rest))
-            others = (best_form(search, rest, one) for one in choice.rivals[effect.physics])
-            every = (effect, *(one for one in others if one))
-            made = tuple(_contender(search, rest, one, base) for one in every)
+            others = (_rival(search, rest, one, base) for one in choice.rivals[effect.physics])
+            made = _contender(search, rest, effect, base), *(one for one in others if one)
             found = Explanation(made, reference, removable, nuisance, {}, {})
             out.append(Round(located, found, effect))
     return tuple(out)
+
+
+def _rival(search: Search, rest: Added, name: str, base: Tally) -> Contender | None:
+    """Return a name that could stand in the place of another, beside the constant that it needs."""
+    if name not in search.choice.constants_m:
+        plain = best_form(search, rest, name)
+        return _contender(search, rest, plain, base) if plain else None
+    constant_ns = 2 * search.choice.constants_m[name] / C_M_PER_NS  # of both delays together
+    beside = (
+        *rest,
+        AntennaDelay(delay_ns=float(np.clip(constant_ns, -LONGEST_DELAY_NS, LONGEST_DELAY_NS))),
+    )
+    effect = best_form(search, beside, name)
+    if effect is None:
+        return None
+    return replace(_contender(search, beside, effect, base), company=(*beside, effect))
 
 
 def _contender(search: Search, rest: Added, effect: Effect, base: Tally) -> Contender:

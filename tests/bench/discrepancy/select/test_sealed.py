@@ -18,15 +18,18 @@ from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
-from bench.discrepancy.select.conclude import of_class, undetermined
+from bench.discrepancy.select.conclude import objection, of_class, undetermined
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.unnamed import unnamed
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
+from bench.discrepancy.sets.choice import Choice
+from bench.physics.effect import Effect
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 
@@ -141,6 +144,19 @@ def test_a_cause_of_which_no_size_is_determined_is_no_name() -> None:
         replace(made, parameters=(replace(sizes[0], determined=True), sizes[1]))
     )
     assert not undetermined(named(LAG))
+
+
+@pytest.mark.parametrize(("effect", "named"), [(TimestampJitter(), True), (LevelControl(), False)])
+def test_scatter_needs_no_width_of_its_own(effect: Effect, named: bool) -> None:
+    """Rows of one link tell how much there is, not how many rows are wide ones."""
+    sizes = [ParameterEstimate(p.name, 1.0, 0.0, 2.0, p.unit, determined=False)
+             for p in effect.parameters()]  # fmt: skip
+    made = LeftOut(effect, tuple(sizes), ONE, 1.0, Control("", None))
+    search = SimpleNamespace(
+        choice=Choice(), logged=(), fit=SimpleNamespace(waveform=False, recorded=None)
+    )
+    why = objection(search, selection().rounds[0], (effect,), effect, made)  # type: ignore[arg-type]
+    assert (why == "") is named
 
 
 class Striking:

@@ -1,0 +1,71 @@
+"""Names that could stand in the place of a name of a set."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.discrepancy.sets.choice import Set, but
+from bench.discrepancy.sets.settings import RIVAL_NATS
+from bench.physics.effects.ranging.antenna_delay import COMMON_M, AntennaDelay
+
+if TYPE_CHECKING:
+    from bench.discrepancy.sets.choose import Contest
+    from bench.discrepancy.sets.evidence import Evidence
+
+CONSTANT = "a constant"
+
+
+def rivals(contest: Contest, causes: Set, name: str) -> Set:
+    """Return the names that could stand in the place of one.
+
+    Those of as much evidence, and those of which one value does the same to every row: freedom
+    that a name does not need here is nothing against it.
+    """
+    rest, least = but(causes, name), contest.worth(causes) - RIVAL_NATS
+    others = tuple(sorted((contest.library | contest.untold) - set(causes)))
+    same = _same_rows(contest, causes, name, others)
+    able = [o for o in others if o in same or contest.worth((*rest, o)) > least]
+    return tuple(o for o in able if o in same or contest.possible((*rest, o), o))
+
+
+def _same_rows(contest: Contest, causes: Set, name: str, others: Set) -> Set:
+    """Return of which others one value does to every row what a name does, within scatter."""
+    made = contest.evidence.of(causes)
+    target = contest.evidence.toward(contest.evidence.response(made, name))
+    return tuple(
+        one
+        for one, (nats, shift_m) in ((o, target.nearest(o, made)) for o in others)
+        if nats / contest.crowding < RIVAL_NATS
+        and contest.kinds[one].possible(contest.rows.scene, contest.spread(shift_m))
+    )
+
+
+def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, float]:
+    """Return the names that do as well as an error of the level, each with its constant in metres.
+
+    Levels follow the distance. A curve over them has a constant of its own, and so has a scale of
+    devices that were calibrated at some distance. What tells the two apart are levels that depart
+    from what is usual there, but not those of obstructed paths, which are weaker and longer by
+    themselves. None for other names, nor where antenna delays take part, which are constants.
+    """
+    kind = contest.kinds[name]
+    if not kind.follows or AntennaDelay.name in causes or AntennaDelay.name not in contest.library:
+        return {}
+    evidence, rest = contest.evidence.among(contest.usual), but(causes, name)
+    least = evidence.of(causes).nats - RIVAL_NATS * contest.crowding
+    out = {}
+    for one in sorted(contest.library - set(causes)):
+        nats, constant_m = _with_constant(contest, evidence, (*rest, one))
+        if nats > least and contest.possible((*rest, one), one):
+            out[one] = constant_m
+    return out
+
+
+def _with_constant(contest: Contest, evidence: Evidence, causes: Set) -> tuple[float, float]:
+    """Return the log evidence of a set beside a constant, and that constant in metres."""
+    column = contest.seen(np.full((len(contest.known), 1), COMMON_M))
+    blocks = {one: evidence.blocks[one] for one in causes}
+    made = evidence.with_blocks({**blocks, CONSTANT: (column,)}).of((*causes, CONSTANT))
+    return made.nats, float(COMMON_M * made.factors[-1])
