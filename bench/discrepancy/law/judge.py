@@ -12,6 +12,7 @@ from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.law.material import Floats, Material
 from bench.discrepancy.law.meaning import looks_like
 from bench.discrepancy.law.search import Candidate, Proposal
+from bench.discrepancy.law.settings import LAW_EVERY_RATE, LAW_OWN_RATE
 
 
 def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
@@ -82,8 +83,26 @@ def setup_fault(proposal: Proposal) -> SetupFault | None:
         words = f"ranges are later than their truth by {lag}"
         return SetupFault("time shift", (), words, proposal.constants[:1])
     if not structure.fault:
-        return None
+        return _other_unit(proposal)
     devices = getattr(structure, "pair", (structure.where,) if structure.where else ())
     fitted = structure.fault in ("position", "unit")
     size = proposal.constants if fitted else ()
     return SetupFault(structure.fault, devices, structure.words(shown(proposal.constants)), size)
+
+
+def _other_unit(proposal: Proposal) -> SetupFault | None:
+    """Return the unit that nobody listed in which a law says ranges are, None where it says none.
+
+    In proportion to the true range and nothing beside it, by more than crystals and light can be
+    off (see `LAW_OWN_RATE`, `LAW_EVERY_RATE`).
+    """
+    structure, (rate, *more) = proposal.best.structure, proposal.constants
+    own = structure.where.startswith(("tx is ", "rx is "))
+    if structure.form != "linear" or structure.columns != ("true_range_m",) or more:
+        return None
+    if (structure.where and not own) or abs(rate.value) < (LAW_OWN_RATE if own else LAW_EVERY_RATE):
+        return None
+    ratio = LawConstant("ratio", 1 + rate.value, 1 + rate.low, 1 + rate.high, "1")
+    who = f", where {structure.where}" if own else ""
+    words = f"another unit than metres (measured = {ratio} x true range){who}"
+    return SetupFault("unit", (structure.where,) if own else (), words, (ratio,))

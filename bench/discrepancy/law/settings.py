@@ -47,6 +47,9 @@ LAW_RATIOS: Final = {
 }  # fmt: skip  # measured / true where units were confused [derived]
 LAW_RATIO_DOUBT: Final = 0.05  # standard error of a free slope, of the unit's: above it, 10 % of
 # all slopes would pass for one of them by coincidence [derived]
+LAW_OWN_RATE: Final = 1e-4  # of the true range, that one device is off by: five times what its
+# crystal may be [source: IEEE 802.15.4], and light is as fast for all
+LAW_EVERY_RATE: Final = 0.05  # the same of all devices: the bound of `range-scale` [derived]
 LAW_LATTICE: Final = (0.002, 1.0)  # m: steps of a rounding that is looked for [convention]
 LAW_ON_LATTICE: Final = (0.02, 0.98)  # of a step, and of the rows, to be on a lattice [convention]
 LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [derived]

@@ -1,0 +1,39 @@
+"""Ranges of one device that are off in proportion are in another unit, whatever its name."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+
+from bench.discrepancy.law.found import LawConstant
+from bench.discrepancy.law.judge import setup_fault
+from bench.discrepancy.law.search import Proposal
+
+BESIDE = LawConstant("b", 0.1, 0.09, 0.11, "m")
+
+
+@pytest.mark.parametrize(
+    ("rate", "where", "beside", "devices"),
+    [
+        (-0.453, "rx is crane3", (), ("rx is crane3",)),
+        (-0.025, "tx is tag1", (), ("tx is tag1",)),
+        (2e-5, "rx is crane3", (), None),  # a crystal may be
+        (-0.453, "rx is crane3", (BESIDE,), None),
+        (0.2, "room is hall", (), None),
+        (0.3, "", (), ()),
+        (0.02, "", (), None),  # the library's range-scale
+    ],
+)
+def test_what_is_in_proportion_and_no_clock_is_a_unit(
+    rate: float, where: str, beside: tuple[LawConstant, ...], devices: tuple[str, ...] | None
+) -> None:
+    structure = SimpleNamespace(form="linear", columns=("true_range_m",), where=where, fault="")
+    constants = (LawConstant("a", rate, rate - 1e-6, rate + 1e-6, "1"), *beside)
+    best = SimpleNamespace(structure=structure)
+    made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))
+    assert (made and made.devices) == devices
+    if made is not None:
+        assert made.kind == "unit"
+        assert made.size[0].value == pytest.approx(1 + rate)
