@@ -12,7 +12,8 @@ from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.law.material import Floats, Material
 from bench.discrepancy.law.meaning import looks_like
 from bench.discrepancy.law.search import Candidate, Proposal
-from bench.discrepancy.law.settings import LAW_EVERY_RATE, LAW_OWN_RATE
+from bench.discrepancy.law.settings import LAW_EVERY_RATE, LAW_OWN_RATE, LAW_RATIO_DOUBT
+from bench.discrepancy.settings import ONE_SIDED_95
 
 
 def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
@@ -94,7 +95,7 @@ def _other_unit(proposal: Proposal) -> SetupFault | None:
     """Return the unit that nobody listed in which a law says ranges are, None where it says none.
 
     In proportion to the true range and nothing beside it, by more than crystals and light can be
-    off (see `LAW_OWN_RATE`, `LAW_EVERY_RATE`).
+    off (see `LAW_OWN_RATE`, `LAW_EVERY_RATE`), and known as well as a listed unit must be.
     """
     structure, (rate, *more) = proposal.best.structure, proposal.constants
     own = structure.where.startswith(("tx is ", "rx is "))
@@ -102,7 +103,9 @@ def _other_unit(proposal: Proposal) -> SetupFault | None:
         return None
     if (structure.where and not own) or abs(rate.value) < (LAW_OWN_RATE if own else LAW_EVERY_RATE):
         return None
+    if (rate.high - rate.low) / 2 > ONE_SIDED_95 * LAW_RATIO_DOUBT * abs(rate.value):
+        return None
     ratio = LawConstant("ratio", 1 + rate.value, 1 + rate.low, 1 + rate.high, "1")
     who = f", where {structure.where}" if own else ""
-    words = f"another unit than metres (measured = {ratio} x true range){who}"
+    words = f"a unit or counter of another rate (measured = {ratio} x true range){who}"
     return SetupFault("unit", (structure.where,) if own else (), words, (ratio,))

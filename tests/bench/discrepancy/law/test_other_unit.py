@@ -24,13 +24,14 @@ BESIDE = LawConstant("b", 0.1, 0.09, 0.11, "m")
         (0.2, "room is hall", (), None),
         (0.3, "", (), ()),
         (0.02, "", (), None),  # the library's range-scale
+        (1e-3, "tx is tag1", (), None),  # known to a fifth of itself only
     ],
 )
 def test_what_is_in_proportion_and_no_clock_is_a_unit(
     rate: float, where: str, beside: tuple[LawConstant, ...], devices: tuple[str, ...] | None
 ) -> None:
     structure = SimpleNamespace(form="linear", columns=("true_range_m",), where=where, fault="")
-    constants = (LawConstant("a", rate, rate - 1e-6, rate + 1e-6, "1"), *beside)
+    constants = (LawConstant("a", rate, rate - 2e-4, rate + 2e-4, "1"), *beside)
     best = SimpleNamespace(structure=structure)
     made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))
     assert (made and made.devices) == devices
