@@ -12,8 +12,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.settings import NOISE_BEFORE_NS
+
 Floats = NDArray[np.float64]
-COLUMNS = ("total", "peak", "rise", "excess", "spread", "kurtosis", "lead")
+COLUMNS = ("total", "peak", "rise", "excess", "spread", "kurtosis", "lead", "early")
+EARLY_FEWEST = 4  # samples, to say how they scatter
 ANY_ORDER = {"reassoc", "contract", "nsz"}  # of sums; NaN keeps its meaning
 Levels = tuple[float, float, float]
 
@@ -33,6 +36,7 @@ def shape_figures(
     compiled(profile)(magnitude, delay, np.array(edges), out, bins)
     compiled(moments)(magnitude, delay, out)
     compiled(crossings)(magnitude, delay, noise, np.array(levels), out)
+    compiled(early)(magnitude, delay, NOISE_BEFORE_NS, out)
     return dict(zip(COLUMNS, out.T, strict=True)), bins
 
 
@@ -71,7 +75,7 @@ def cut(
 
 
 def powers(magnitude: Floats, delay: Floats, out: Floats) -> None:
-    """Write total and excess of every row to `out` [n, 7]."""
+    """Write total and excess of every row to `out` [n, 8]."""
     for row in range(magnitude.shape[0]):
         sizes, delays = magnitude[row], delay[row]
         total = tilt = 0.0
@@ -85,7 +89,7 @@ def powers(magnitude: Floats, delay: Floats, out: Floats) -> None:
 
 
 def profile(magnitude: Floats, delay: Floats, edges: Floats, out: Floats, bins: Floats) -> None:
-    """Write the peak of every row to `out` [n, 7], its mean power in each bin to `bins` [n, B]."""
+    """Write the peak of every row to `out` [n, 8], its mean power in each bin to `bins` [n, B]."""
     count, last = np.empty(bins.shape[1]), bins.shape[1] - 1
     for row in range(magnitude.shape[0]):
         peak, b = 0.0, 0
@@ -107,7 +111,7 @@ def profile(magnitude: Floats, delay: Floats, edges: Floats, out: Floats, bins: 
 
 
 def moments(magnitude: Floats, delay: Floats, out: Floats) -> None:
-    """Write spread and kurtosis of every row to `out` [n, 7], whose total and excess are there."""
+    """Write spread and kurtosis of every row to `out` [n, 8], whose total and excess are there."""
     for row in range(magnitude.shape[0]):
         sizes, delays, excess = magnitude[row], delay[row], out[row, 3]
         known, mean = 0, 0.0
@@ -127,8 +131,22 @@ def moments(magnitude: Floats, delay: Floats, out: Floats) -> None:
             out[row, 5] = fourth * known / second**2
 
 
+def early(magnitude: Floats, delay: Floats, before_ns: float, out: Floats) -> None:
+    """Write to `out` [n, 8] how samples before `before_ns` scatter, as a share of their mean."""
+    for row in range(magnitude.shape[0]):
+        known, total, power = 0, 0.0, 0.0
+        for k in range(magnitude.shape[1]):
+            size = float(magnitude[row, k])
+            if delay[row, k] < before_ns and not np.isnan(size):
+                known += 1
+                total += size
+                power += size**2
+        if known >= EARLY_FEWEST and total > 0:
+            out[row, 7] = np.sqrt(max(power * known / total**2 - 1, 0.0))
+
+
 def crossings(magnitude: Floats, delay: Floats, noise: Floats, levels: Floats, out: Floats) -> None:
-    """Write rise and lead of every row to `out` [n, 7], whose peak is there."""
+    """Write rise and lead of every row to `out` [n, 8], whose peak is there."""
     limits, at = np.empty(3), np.empty(3)
     for row in range(magnitude.shape[0]):
         limits[0], at[:] = levels[0] * out[row, 1], np.nan

@@ -49,6 +49,7 @@ FEATURES = {
     "rms_delay_spread_ns": "ns",
     "kurtosis": "1",
     "first_path_lead_ns": "ns",
+    "early_scatter": "1",
 }
 
 
@@ -224,7 +225,11 @@ def _profile_db(power: Floats, total: Floats) -> dict[str, Floats]:
 
 
 def _features(figures: dict[str, Floats]) -> dict[str, Floats]:
-    """Return the six features of Marano et al. (2010) and the first-path lead, each [n]."""
+    """Return the six features of Marano et al. (2010) and what noise and first path show, [n].
+
+    `early_scatter`: the standard deviation of the magnitudes before the path over their mean, 0.52
+    of noise and less of a tone (Rice 1945).
+    """
     return {
         "energy_db": 10 * np.log10(figures["total"]),
         "max_amplitude_db": 20 * np.log10(figures["peak"]),
@@ -233,4 +238,5 @@ def _features(figures: dict[str, Floats]) -> dict[str, Floats]:
         "rms_delay_spread_ns": figures["spread"],
         "kurtosis": figures["kurtosis"],
         "first_path_lead_ns": figures["lead"],
+        "early_scatter": figures["early"],
     }

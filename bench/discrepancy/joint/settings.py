@@ -17,7 +17,12 @@ OTHERS_KEPT: Final = 4  # sets whose further versions are remembered (changes no
 NOISE_LEAST: Final = 0.3  # squared standard deviations, that a squared deviation counts at least
 FLOOR: Final = {"dB": 0.15, "ns": 0.1, "counts": 0.15, "symbols": 0.15, "1": 0.15}
 # standard deviations that every statistic has at least: counts, symbols and kurtosis in decibels
-DECIBELS: Final = {"noise_std": 20.0, "preamble_count": 10.0, "kurtosis": 10.0}
+DECIBELS: Final = {
+    "noise_std": 20.0,
+    "preamble_count": 10.0,
+    "kurtosis": 10.0,
+    "early_scatter": 20.0,
+}
 # observables that are compared by their logarithm, and how many decibels a decade is [convention]
 KEPT: Final = 200  # statistics of sets that are remembered (changes nothing but time)
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]

@@ -7,8 +7,10 @@ place: it begins at the power that the noise floor adds, and the floor at the po
 Of magnitudes, a weak tone does what a louder noise does: of K times the noise's power it raises
 their mean power and their variance by a factor 1 + K, but for a part of K^2 (0.46 K^2 / (1 + K) of
 the variance, Rice 1945). How the level differs between rows tells them apart no better, as noise
-differs from place to place too. So they are told by the noise that is logged, or not at all: where
-it is known that scatter is logged, as the DW1000 does, not power.
+differs from place to place too. A tone that is loud makes the samples before the path of one row
+alike, which no noise does; one that is keyed within a row need not. Else they are told by the noise
+that is logged, or not at all: where it is known that scatter is logged, as the DW1000 does, not
+power.
 """
 
 from __future__ import annotations
@@ -19,13 +21,14 @@ from scipy.special import ive
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.joint.likelihood import whitener
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import DB_PER_NEPER, TONE_FADING_DB
-from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.settings import CLASS_NATS, DB_PER_NEPER, TAIL, TONE_FADING_DB
+from bench.discrepancy.joint.statistics import Floats, Moments, Statistics
 from bench.physics.effect import Effect
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 NOISE = "noise_std"
+EARLY = "early_scatter"
 
 
 def counterparts(effect: Effect) -> Added:
@@ -38,17 +41,57 @@ def counterparts(effect: Effect) -> Added:
 
 
 def told_apart(given: Statistics, fit: Fit, name: str) -> float:
-    """Return the nats by which logged noise tells a tone from a noise floor of the same power.
+    """Return the nats by which a tone is told from a noise floor of the same power.
 
-    Of a steady tone: infinite where no noise is logged, and the whole likelihood must tell. None
-    of another tool's table: it may log the power of noise, which a tone has too, or its scatter.
-    None where links have more or less of a noise floor by chance, as they may have of a tone.
+    By how steady samples before the path are, of a tone; a noise floor is no sure one where they
+    are. Else by the noise that is logged, were the tone a steady one: infinite where none is
+    logged, and the whole likelihood must tell. None of another tool's table: it may log the power
+    of noise, which a tone has too, or its scatter. None where links have more or less of a noise
+    floor by chance, as they may have of a tone.
     """
+    place = fit.names.index(name)
+    effect, early = fit.effects[place], fit.responses[place]
+    if isinstance(effect, NarrowbandInterference):
+        steady = steadied(given, fit.moments, early)
+        if steady >= CLASS_NATS:
+            return steady
+    elif too_steady(given, fit.moments) >= CLASS_NATS:
+        return 0.0
     if not given.by_rows or fit.moments.uneven is not None:
         return 0.0
-    if NOISE not in given.names:
-        return float("inf")
-    effect = next(one for one in fit.effects if one.name == name)
+    return _logged(given, fit, effect) if NOISE in given.names else float("inf")
+
+
+def steadied(given: Statistics, moments: Moments, response: Floats) -> float:
+    """Return the nats by which early samples scatter as little as a tone's `response` [L, p] says.
+
+    Of this statistic alone, links far off by the logarithm; none where it is not known. `moments`
+    are those with the tone in place.
+    """
+    if EARLY not in given.names:
+        return 0.0
+    left, came = _early(given, moments, moments.left), _early(given, moments, response)
+    nats = (TAIL + 1) / 2 * (np.log1p((left + came) ** 2 / TAIL) - np.log1p(left**2 / TAIL))
+    return float(nats.sum() / given.crowding)
+
+
+def too_steady(given: Statistics, moments: Moments) -> float:
+    """Return the nats by which early samples scatter less than simulated, in all links alike."""
+    if EARLY not in given.names:
+        return 0.0
+    left = np.clip(_early(given, moments, moments.left), -3, 3)
+    return float(0.5 * min(left.sum(), 0) ** 2 / given.links / given.crowding)
+
+
+def _early(given: Statistics, moments: Moments, values: Floats) -> Floats:
+    """Return what values [L, p] say of early samples [L], in scatters of simulated links."""
+    place = given.names.index(EARLY)
+    spread = np.sqrt([moments.covariances[int(n)][place, place] for n in given.count])
+    return np.asarray(values[:, place] / spread)
+
+
+def _logged(given: Statistics, fit: Fit, effect: Effect) -> float:
+    """Return the nats by which logged noise differs between a steady tone and noise."""
     power = _power(effect) if isinstance(effect, NarrowbandInterference) else _more(effect)
     place = given.names.index(NOISE)
     matrices, _ = whitener(given, fit.moments, fit.responses)

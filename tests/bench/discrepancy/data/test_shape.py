@@ -10,6 +10,7 @@ from bench.discrepancy.data.cir_features import (
     compiled,
     crossings,
     cut,
+    early,
     moments,
     powers,
     profile,
@@ -48,6 +49,23 @@ def test_figures_follow_their_definitions():
     assert bins[:, 1] == pytest.approx((power * middle).sum(axis=1) / middle.sum(axis=1))
 
 
+def test_before_the_path_noise_scatters_as_rayleigh_says_and_a_tone_does_not():
+    rng = np.random.default_rng(1)
+    noise = rng.normal(size=(400, 40)) + 1j * rng.normal(size=(400, 40))
+    delay = np.broadcast_to(np.arange(40.0) - 30, (400, 40)).copy()
+    alike = [_early(np.abs(one), delay) for one in (noise, 7 * noise, noise + 3.0)]
+    assert alike[0].mean() == pytest.approx(np.sqrt(4 / np.pi - 1), abs=0.02)
+    assert alike[1] == pytest.approx(alike[0])
+    assert alike[2].mean() < 0.35
+    few = _early(np.abs(noise[:, 24:]), delay[:, 24:])  # three samples before -3.5 ns
+    assert np.isnan(few).all()
+
+
+def _early(magnitude: np.ndarray, delay: np.ndarray) -> np.ndarray:
+    found, _ = shape_figures(magnitude, delay, np.ones(len(delay)), EDGES, LEVELS)
+    return found["early"]
+
+
 def test_what_is_not_known_takes_no_part():
     magnitude, delay, noise = _cirs()
     whole, _ = shape_figures(magnitude[:, :50], delay[:, :50], noise, EDGES, LEVELS)
@@ -71,6 +89,7 @@ def test_the_compiled_loop_is_the_written_one():
     profile(magnitude, delay, np.array(EDGES), out, bins)
     moments(magnitude, delay, out)
     crossings(magnitude, delay, noise, np.array(LEVELS), out)
+    early(magnitude, delay, -3.5, out)
     figures, fast = shape_figures(magnitude, delay, noise, EDGES, LEVELS)
     assert np.stack(list(figures.values()), axis=1) == pytest.approx(out)
     assert fast == pytest.approx(bins)
