@@ -38,8 +38,9 @@ def by_chance(given: Statistics, fit: Fit, rest: Fit) -> float:
 
     These have the rest in them, and not what the set has beside it; 0 where it brings nothing.
     """
-    more = rest.moments.mean - fit.moments.mean
-    brought = [_of(given, fit, one + more) - _of(given, rest, one) for one in given.others(())]
+    more = (rest.moments.mean - fit.moments.mean)[given.code]
+    every = given.others_rows(())
+    brought = [_of(given, fit, one + more) - _of(given, rest, one) for one in every]
     return max(0.0, highest(brought))
 
 
@@ -52,6 +53,8 @@ def highest(values: Sequence[float]) -> float:
 
 
 def _of(given: Statistics, fit: Fit, left: Floats) -> float:
-    """Return the evidence of a set that leaves `left` [L, p], in nats."""
-    moments: Moments = replace(fit.moments, left=left, within=0.0)
+    """Return the evidence of a set whose rows leave `left` [n, p], in nats."""
+    rows = fit.moments.rows
+    within = 0.0 if rows is None else given.within(left, rows)
+    moments: Moments = replace(fit.moments, left=given.of_links(left), within=within)
     return evidence_of(given, moments, fit.responses, fit.parameters)

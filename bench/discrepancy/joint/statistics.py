@@ -51,7 +51,8 @@ class Moments:
     much larger the logarithm of squared deviations is. `within`: the log likelihood of how rows
     of a link scatter about its mean, in nats. `own` [L, p, r]: what devices may have of their own
     of the effects, at normal factors of one; `uneven` [L, p, k]: by how much links have more or
-    less of them, each by itself, in all statistics at once; None where that is nothing.
+    less of them, each by itself, in all statistics at once; None where that is nothing. `rows`
+    [p, p]: the covariance of rows of a link about its mean.
     """
 
     left: Floats
@@ -61,6 +62,7 @@ class Moments:
     within: float = 0.0
     own: Floats | None = None
     uneven: Floats | None = None
+    rows: Floats | None = None
 
 
 class Statistics:
@@ -104,16 +106,16 @@ class Statistics:
     @cached_property
     def ways(self) -> Floats:
         """What forms may differ over: a constant and the distance, standardised, [L, 2]."""
-        far = self._of_links(np.nan_to_num(self.rows.scene.true_range_m)[:, None])[:, 0]
+        far = self.of_links(np.nan_to_num(self.rows.scene.true_range_m)[:, None])[:, 0]
         return np.stack([np.ones(self.links), (far - far.mean()) / max(far.std(), 1e-9)], axis=1)
 
     @cached_property
     def known(self) -> Floats:
         """All numbers and groups that are known before, standardised over links, [L, q]."""
         every = self.rows.covariates
-        numbers = [self._of_links(_filled(one)[:, None])[:, 0] for one in every.numbers.values()]
+        numbers = [self.of_links(_filled(one)[:, None])[:, 0] for one in every.numbers.values()]
         groups = [
-            self._of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
+            self.of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
         ]
         least, most = FEWEST_ALIKE, self.links - FEWEST_ALIKE
         numbers += [one for one in groups if least <= one.sum() <= most]
@@ -126,7 +128,7 @@ class Statistics:
         """Whether a device is at an end of a link [L, r], of each that several links have."""
         groups = self.rows.covariates.groups
         shares = [
-            self._of_links(groups[n][:, None].astype(np.float64))[:, 0]
+            self.of_links(groups[n][:, None].astype(np.float64))[:, 0]
             for n in groups
             if n.startswith(DEVICES)
         ]
@@ -166,10 +168,15 @@ class Statistics:
     def mean(self, added: Added) -> Floats | None:
         """Return the statistics of one simulated version [L, p], None as for `moments`."""
         made = self._made(added, 1)
-        return None if made is None else self._of_links(np.nan_to_num(self._values(made)[1]))
+        return None if made is None else self.of_links(np.nan_to_num(self._values(made)[1]))
 
     def others(self, added: Added) -> Floats:
-        """Return what further simulated versions leave [v, L, p], in the recorded ones' place.
+        """Return what links of further simulated versions leave [v, L, p] (see `others_rows`)."""
+        every = [self.of_links(one) for one in self.others_rows(added)]
+        return np.stack(every) if every else np.zeros((0, self.links, len(self.names)))
+
+    def others_rows(self, added: Added) -> Floats:
+        """Return what further simulated versions leave [v, n, p], in the recorded ones' place.
 
         Of a table those of similar links, which draw what a link has by chance anew; none where
         there are too few, or where a statistic is not known of them. Not to be written into.
@@ -177,17 +184,16 @@ class Statistics:
         return self._others.get(added, lambda: self._left_by_others(added))
 
     def _left_by_others(self, added: Added) -> Floats:
-        """Return `others`, simulated."""
+        """Return `others_rows`, simulated."""
         paired = self.comparison.paired(self.rows) and not self.by_rows
         own = self.comparison.distinct(self.rows) if paired else 0
         first = max(self.members, own)
         count = min(OTHERS, self.comparison.alike(self.rows) - first)
         made = self._made(added, first + count) if count >= FEW_VERSIONS else None
         if made is None:
-            return np.zeros((0, self.links, len(self.names)))
+            return np.zeros((0, len(self.code), len(self.names)))
         values = np.nan_to_num(self._values(made))
-        mean = self._of_links(values[1 : 1 + self.members].mean(axis=0))
-        return np.stack([self._of_links(one) for one in values[1 + first :]]) - mean
+        return np.asarray(values[1 + first :] - values[1 : 1 + self.members].mean(axis=0))
 
     def _apart(self) -> Floats:
         """Return what similar links differ by beyond what versions of one link do [p, p]."""
@@ -226,7 +232,7 @@ class Statistics:
         mean = np.nan_to_num(values[1:]).mean(axis=0)
         left = np.nan_to_num(values[0] - mean)
         own = np.nan_to_num(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
-        of_links = np.stack([self._of_links(one) for one in own])
+        of_links = np.stack([self.of_links(one) for one in own])
         between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
         scatter = np.maximum(np.diag(between + self.apart), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
@@ -234,11 +240,12 @@ class Statistics:
         usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
         rows = self._of_rows(own - of_links[:, self.code], members)
         return Moments(
-            self._of_links(left),
-            self._of_links(mean),
+            self.of_links(left),
+            self.of_links(mean),
             self._covariances(rows, between, members),
-            self._of_links(wide - usual),
-            self._within(left, rows, members),
+            self.of_links(wide - usual),
+            self.within(left, rows),
+            rows=rows,
         )
 
     def _of_rows(self, within: Floats, members: int) -> Floats:
@@ -247,16 +254,18 @@ class Statistics:
         rows = np.einsum("mni,mnj->ij", within, within) / max(loose * members, 1)
         return np.asarray(rows if loose else np.zeros_like(rows))
 
-    def _within(self, left: Floats, rows: Floats, members: int) -> float:
+    def within(self, left: Floats, rows: Floats) -> float:
         """Return the log likelihood of how rows of a link scatter about its mean, in nats.
 
-        What draws every row anew is told by this from what links keep, which means alone hide.
+        Of what rows leave [n, p], by the covariance of simulated ones `rows` [p, p]; 0 where links
+        have one row each, or stand in a table. What draws every row anew is told by this from what
+        links keep, which means alone hide.
         """
         if not self.by_rows or len(self.code) == self.links:
             return 0.0
-        about = left - self._of_links(left)[self.code]
-        shrunk = min(len(self.names) / (members * (len(self.code) - self.links)), 1.0)
-        wide = self._shrunk(rows, shrunk) * (1 + 1 / members) + np.diag(self.floor)
+        about = left - self.of_links(left)[self.code]
+        shrunk = min(len(self.names) / (self.members * (len(self.code) - self.links)), 1.0)
+        wide = self._shrunk(rows, shrunk) * (1 + 1 / self.members) + np.diag(self.floor)
         root = np.linalg.cholesky(wide)
         square = (np.linalg.solve(root, about.T) ** 2).sum(axis=0)
         share = (1 - 1 / self.count)[self.code]  # of a row, that its link's mean leaves
@@ -284,7 +293,7 @@ class Statistics:
         whole = (ways * np.maximum(sizes, least)) @ ways.T
         return np.asarray((1 - share) * whole + share * np.diag(np.diag(whole)))
 
-    def _of_links(self, values: Floats) -> Floats:
+    def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
         out = np.zeros((self.links, values.shape[1]))
         np.add.at(out, self.code, values)

@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import RANGE, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import untried
+from bench.discrepancy.joint.chance import by_chance
 from bench.discrepancy.joint.form import beyond_forms, of_form
 from bench.discrepancy.joint.polish import fitted
 from bench.discrepancy.joint.sets import Sets
@@ -88,6 +89,21 @@ def test_fading_is_no_other_form_of_what_moves_means_alone():
     twice = fitted(given, (SLIGHTLY, STEEPER))
     assert twice is not None
     assert of_form(given, twice, SLIGHTLY.name)  # a shift that is a little of the same
+
+
+def test_what_rows_scatter_by_chance_is_no_sign_of_an_effect():
+    """A first path that is found late in a few rows makes what scatters uneven, on both sides."""
+    comparison, rows = compared(())
+    given = Statistics(comparison, rows)
+    (one, *_), moments = given.others_rows(()), given.needed(())
+    assert moments.rows is not None
+    assert given.within(one, moments.rows) == pytest.approx(moments.within, rel=0.2)
+    faded, bare = fitted(given, (FADED,)), fitted(given, ())
+    assert faded is not None
+    assert bare is not None
+    assert by_chance(given, faded, bare) == 0.0
+    blind = [replace(fit, moments=replace(fit.moments, rows=None)) for fit in (bare, faded)]
+    assert by_chance(given, bare, faded) > by_chance(given, *blind) + 50
 
 
 def test_where_links_have_one_row_nothing_scatters_about_them():
