@@ -124,6 +124,8 @@ class Effect(ABC):
     `follows`: the measured column that its error follows, at a fixed distance too.
     `by_device`: every device has a size of its own of it, and it comes and goes, which nothing
     known foretells.
+    `own_curve`: what it does over the level is every receiver's own, so any curve is a form of it.
+    `jumps`: by it detected first paths jump from row to row, as far as a receiver's detector says.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -150,6 +152,8 @@ class Effect(ABC):
     marked: ClassVar[bool] = False
     follows: ClassVar[str] = ""
     by_device: ClassVar[bool] = False
+    own_curve: ClassVar[bool] = False
+    jumps: ClassVar[bool] = False
     everywhere: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True

@@ -136,3 +136,13 @@ def view(
         have = ", ".join(kept) or "none"
         raise BenchError(f"recorded: no observable to compare (the table gives: {have})")
     return View(part, seen.keep(chosen), links[rows], rows, waveform)
+
+
+def joined(one: View, two: View) -> View:
+    """Return the rows of two views of one table."""
+    names = tuple(name for name in one.recorded.names if name in two.recorded.names)
+    parts = [each.recorded.keep(names) for each in (one, two)]
+    recorded = replace(parts[0], values=np.concatenate([part.values for part in parts]))
+    frame = pd.concat([one.frame, two.frame], ignore_index=True)
+    links, rows = (np.concatenate([getattr(v, n) for v in (one, two)]) for n in ("links", "rows"))
+    return View(frame, recorded, links, rows, one.waveform)

@@ -140,11 +140,11 @@ def _evidence(
     columns = [columns_of(matrices, form * response, given.ways) for response in responses]
     columns.append(columns_of(matrices, np.full_like(moments.left, free[0]), free[1]))
     ways = (np.concatenate([*columns, own], axis=2) for own in owns(matrices, moments))
-    nats = max(_integrated(flat, each) for each in ways) - 0.5 * volume
+    nats = max(integrated(flat, each) for each in ways) - 0.5 * volume
     return paid(given, nats + moments.within, parameters)
 
 
-def _integrated(flat: Floats, columns: Floats) -> float:
+def integrated(flat: Floats, columns: Floats) -> float:
     """Return the log likelihood of whitened values [L, p] plus normal factors of columns [L, p, k].
 
     By Laplace's approximation at the likeliest factors, links weighed by how far they are off.

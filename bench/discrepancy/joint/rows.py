@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.view import View
+from bench.discrepancy.compare.view import View, joined
 from bench.discrepancy.joint.settings import ROWS
-from bench.discrepancy.select.range_part import joined
 from bench.discrepancy.select.state import Search
 
 

@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.apart import brought_alone, refuted
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.curve import beside_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
@@ -178,7 +179,7 @@ class Sets:
     def _needed(self, fit: Fit) -> Fit:
         """Return a set without members that do not bring enough, least first."""
         while len(fit.names) > len(self.start.names):
-            whole = self.worth(fit) - self.worth(self.start)
+            whole = self.worth(fit) - self.worth(self._exact)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
             spare = {n: nats - self._asked(fit, n, whole) for n, nats in brings.items()}
             if min(spare.values()) >= 0:
@@ -189,6 +190,12 @@ class Sets:
             fit = self._without(fit, least)
         return fit
 
+    @property
+    def _exact(self) -> Fit:
+        """The set of what was marked, where marks tell the forms of it; else the empty one."""
+        curved = any(type(effect).own_curve for effect in self.start.effects)
+        return self.none if curved else self.start
+
     def _asked(self, fit: Fit, name: str, whole: float) -> float:
         """Return what a member must bring to a set that brings `whole`, in nats.
 
@@ -196,8 +203,11 @@ class Sets:
         is where these would do all of it; but where the others do nothing, no form of them is. And
         it must be seen there, if it would be plain to see.
         """
-        alone = brought_alone(self.given, fit, self._without(fit, name), name)
+        rest = self._without(fit, name)
+        alone = brought_alone(self.given, fit, rest, name)
         if refuted(self.given, fit, name, alone):
+            return float("inf")
+        if beside_own_curve(self.given, fit, rest, name) < NAME_NATS:
             return float("inf")
         formed = of_form(self.given, fit, name)
         if not formed and NAME_SHARE * whole <= NAME_NATS:

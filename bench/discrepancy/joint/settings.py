@@ -30,6 +30,7 @@ TAIL: Final = 10.0  # degrees of freedom of a link's misfit: far ones count by t
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]
 FORM_ALONE: Final = 0.1  # of a response, that each link may differ by [convention]
 FORMS: Final = (0.1, 0.2, 0.3)  # of a response, that another form of it may differ by: one of these
+CURVE_PARTS: Final = 5  # of the links, in each of which a curve of a receiver's own is free [cost]
 UNEVEN: Final = (0.3, 1.0)  # of a response, that links have more or less of it in all at once
 FREE_SIZES: Final = (0.3, 1.0, 3.0, 10.0)  # of what has no form at all, in the statistics' units
 SIZE_STEPS: Final = 5  # of fitting a size for every statistic [cost]

@@ -116,8 +116,13 @@ def _explained(
 
 
 def _with_scatter(state: State, journal: Journal) -> State:
-    """Return the state with scatter of the ranges, where that is what is left of them."""
+    """Return the state with scatter of the ranges, where that is what is left of them.
+
+    Not beside what makes detected first paths jump: how far is for a detector nobody knows to say.
+    """
     search = state.search
+    if any(type(effect).jumps for effect in state.added):
+        return state
     left = journal.kept(locate_left)(search, state.added, len(state.rounds))
     if not any(map(_of_range, left.findings)):
         return state

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.compare.view import Added, View, joined
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.settings import (
@@ -69,20 +69,23 @@ def with_logs(state: State) -> State:
 
 
 def read_logs(search: Search) -> Search:
-    """Return the search with what logs beside ranges say, as it is with waveforms.
+    """Return the search with what logs beside ranges say.
 
     `logged` are effects that the logs show; a level control that they exclude is not offered.
+    Beside waveforms noise is weighed with these: it is seen in samples before the path, too.
     """
-    if search.fit.waveform or search.work is None:
+    waves = search.fit.waveform
+    rows = joined(search.fit, search.discover) if waves else search.work
+    if rows is None:
         return search
-    seen, rows = logs(search, search.work), search.work
+    seen = logs(search, rows)
     found: list[Effect] = []
     if LevelControl.name in search.kinds:
         if ends_early(seen) > LOGGED_NATS:
             found.append(_level_control(search, rows, seen))
         elif as_simulated(seen) > LOGGED_NATS:
             search = search.without(LevelControl())
-    if NoiseFloor.name in search.kinds and louder(seen) > LOGGED_NATS:
+    if not waves and NoiseFloor.name in search.kinds and louder(seen) > LOGGED_NATS:
         found.append(NoiseFloor(level_db=_louder_db(seen)))
     return replace(search, logged=tuple(found))
 

@@ -42,7 +42,7 @@ def marked(search: Search, added: Added = ()) -> Added:
         forms = kind.by_mark(search.fit.frame)
         if forms and not _simulated(search, kind):
             found.append(have.get(kind.name) or _best(search, added, forms))
-    return tuple(found)
+    return (*found, *shown(search, added))
 
 
 def _grids(search: Search, added: Added) -> Added:
@@ -121,9 +121,13 @@ def _first_round(search: Search, located: Located, before: Added, effect: Effect
 
 
 def forms_of_marks(search: Search) -> list[tuple[Effect, ...]]:
-    """Return the forms of every effect whose mark recorded rows bear and simulated ones do not."""
+    """Return the forms of every effect whose mark recorded rows bear and simulated ones do not.
+
+    What logs of the receiver show is one, too.
+    """
     able = (kind for kind in search.kinds.values() if not _simulated(search, kind))
-    return [forms for forms in (kind.by_mark(search.fit.frame) for kind in able) if forms]
+    forms = [forms for forms in (kind.by_mark(search.fit.frame) for kind in able) if forms]
+    return [*forms, *(effect.forms() for effect in search.logged)]
 
 
 def _simulated(search: Search, kind: type[Effect]) -> bool:

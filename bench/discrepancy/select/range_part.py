@@ -13,12 +13,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.compare.view import Added, View, joined, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLISTED_M
 from bench.discrepancy.select.state import Round, Search, State
@@ -223,16 +222,6 @@ def whitening(forms: Floats, left_m: Floats) -> Floats:
     ways, sizes, _ = np.linalg.svd(forms, full_matrices=False)
     less = 1 - 1 / np.sqrt(1 + (sizes / scatter) ** 2)
     return np.asarray(np.eye(len(left_m)) - (ways * less) @ ways.T)
-
-
-def joined(one: View, two: View) -> View:
-    """Return the rows of two views of one table."""
-    names = tuple(name for name in one.recorded.names if name in two.recorded.names)
-    parts = [each.recorded.keep(names) for each in (one, two)]
-    recorded = replace(parts[0], values=np.concatenate([part.values for part in parts]))
-    frame = pd.concat([one.frame, two.frame], ignore_index=True)
-    links, rows = (np.concatenate([getattr(v, n) for v in (one, two)]) for n in ("links", "rows"))
-    return View(frame, recorded, links, rows, one.waveform)
 
 
 def _kept(blocks: Blocks, known: NDArray[np.intp]) -> Blocks:

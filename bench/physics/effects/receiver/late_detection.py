@@ -26,6 +26,7 @@ class LateDetection(Effect):
     stage = "receiver"
     source = "DW1000 User Manual 2.11, 7.2.47 (LDE_CFG1: NTM, PMULT); APS006 part 1"
     signature = "positive, jumps from frame to frame; energy before the detected first path"
+    jumps = True
 
     rise_db: float = parameter(0, "dB", -6, 40, "of the threshold over the base's", null=0)
     peak_fraction: float = parameter(0, "ratio", 0, 0.9, "threshold over the highest peak", null=0)

@@ -11,6 +11,8 @@ from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats, amplitude, squared
 
+SEEN_SHARES = (1.0, 0.5, 0.0)  # of an attenuation, that samples may show [convention]
+
 
 @dataclass(frozen=True)
 class LevelControl(Effect):
@@ -29,6 +31,7 @@ class LevelControl(Effect):
     source = "DW1000 User Manual 2.11, figure 22; counts measured on Zenodo 10.5281/zenodo.4742391"
     signature = "reported level flattens near -78 dBm as the distance falls; the count falls too"
     essential_with_cir = ("accumulation",)  # a level alone is shifted by many things
+    own_curve = True
 
     compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
@@ -58,6 +61,11 @@ class LevelControl(Effect):
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
         noise = np.sqrt(longer).astype(np.float32)[:, None]
         return replace(made, waveform=batch.waveform * signal[:, None], noise=batch.noise * noise)
+
+    def forms(self) -> tuple[Effect, ...]:
+        """Return it as seen in the samples, in half, and in the reported level alone."""
+        shares = dict.fromkeys((self.in_samples, *SEEN_SHARES))
+        return tuple(replace(self, in_samples=share) for share in shares)
 
 
 def reported_dbm(true_dbm: Floats) -> Floats:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
+from bench.discrepancy.joint import turn
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.verdicts import standing
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.effects.receiver.quantisation import Quantisation
@@ -79,3 +84,9 @@ def test_fewer_rows_are_of_all_links():
     assert len(np.unique(some.links)) == 30
     assert some.frame["true_range_m"].to_numpy().tolist() == (some.rows + 1.0).tolist()
     assert fewer(rows, 300) is rows
+
+
+def test_what_scatters_beside_late_detection_is_no_scatter_of_its_own():
+    state = SimpleNamespace(search=None, added=(PathLoss(), LateDetection(rise_db=6.0)))
+    assert turn._with_scatter(state, None) is state
+    assert not PathLoss.jumps

@@ -102,6 +102,20 @@ def test_a_louder_floor_is_a_mark_that_no_score_takes_back() -> None:
     assert not stepwise.bears_mark(search, floor)
 
 
+def test_beside_waveforms_counts_show_a_control_and_noise_is_left_to_these() -> None:
+    frame = _frame(louder_db=2.0)
+    counted = np.rint(1024 * np.where(frame["rx_power_dbm"] > -80, 0.98, 1.0))  # hardly seen
+    search = _search(
+        frame.assign(preamble_count=counted), TableComparison(_frame(seed=2), Window())
+    )
+    rows = replace(search.fit, waveform=True)
+    found = logged.read_logs(replace(search, fit=rows, discover=rows, work=None))
+    (control,) = found.logged
+    assert isinstance(control, LevelControl)
+    assert marks.forms_of_marks(found) == [control.forms()]
+    assert {form.in_samples for form in control.forms()} == {1.0, 0.5, 0.0}
+
+
 def test_a_simulator_that_reads_counts_from_rows_is_asked_for_its_own() -> None:
     frame = _frame()
     strong = np.maximum(frame["rx_power_dbm"].to_numpy(np.float64) + 88, 0)

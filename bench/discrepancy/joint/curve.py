@@ -1,0 +1,58 @@
+"""What a member of a set brings beside an effect whose curve is every receiver's own.
+
+How a level control attenuates and when it ends accumulation was measured of one chip. Above the
+level where it starts any curve is another form of it, so what is named beside it must do something
+that none of these does: where signals are weaker than that, or to what no level moves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.joint.likelihood import columns_of, integrated, owns, paid, white, whitener
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import ACTS, CURVE_PARTS, FORMS
+from bench.discrepancy.joint.statistics import Statistics
+
+Floats = NDArray[np.float64]
+
+
+def beside_own_curve(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
+    """Return the evidence of a member over the `rest` where curves of others are free, in nats.
+
+    Infinite where no other has a curve of its own.
+    """
+    curved = [one.name for one in fit.effects if type(one).own_curve and one.name != name]
+    if not curved or not set(curved) <= set(rest.names):
+        return float("inf")
+    return _evidence(given, fit, curved) - _evidence(given, rest, curved)
+
+
+def _evidence(given: Statistics, fit: Fit, curved: list[str]) -> float:
+    """Return the evidence of a set where what some of its members do may have any curve."""
+    matrices, volume = whitener(given, fit.moments, fit.responses)
+    flat = white(matrices, fit.moments.left)
+    columns = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
+    for name in curved:
+        response = fit.responses[fit.names.index(name)]
+        columns.append(columns_of(matrices, *any_curve(response)))
+    ways = (np.concatenate([*columns, own], axis=2) for own in owns(matrices, fit.moments))
+    nats = max(integrated(flat, each) for each in ways) - 0.5 * volume
+    return paid(given, nats + fit.moments.within, fit.parameters)
+
+
+def any_curve(response: Floats) -> tuple[Floats, Floats]:
+    """Return how far a curve goes in every statistic [L, p], and the parts of it [L, k].
+
+    As far as the response [L, p] does over all links, where it does something at all.
+    """
+    usual = np.sqrt((response**2).mean(axis=0))
+    acts = usual > ACTS
+    if not acts.any():
+        return np.zeros_like(response), np.ones((len(response), 1))
+    shown = np.abs(response[:, acts]) / usual[acts]
+    order = np.argsort(np.argsort(response[:, int(np.argmax(usual))]))
+    part = order * CURVE_PARTS // len(order)
+    far = np.minimum(shown.max(axis=1), 1)[:, None] * np.where(acts, usual, 0)
+    return far, np.asarray(part[:, None] == np.arange(CURVE_PARTS), np.float64)
