@@ -31,6 +31,7 @@ WINDOW_FULL_SHARE: Final = 0.98  # of the rows must fill the window that is comp
 WINDOW_BEFORE: Final = (2, 24)  # samples before the path, least and most [cost]
 WINDOW_AFTER: Final = (16, 110)  # samples after it; 110 reach the last bin of the profile [derived]
 NOISE_BEFORE_NS: Final = -3.5  # earlier samples hold noise alone: the pulse is 2 ns wide [derived]
+EARLY_FEWEST: Final = 4  # samples so early, to say how they scatter [convention]
 LEAST_VARIATION: Final = 1e-7  # of a column, of its size: less is how it was written [derived]
 MOST_CATEGORIES: Final = 24  # of one column; more is an identifier, not a covariate [cost]
 RAREST_CATEGORY: Final = 0.02  # share of the rows below which a category is not searched [blind]

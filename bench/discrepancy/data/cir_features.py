@@ -12,11 +12,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.settings import NOISE_BEFORE_NS
+from bench.discrepancy.settings import EARLY_FEWEST, NOISE_BEFORE_NS
 
 Floats = NDArray[np.float64]
 COLUMNS = ("total", "peak", "rise", "excess", "spread", "kurtosis", "lead", "early")
-EARLY_FEWEST = 4  # samples, to say how they scatter
 ANY_ORDER = {"reassoc", "contract", "nsz"}  # of sums; NaN keeps its meaning
 Levels = tuple[float, float, float]
 
