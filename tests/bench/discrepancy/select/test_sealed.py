@@ -27,6 +27,7 @@ from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknow
 from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -38,7 +39,7 @@ ONE = Estimate(1, 0.5, 1.5)
 LINKS = np.repeat(np.arange(40), 3)
 
 
-def named(effect: AntennaDelay | RangeScale | TimeLag) -> LeftOut:
+def named(effect: Effect) -> LeftOut:
     return LeftOut(effect, (), ONE, 1.0, Control("", None))
 
 
@@ -144,6 +145,18 @@ def test_a_cause_of_which_no_size_is_determined_is_no_name() -> None:
         replace(made, parameters=(replace(sizes[0], determined=True), sizes[1]))
     )
     assert not undetermined(named(LAG))
+
+
+@pytest.mark.parametrize(("waveform", "said"), [(False, True), (True, False)])
+def test_ranges_on_a_grid_stay_rounded_whatever_sealed_links_say(
+    monkeypatch: pytest.MonkeyPatch, waveform: bool, said: bool
+) -> None:
+    monkeypatch.setattr(sealed, "served", lambda *_: Served(Estimate(-2, -3, -1), True, 0.1))
+    made = RangeRounding(step_m=0.15)
+    found = replace(selection(), added=(made,), verdicts=(named(made),))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=waveform)
+    kept_names = unrefused(None, rows, found, (), 0)[0].names  # type: ignore[arg-type]
+    assert (kept_names == (("range-rounding",),)) is said
 
 
 @pytest.mark.parametrize(("effect", "named"), [(TimestampJitter(), True), (LevelControl(), False)])
