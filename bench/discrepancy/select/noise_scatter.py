@@ -15,6 +15,7 @@ from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.logged import logs
 from bench.discrepancy.select.scatter_alone import within
+from bench.discrepancy.select.settings import EXTRA_SCATTER_M
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.settings import LEAD_NATS, LEAST_SCATTER_M
@@ -22,7 +23,6 @@ from bench.physics.effect import Effect
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.units import Floats
 
-SIZES_M = (0.0, *np.geomspace(1e-3, 1.0, 61))  # of the scatter that is missing
 NOTE = "it scatters as the noise does that is logged"
 
 
@@ -55,5 +55,6 @@ def beyond_noise(search: Search, added: Added, effect: Effect) -> Adequacy:
 
 def likeliest(left_m: Floats, own_m2: float, goes: Floats) -> float:
     """Return the largest log likelihood of normal ranges [n] whose extra variance goes with [n]."""
-    every = own_m2 + np.square(SIZES_M)[:, None] * goes
+    sizes_m = np.array([0.0, *np.geomspace(*EXTRA_SCATTER_M)])
+    every = own_m2 + np.square(sizes_m)[:, None] * goes
     return float((-0.5 * (left_m**2 / every + np.log(every))).sum(axis=1).max())
