@@ -216,13 +216,18 @@ class ForeignTable:
         return self._scaled.again(batch, peaks) if self._scaled.held else batch
 
     def _outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
-        """Return the table's values plus what the effects changed in one block."""
+        """Return the table's values plus what the effects changed in one block.
+
+        A noise or a count that the table does not tell stays unknown: its samples are not scaled by
+        one, and their noise is that before the path.
+        """
         rows, part = changed.rows, slice(start, start + BLOCK)
-        rx, first, noise = (
+        rx, first = (
             np.where(np.isfinite(given), given, there(getattr(plain, name)))
-            for name in ("rx_power_dbm", "first_path_power_dbm", "noise_std")
+            for name in ("rx_power_dbm", "first_path_power_dbm")
             for given in [rows.number(name, np.nan)]
         )
+        noise, count = (rows.number(name, np.nan) for name in ("noise_std", "preamble_count"))
         whole = None
         if cir and changed.waveform is not None and changed.noise is not None:
             whole = changed.waveform + changed.noise
@@ -234,7 +239,7 @@ class ForeignTable:
             + there(changed.first_path_power_dbm)
             - there(plain.first_path_power_dbm),
             noise_std=noise * there(changed.noise_std) / there(plain.noise_std),
-            preamble_count=there(changed.symbols),
+            preamble_count=np.where(np.isfinite(count), there(changed.symbols), np.nan),
             cir=None if whole is None else changed.magnitude,
             cir_complex=whole,
             first_path_index=self._moved_index(changed, plain),
