@@ -21,7 +21,7 @@ from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confi
 from bench.discrepancy.counterpart import counted, covered
 from bench.discrepancy.data.checks import check_recorded
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, text_instead, with_motion
-from bench.discrepancy.data.observables import Window, window_of
+from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
 from bench.discrepancy.joint import turn as waves
@@ -159,10 +159,12 @@ def diagnose(
     measured = measured_columns(frame, asked.measured, asked.known)
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     base = base_of(shown.frame, simulated)
-    comparison = compared_with(simulated, window_of(shown.frame), asked.seed, base)
+    other = simulated.frame if isinstance(simulated, Recordings) else None
+    window = shared_window(shown.frame, other)
+    comparison = compared_with(simulated, window, asked.seed, base)
     inside = covered(comparison, shown)
     doubtful = frame[list(doubtful_columns(measured, asked.measured))].iloc[np.flatnonzero(inside)]
-    rows = WorkingRows.of(shown.select(inside), asked, doubtful)
+    rows = WorkingRows.of(shown.select(inside), asked, doubtful, window)
     every, skipped = library()
     rerun = isinstance(comparison, Resimulation)
     able, lacking = offered(kinds or every, rows.recorded.frame, bool(asked.waveform), rerun)

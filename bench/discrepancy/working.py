@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from bench.discrepancy.compare.view import View, view
-from bench.discrepancy.data.observables import Window, window_of
+from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import (
     LinkSplit,
     Rows,
@@ -37,11 +37,13 @@ class WorkingRows:
     doubtful: pd.DataFrame
 
     @classmethod
-    def of(cls, recorded: Recordings, asked: Options, doubtful: pd.DataFrame) -> WorkingRows:
+    def of(
+        cls, recorded: Recordings, asked: Options, doubtful: pd.DataFrame, window: Window
+    ) -> WorkingRows:
         """Return a recorded table, split by link; `doubtful` columns of its rows take no part."""
         split = split_links(recorded.frame, asked.seed)
         check_rows(split)
-        return cls(recorded, asked, split, window_of(recorded.frame), doubtful)
+        return cls(recorded, asked, split, window, doubtful)
 
     def view(self, rows: Rows, most: int) -> View:
         """Return at most about `most` of some rows, evenly from every link."""

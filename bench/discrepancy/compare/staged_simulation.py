@@ -11,14 +11,14 @@ import numpy as np
 
 from bench.discrepancy.compare.prefix_cache import Prefixes
 from bench.discrepancy.data.observables import (
+    COUNT,
     RANGE,
     SCALARS,
     Floats,
     Observables,
     Window,
-    around,
     collect,
-    shape_observables,
+    shape_of,
 )
 from bench.discrepancy.settings import (
     KEPT_NOISE,
@@ -152,11 +152,8 @@ class Stages:
         if crop is None:
             return {}
         whole, index = crop
-        period = np.full(len(batch), batch.sample_period_ns)
-        magnitude, delay = around(whole, index, period, self.window)
-        return shape_observables(
-            magnitude, delay, _column(batch, "preamble_count"), _column(batch, "noise_std")
-        )
+        told = {name: _column(batch, name) for name in (COUNT, "noise_std")}
+        return shape_of(whole, index, batch.sample_period_ns, self.window, told)
 
 
 def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
@@ -171,5 +168,5 @@ def _column(batch: Batch, name: str) -> Floats:
     if name == RANGE:
         assert batch.range_m is not None
         return np.asarray(batch.range_m - batch.rows.true_range_m, np.float64)
-    found = batch.symbols if name == "preamble_count" else getattr(batch, name)
+    found = batch.symbols if name == COUNT else getattr(batch, name)
     return np.full(len(batch), np.nan) if found is None else np.asarray(found, np.float64)

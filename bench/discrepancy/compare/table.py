@@ -43,10 +43,9 @@ from bench.discrepancy.data.observables import (
     Floats,
     Observables,
     Window,
-    around,
     collect,
     observe,
-    shape_observables,
+    shape_of,
 )
 from bench.discrepancy.data.split import Rows, link_codes
 from bench.discrepancy.settings import (
@@ -171,9 +170,8 @@ class TableComparison:
         """Return the figures of the CIRs of changed rows: effects on the range change none."""
         assert made.cir is not None
         assert made.first_path_index is not None
-        period = np.full(len(made), made.sample_period_ns)
-        cir = around(made.cir, made.first_path_index, period, self.window)
-        return shape_observables(*cir, scalars["preamble_count"], scalars["noise_std"])
+        first, period_ns = made.first_path_index, made.sample_period_ns
+        return shape_of(made.cir, first, period_ns, self.window, scalars)
 
     @cached_property
     def _shapes(self) -> Memory[dict[str, Floats]]:

@@ -6,7 +6,7 @@ NaN and takes no part in any comparison.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -32,6 +32,7 @@ from bench.recordings.table import SAMPLE_PERIOD_NS
 Floats = NDArray[np.float64]
 
 RANGE = "error_m"  # the observable every table has
+COUNT = "preamble_count"  # how many symbols an accumulator summed up
 LEVEL = "rx_power_dbm"  # the receive level, as the receiver reports it
 SCALARS = {
     RANGE: "m",
@@ -86,9 +87,26 @@ def observe(frame: pd.DataFrame, window: Window | None = None) -> Observables:
     scalars = {name: _scalar(frame, name) for name in SCALARS}
     if "cir" not in frame or "first_path_index" not in frame or not len(frame):
         return collect(scalars)
-    magnitude, delay = aligned(frame, window or window_of(frame))
-    count, noise = scalars["preamble_count"], scalars["noise_std"]
-    return collect(scalars, shape_observables(magnitude, delay, count, noise))
+    window = window or window_of(frame)
+    magnitude, delay = aligned(frame, window)
+    count = _counts(window, scalars[COUNT])
+    return collect(scalars, shape_observables(magnitude, delay, count, scalars["noise_std"]))
+
+
+def shape_of(
+    cir: NDArray[Any], first: Floats, period_ns: float, window: Window, told: dict[str, Floats]
+) -> dict[str, Floats]:
+    """Return profile bins and features, each [n], of CIRs [n, K] of one sample period.
+
+    `first` [n] are their first paths; `told` the counts and noises [n] that are logged.
+    """
+    magnitude, delay = around(cir, first, np.full(len(cir), period_ns), window)
+    return shape_observables(magnitude, delay, _counts(window, told[COUNT]), told["noise_std"])
+
+
+def _counts(window: Window, count: Floats) -> Floats:
+    """Return the accumulated symbols [n] by which samples are compared, NaN where as they are."""
+    return count if window.counted else np.full(len(count), np.nan)
 
 
 def collect(scalars: dict[str, Floats], shape: dict[str, Floats] | None = None) -> Observables:
@@ -135,14 +153,21 @@ def _numbers(column: pd.Series) -> Floats:
 
 @dataclass(frozen=True)
 class Window:
-    """How much of a CIR is compared: samples before and after the detected first path."""
+    """How much of a CIR is compared: samples before and after the detected first path.
+
+    `counted`: samples are compared by accumulated symbol, not as they are.
+    """
 
     before: int = 8
     after: int = 110
+    counted: bool = True
 
 
 def window_of(frame: pd.DataFrame) -> Window:
-    """Return the widest window nearly every row of a table can fill, within bounds."""
+    """Return the widest window nearly every row of a table can fill, within bounds.
+
+    By accumulated symbol where the table has counts.
+    """
     if "cir" not in frame or "first_path_index" not in frame or not len(frame):
         return Window()
     first = np.nan_to_num(_numbers(frame["first_path_index"]))
@@ -151,7 +176,18 @@ def window_of(frame: pd.DataFrame) -> Window:
     after = int(
         np.clip(np.quantile(length - np.floor(first), 1 - WINDOW_FULL_SHARE), *WINDOW_AFTER)
     )
-    return Window(before, after)
+    return Window(before, after, bool(np.isfinite(_scalar(frame, COUNT)).any()))
+
+
+def shared_window(frame: pd.DataFrame, other: pd.DataFrame | None) -> Window:
+    """Return the window of a table that is compared with another, None: with a simulator.
+
+    Samples are compared as they are where one of the tables does not tell the counts of its own.
+    """
+    window = window_of(frame)
+    if other is None or "cir" not in other:
+        return window
+    return replace(window, counted=window.counted and window_of(other).counted)
 
 
 def aligned(frame: pd.DataFrame, window: Window) -> tuple[Floats, Floats]:

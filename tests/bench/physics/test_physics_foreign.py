@@ -43,6 +43,16 @@ def test_without_effects_the_table_comes_back(table: ForeignTable) -> None:
     np.testing.assert_allclose(made.first_path_index, table.frame["first_path_index"])
 
 
+def test_a_table_that_tells_no_count_nor_noise_gets_none(table: ForeignTable) -> None:
+    bare = ForeignTable(table.frame.drop(columns=["preamble_count", "noise_std"]))
+    made = bare.observe((PathLoss(exponent=2.5),))
+    assert np.isnan(made.preamble_count).all()
+    assert np.isnan(made.noise_std).all()
+    assert made.cir is not None
+    plain = np.stack(table.frame["cir"]).max(axis=1)
+    assert np.median(made.cir.max(axis=1) / plain) == pytest.approx(0.75, abs=0.25)
+
+
 def test_ranging_effects_act_in_full(table: ForeignTable) -> None:
     made = table.observe((AntennaDelay(delay_ns=2.0),))
     np.testing.assert_allclose(made.range_m - table.range_m, 0.299792458)

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.staged_simulation import Stages
-from bench.discrepancy.data.observables import Window, observe, window_of
+from bench.discrepancy.data.observables import Window, observe, shared_window, window_of
 from bench.physics.base import Base
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.scene import scene
@@ -76,3 +76,18 @@ def test_staged_simulation_gives_the_numbers_of_the_simulator():
     staged = [stages.observables(simulator, rows, 3, True) for _ in range(2)][1]  # from memory
     direct = observe(simulator.simulate(frame, 5, 3).frame, window).keep(staged.names)
     assert np.allclose(staged.values, direct.values, rtol=1e-4, atol=1e-4, equal_nan=True)
+
+
+def test_samples_are_compared_by_symbol_only_where_both_tables_tell_how_many():
+    rng = np.random.default_rng(3)
+    cirs = list(np.abs(rng.normal(size=(4, 60))))
+    bare = pd.DataFrame({"cir": cirs, "first_path_index": 20.0, "true_range_m": 3.0})
+    told = bare.assign(preamble_count=1024.0)
+    assert shared_window(told, told).counted
+    assert shared_window(told, None).counted
+    for one, two in ((told, bare), (bare, told), (bare, bare)):
+        window = shared_window(one, two)
+        assert not window.counted
+        ours, theirs = (observe(frame, window).column("energy_db") for frame in (one, two))
+        assert ours == pytest.approx(theirs)
+    assert shared_window(told, told[["true_range_m"]]).counted  # no samples there to compare
