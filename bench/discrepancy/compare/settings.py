@@ -21,3 +21,6 @@ DEVICE_STD: Final = 0.3  # that another device counts as: it varies less than a 
 OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart, to go on [convention]
 OVERLAP_LINKS: Final = 16  # or as many links: four to confirm on, a dozen to work with [convention]
 LEAST_STD: Final = 1e-9  # keeps a constant covariate finite [derived]
+MIX_DIGITS: Final = (
+    6  # of a mean of a covariate, that are told: more are how it was added [derived]
+)

@@ -44,6 +44,8 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffraction import Diffraction
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.propagation.specular import in_room
 from bench.physics.units import Floats
 from bench.physics.ways import known_mostly, spread_over
 
@@ -61,9 +63,10 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
         return state
-    kinds = {n: kind for n, kind in search.kinds.items() if kind.name != Diffraction.name}
-    # Its step where metal stands is one between groups, which takes part without a name here.
-    ranged = replace(search, work=joined(search.fit, search.discover), kinds=kinds)
+    rows = joined(search.fit, search.discover)
+    aside = _of_waves_alone(rows)
+    kinds = {n: kind for n, kind in search.kinds.items() if kind.name not in aside}
+    ranged = replace(search, work=rows, kinds=kinds)
     names = judged_by_sets(ranged)
     beside = tuple(effect for effect in state.added if effect.physics not in names)
     found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside, unlisted)
@@ -77,6 +80,16 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
+
+
+def _of_waves_alone(rows: View) -> set[str]:
+    """Return the names of causes of which ranges beside waveforms are not asked.
+
+    The step of a diffraction where metal stands is one between groups, which takes part without a
+    name. The floor of a known room is one of its reflections, which waveforms show.
+    """
+    floor = {GroundBounce.name} if in_room(rows.scene).all() else set()
+    return {Diffraction.name} | floor
 
 
 def _fitted(ranged: Search, beside: Added, first: Round) -> tuple[Added, Turns]:

@@ -110,3 +110,12 @@ def test_no_detector_follows_a_temperature_unless_something_unlisted_does() -> N
     name = next(iter(search.fit.covariates.numbers))
     assert range_part.known_columns_of(search.fit, (name,)).shape[1] == every.shape[1] - 1
     assert {"temperature_c", "time_s", "reply_time_s"} < set(range_part.OF_CLOCKS)
+
+
+def test_the_floor_of_a_known_room_is_left_to_waveforms() -> None:
+    search, _ = search_of(0.0)
+    outdoors = search.fit
+    room = {f"{what}_{axis}_m": 4.0 for what in ("tx", "rx", "room") for axis in "xyz"}
+    inside = replace(outdoors, frame=outdoors.frame.assign(**room))
+    assert range_part._of_waves_alone(outdoors) == {"diffraction"}
+    assert range_part._of_waves_alone(inside) == {"diffraction", "ground-bounce"}
