@@ -17,14 +17,19 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.select.settings import (
     CLIPPED_ROWS,
     CLIPPED_SAME,
+    HELD_DB,
     PULSE_SAMPLES,
     STUCK_DB,
     STUCK_PLACES,
     STUCK_Z,
+    UNITS_DB,
+    VARIED_DB,
 )
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.verdict import Unknown
 from bench.physics.units import Floats
+
+AMPLITUDE, PEAK = "max_amplitude_db", "peak_counts_db"  # by accumulated symbol, and as recorded
 
 
 def recorder_fault(search: Search) -> str:
@@ -34,6 +39,8 @@ def recorder_fault(search: Search) -> str:
     """
     if not search.fit.waveform or "cir" not in search.fit.frame:
         return ""
+    if words := other_scale(search):
+        return words
     table = search.comparison
     other = table.frame if isinstance(table, TableComparison) else None
     frame = pd.concat([search.fit.frame, search.discover.frame], ignore_index=True)
@@ -41,6 +48,25 @@ def recorder_fault(search: Search) -> str:
         words = fault(frame)
         if words and not (other is not None and fault(other)):
             return words
+    return ""
+
+
+def other_scale(search: Search) -> str:
+    """Return in words that samples of both sides are not scaled alike, "" where they are.
+
+    By so much that it is no physics: another unit, or one side alone scaled to one peak.
+    """
+    made = search.comparison.ensemble(search.fit, (), 1)
+    if not {AMPLITUDE, PEAK} <= set(made.names):
+        return ""
+    recorded, simulated = np.nanmedian(made.versions[:2, :, made.place(AMPLITUDE)], axis=1)
+    if abs(recorded - simulated) > UNITS_DB:
+        apart = f"{abs(recorded - simulated):.0f} dB {'above' if recorded > simulated else 'below'}"
+        return f"samples are in other units: recorded peaks lie {apart} simulated ones"
+    wide_db = np.nanstd(made.versions[:2, :, made.place(PEAK)], axis=1)
+    for one, two, who in (*wide_db, "recorded"), (*wide_db[::-1], "simulated"):
+        if one < HELD_DB and two > VARIED_DB:
+            return f"all {who} samples were scaled to one peak, or clipped, and the others were not"
     return ""
 
 

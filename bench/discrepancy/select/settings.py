@@ -16,6 +16,9 @@ OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [co
 # --- Faults of the recorder (select/recorder) -----------------------------------------------------
 CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
 CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision
+UNITS_DB: Final = 60.0  # between peaks of both sides: no effect moves levels so far [convention]
+HELD_DB: Final = 0.2  # that peaks vary by, at most, which were scaled to one: 2 % [derived]
+VARIED_DB: Final = 1.0  # that peaks vary by, at least, which were not [convention]
 STUCK_DB: Final = 6.0  # out of both neighbours: a pulse of 2 samples at half height is 3 [derived]
 STUCK_Z: Final = 8.0  # standard errors over rows [convention]
 STUCK_PLACES: Final = 3  # at least [convention]

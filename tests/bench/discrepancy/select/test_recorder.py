@@ -9,11 +9,19 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
-from bench.discrepancy.select.recorder import clipped, recorder_fault, spoilt, stuck
-from bench.discrepancy.select.state import Round, State
+from bench.discrepancy.select.recorder import (
+    AMPLITUDE,
+    PEAK,
+    clipped,
+    recorder_fault,
+    spoilt,
+    stuck,
+)
+from bench.discrepancy.select.state import Round, Search, State
 
 ROWS, SAMPLES, FIRST = 60, 120, 20
 
@@ -51,10 +59,32 @@ def test_stuck_samples_stand_out_in_every_row_above_or_below() -> None:
         assert "samples 45, 61, 77" in stuck(frame(cir))
 
 
+def search_of(rows: pd.DataFrame, recorded_db: np.ndarray, simulated_db: np.ndarray) -> Search:
+    """Return a search over rows whose peaks are so many decibels on both sides, [n] each."""
+    peaks = np.stack([recorded_db, simulated_db])[:, :, None].repeat(2, axis=2)
+    made = Ensemble((AMPLITUDE, PEAK), ("dB", "dB"), peaks, np.arange(len(rows)))
+    view = SimpleNamespace(waveform=True, frame=rows)
+    other = SimpleNamespace(ensemble=lambda *_: made)
+    return SimpleNamespace(fit=view, discover=view, comparison=other)  # type: ignore[return-value]
+
+
+def test_samples_that_are_not_scaled_alike_are_said_so_not_clipped() -> None:
+    varied, rows = np.linspace(70, 80, ROWS), frame(samples() / 5000)
+    volts = recorder_fault(search_of(rows, varied - 140, varied))
+    assert "other units: recorded peaks lie 140 dB below" in volts
+    one = np.full(ROWS, 75.0)
+    assert "all recorded samples were scaled to one peak" in recorder_fault(
+        search_of(rows, one, varied)
+    )
+    assert "all simulated samples" in recorder_fault(search_of(rows, varied, one))
+    for alike in (varied, one):
+        assert recorder_fault(search_of(rows, alike, alike - 20)) == ""
+
+
 def test_what_is_seen_takes_every_name() -> None:
     rows = frame(np.minimum(samples(), 3000))
-    view = SimpleNamespace(waveform=True, frame=rows)
-    words = recorder_fault(SimpleNamespace(fit=view, discover=view, comparison=None))  # type: ignore[arg-type]
+    level = np.linspace(70, 80, ROWS)
+    words = recorder_fault(search_of(rows, level, level))
     tally = Tally(("noise_std",), np.ones((4, 1)), np.ones((4, 1)))
     told = Explanation((), tally, Estimate(1, 0, 2), tally, {}, {})
     state = State(None, (), (Round(Located((), 0.002, 9.0, 3.0, 1, {}), told, None),))  # type: ignore[arg-type]
