@@ -306,7 +306,7 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
 def _located(state: State, turn: int, journal: Journal) -> tuple[State, Located]:
     """Return what differs; an effect that this contradicts is taken out first."""
     located = journal.kept(locate_left)(state.search, state.added, turn)
-    refuted = contradicted(state.added, located)
+    refuted = contradicted(state.search, state.added, located)
     if refuted is None:
         return state, located
     search, added = state.search.without(refuted), without(state.added, refuted)

@@ -266,7 +266,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
     """Return why an option for `effect` is no name, "" where it may be.
 
     `effect` itself is known to reproduce what it acts on. How much independent scatter there is
-    rows of one link have told; how it parts into a width and a share of wide rows need not be.
+    rows of one link have told; how it parts into a width and a share of wide rows need not be,
+    but where a grid is there, of which another form scatters too.
     """
     name = option.names[0]
     if option.control.passed is False:
@@ -279,7 +280,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         *search.choice.names,
         *(one for some in search.choice.rivals.values() for one in some),
     }
-    weighed = search.fit.waveform or name in of_set or type(option.effect).independent
+    told = type(option.effect).independent and not any(type(one).marked for one in added)
+    weighed = search.fit.waveform or name in of_set or told
     if not weighed and undetermined(option):
         return f"looks most like {name}, but these recordings determine none of its values"
     if option.effect is effect or name in search.choice.constants_m:  # weighed at usual levels

@@ -8,7 +8,7 @@ from __future__ import annotations
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
@@ -16,10 +16,12 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.own_draws import beyond_own_draws
 from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.within_links import of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     FEW_VERSIONS,
     MARGIN_NATS,
+    ONE_SIDED_95,
     REMOVED_SHARE,
     SCATTER_MARGIN_NATS,
     SCORE_FIRST,
@@ -75,16 +77,26 @@ def versions(comparison: Comparison, view: View, added: Added) -> Ensemble:
     return made.beside(own) if borrows(made, own) else made.first(own)
 
 
-def contradicted(added: Added, located: Located) -> Effect | None:
+def contradicted(search: Search, added: Added, located: Located) -> Effect | None:
     """Return an added effect whose signature what is left contradicts, None where none is.
 
     Scatter that is independent from row to row leaves no offsets that links keep; where such
-    offsets are found after all, it only stood in for something else. They must be beyond doubt: of
-    every round one in twenty finds something by chance.
+    offsets are found after all, it only stood in for something else. One search in twenty finds
+    some by chance, so a doubtful one needs a witness: that rows of all links have some in common.
     """
-    cells = [f.cell for f in located.findings if f.p <= SURE_P]
-    left = any(cell.moment == "link" and cell.observable == RANGE for cell in cells)
-    return next((e for e in added if type(e).independent), None) if left else None
+    effect = next((e for e in added if type(e).independent), None)
+    cells = [f for f in located.findings if (f.cell.moment, f.cell.observable) == ("link", RANGE)]
+    if effect is None or not cells:
+        return None
+    sure = min(f.p for f in cells) <= SURE_P
+    return effect if sure or _kept_by_links(search, without(added, effect)) else None
+
+
+def _kept_by_links(search: Search, rest: Added) -> bool:
+    """Return whether rows of a link have part of a mismatch of ranges in common, at 5 %."""
+    seen = search.searched
+    share, error = of_links(versions(search.comparison, seen, rest), RANGE)
+    return share > ONE_SIDED_95 * error
 
 
 def explain_left(search: Search, added: Added, located: Located) -> Explanation:

@@ -159,17 +159,26 @@ def test_ranges_on_a_grid_stay_rounded_whatever_sealed_links_say(
     assert (kept_names == (("range-rounding",),)) is said
 
 
-@pytest.mark.parametrize(("effect", "named"), [(TimestampJitter(), True), (LevelControl(), False)])
-def test_scatter_needs_no_width_of_its_own(effect: Effect, named: bool) -> None:
-    """Rows of one link tell how much there is, not how many rows are wide ones."""
+@pytest.mark.parametrize(
+    ("effect", "beside", "named"),
+    [
+        (TimestampJitter(), (), True),
+        (TimestampJitter(), (RangeRounding(step_m=0.1),), False),
+        (LevelControl(), (), False),
+    ],
+)
+def test_scatter_needs_no_width_of_its_own(
+    effect: Effect, beside: tuple[Effect, ...], named: bool
+) -> None:
+    """Rows of one link tell how much there is; beside a grid another form of that may be it."""
     sizes = [ParameterEstimate(p.name, 1.0, 0.0, 2.0, p.unit, determined=False)
              for p in effect.parameters()]  # fmt: skip
     made = LeftOut(effect, tuple(sizes), ONE, 1.0, Control("", None))
     search = SimpleNamespace(
         choice=Choice(), logged=(), fit=SimpleNamespace(waveform=False, recorded=None)
     )
-    why = objection(search, selection().rounds[0], (effect,), effect, made)  # type: ignore[arg-type]
-    assert (why == "") is named
+    turn, added = selection().rounds[0], (*beside, effect)
+    assert (objection(search, turn, added, effect, made) == "") is named  # type: ignore[arg-type]
 
 
 class Striking:
