@@ -26,6 +26,7 @@ from bench.physics.effect import Effect
 
 LEFT_OF_WAVES = "the best set of known effects leaves what something without a form would explain"
 LEFT_OF_RANGES = "left after the named effects"
+NOTHING_NAMED = "no known effect explains enough of it to be named"
 
 
 def left_by(search: Search, added: Added, located: Located) -> Explanation:
@@ -58,7 +59,8 @@ def wave_verdicts(
         return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
     if not any(one.names for one in named) or _ranges_left(last):
         named = tuple(one for one in named if one.names)
-        return (*named, _unknown(rounds[0], last, LEFT_OF_RANGES, added))
+        why = LEFT_OF_RANGES if named else NOTHING_NAMED
+        return (*named, _unknown(rounds[0], last, why, added))
     return named
 
 

@@ -157,10 +157,11 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
     if isinstance(verdict, NoMismatch):
         return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
+        asked = verdict.removable.high > verdict.removable.low  # else none was tried
         how = f"A flexible regression removes {verdict.removable} of held-out score."
         return [
             f"**Something is there that no known effect explains** ({verdict.note}).",
-            how,
+            *([how] if asked else []),
             *_findings(verdict.findings, 5),
         ]
     if isinstance(verdict, Ambiguous):

@@ -346,5 +346,7 @@ def left_out(
 
 def separating(options: tuple[LeftOut, ...]) -> str:
     """Return which measurement would tell the options apart."""
-    each = (f"{option.names[0]}: {type(option.effect).signature}" for option in options)
-    return f"vary what only one of them follows: {'; '.join(each)}"
+    told = {type(option.effect).told_by for option in options}
+    each = "; ".join(f"{one.names[0]}: {type(one.effect).signature}" for one in options)
+    words = f"vary what only one of them follows: {each}"
+    return (told.pop() if len(told) == 1 else "") or words

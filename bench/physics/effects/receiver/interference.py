@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.receiver.noise_floor import NOISE_TOLD_BY
 from bench.physics.randomness import Draws
 from bench.physics.units import amplitude
 
@@ -29,6 +30,7 @@ class NarrowbandInterference(Effect):
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
     needs = (("cir",),)
     without_cir = False
+    told_by = NOISE_TOLD_BY
 
     level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)
     fading_db: float = parameter(5.6, "dB", 0, 12, "std of the level over rows")

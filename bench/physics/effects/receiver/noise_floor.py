@@ -12,6 +12,11 @@ from bench.physics.filters import coloured
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, Floats, amplitude
 
+NOISE_TOLD_BY = (
+    "record the accumulator while no tag sends: its complex samples have a line in their spectrum "
+    "where a tone is, and none where noise is"
+)
+
 
 @dataclass(frozen=True)
 class NoiseFloor(Effect):
@@ -25,6 +30,7 @@ class NoiseFloor(Effect):
     stage = "receiver"
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     by_device = True
+    told_by = NOISE_TOLD_BY
     signature = "noise level and correlation in every bin alike, before the first path too"
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)

@@ -1,0 +1,31 @@
+"""What a report says of what is unknown or in a class, in words a radio engineer can act on."""
+
+from __future__ import annotations
+
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.report.document import describe
+from bench.discrepancy.select.conclude import separating
+from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
+from bench.physics.effect import Effect
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+
+@pytest.mark.parametrize(("high", "lines"), [(0.0, 1), (2.0, 2)])
+def test_a_regression_that_was_not_tried_removes_nothing_of_a_score(high: float, lines: int):
+    said = describe(Unknown((), Estimate(0, 0, high, "nats"), {}, "a fault"))
+    assert len(said) == lines
+    assert all("nats" in line for line in said[1:])
+
+
+def _option(effect: Effect) -> LeftOut:
+    return LeftOut(effect, (), Estimate(1, 0, 2, "nats"), 1.0, Control("", None))
+
+
+def test_a_tone_and_noise_are_told_apart_by_a_measurement_others_by_what_they_follow():
+    both = _option(NoiseFloor()), _option(NarrowbandInterference())
+    assert "while no tag sends" in separating(both)
+    assert separating((both[0], _option(PathLoss()))).startswith("vary what only one")
