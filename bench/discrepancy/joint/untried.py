@@ -19,7 +19,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
-from bench.discrepancy.select.conclude import separating
+from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Verdict
 from bench.discrepancy.select.within_links import components

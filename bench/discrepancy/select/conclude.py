@@ -17,6 +17,7 @@ from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
+from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
 from bench.discrepancy.select.verdict import (
@@ -342,11 +343,3 @@ def left_out(
     top = turn.located.findings[:1]  # none where a mark alone speaks for it
     control = test(search, others, effect, top[0]) if top else unknown
     return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
-
-
-def separating(options: tuple[LeftOut, ...]) -> str:
-    """Return which measurement would tell the options apart."""
-    told = {type(option.effect).told_by for option in options}
-    each = "; ".join(f"{one.names[0]}: {type(one.effect).signature}" for one in options)
-    words = f"vary what only one of them follows: {each}"
-    return (told.pop() if len(told) == 1 else "") or words

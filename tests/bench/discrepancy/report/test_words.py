@@ -6,7 +6,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.report.document import describe
-from bench.discrepancy.select.conclude import separating
+from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
