@@ -35,7 +35,8 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
         f"The first {len(outcomes)} of {max(len(outcomes), SEALED)} sealed cases (SIMULATED), "
         f"seed {seed}, `bench.diagnose` with default options. "
         f"{opened}. Simulated rows per recorded row {ratios}; paired, unpaired and run again; "
-        f"mixes equal and different; strengths x {', '.join(f'{s:g}' for s in LADDER)}. Answers "
+        f"mixes equal and different; strengths x {', '.join(f'{s:g}' for s in LADDER)}; a third of "
+        "the tables without the count of symbols. Answers "
         f"sealed before the run: sha256 `{seal(len(outcomes), seed, families)}`.",
         "",
         f"The detection limit is a signal-to-noise ratio of {LIMIT_Z:g} on the links that are "
@@ -146,4 +147,5 @@ def _relation(one: Outcome) -> str:
         words.append("paired" if one.paired else "unpaired")
     words += [] if one.same_mix else ["another mix"]
     words += [] if one.listed else ["no obstacles"]
+    words += [] if one.counted else ["no counts"]
     return ", ".join([*words, *([] if one.concealed == "plain" else [one.concealed])])

@@ -22,7 +22,7 @@ from bench.challenge.families.case import (
     world_of,
 )
 from bench.discrepancy.data.columns import known_columns, with_motion
-from bench.discrepancy.data.observables import observe
+from bench.discrepancy.data.observables import COUNT, observe
 from bench.discrepancy.method import base_of
 from bench.physics.base import LEAD_SAMPLES, Base
 from bench.physics.batch import Batch
@@ -104,10 +104,13 @@ def make_case(number: int, seed: int, families: tuple[str, ...] = ()) -> Case:
         made = mapped(made)
     if drawn.concealed == "decoy":
         made = decoyed(made, drawn.hidden, world.CAUSES, own)
+    away = ALONE_GIVEN_AWAY if drawn.counted else (*ALONE_GIVEN_AWAY, COUNT)
     recorded, truth, clean = (
-        frame.drop(columns=[c for c in ALONE_GIVEN_AWAY if c in frame]).reset_index(drop=True)
+        frame.drop(columns=[c for c in away if c in frame]).reset_index(drop=True)
         for frame in (made.recorded, made.truth, made.clean)
     )
+    if isinstance(simulated, Recordings) and COUNT in away:
+        simulated = replace(simulated, frame=simulated.frame.drop(columns=[COUNT], errors="ignore"))
     outside = tuple(n for n in drawn.hidden if _unnamable(n, world.LAWS, recorded, turn.mode))
     law = world.LAWS.get(drawn.hidden[0], Law()) if drawn.hidden else Law()
     table = Recordings(recorded, f"case {number}")

@@ -38,6 +38,7 @@ class Outcome:
     paired: bool
     same_mix: bool
     listed: bool
+    counted: bool
     concealed: str
     verdict: str
     names: list[list[str]]
@@ -97,6 +98,7 @@ def blank(case: Case, number: int, score: str, words: str) -> Outcome:
         paired=drawn.paired,
         same_mix=drawn.same_mix,
         listed=drawn.listed,
+        counted=drawn.counted,
         concealed=drawn.concealed,
         verdict=words,
         names=[],

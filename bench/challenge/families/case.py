@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 
 import numpy as np
@@ -43,6 +43,8 @@ WITH_WAVES = (
 )  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 
+COUNTED = "level-control"  # is told from a path loss by counts
+
 
 @dataclass(frozen=True)
 class Draw:
@@ -51,7 +53,7 @@ class Draw:
     `strength` multiplies the family's usual size of an effect. `listed`: walls are written down in
     `obstacles`. `paired`: the simulated table has the same links; else other positions.
     `same_mix`: positions of both tables are drawn alike; else distances and rooms differ.
-    `concealed`: one of `CONCEALS`.
+    `concealed`: one of `CONCEALS`. `counted`: the tables tell how many symbols were accumulated.
     """
 
     hidden: tuple[str, ...] = ()
@@ -61,6 +63,7 @@ class Draw:
     same_mix: bool = True
     listed: bool = True
     concealed: str = "plain"
+    counted: bool = True
 
     @property
     def rare(self) -> str:
@@ -138,8 +141,17 @@ def draw(
 ) -> Draw:
     """Return what a case hides: of every 20, 5 nothing, 4 outside, 11 the library's.
 
-    `rarely` are the effects whose cause can be made rare.
+    `rarely` are the effects whose cause can be made rare. A third of the tables tells no counts,
+    but where these alone tell what is hidden.
     """
+    made = _drawn(turn, seed, known, outside, rarely)
+    other = np.random.default_rng([seed, turn.number, 14])
+    return replace(made, counted=COUNTED in made.hidden or bool(other.integers(3)))
+
+
+def _drawn(
+    turn: Turn, seed: int, known: Sequence[str], outside: Sequence[str], rarely: Sequence[str]
+) -> Draw:
     rng = np.random.default_rng([seed, turn.number, SCHEDULE.index((turn.mode, turn.family)), 11])
     place = turn.number % 20
     again = turn.mode.endswith("again")

@@ -18,6 +18,7 @@ from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import Unknown
 from bench.errors import BenchError
 from bench.parallel import Spread
+from bench.recordings.table import Recordings
 
 DEVELOPED = ("hall", "box", "wave")
 
@@ -136,7 +137,8 @@ def _outcome(number: int, what: tuple[str, ...], score: str, **known: object) ->
     plain = Outcome(
         number=number, mode="ranges", family="hall", hidden=list(what),
         outside=[n for n in what if n == "supply"], forms=[], strength=1.0, ratio=3, paired=True,
-        same_mix=True, listed=True, concealed="plain", verdict="", names=[], score=score,
+        same_mix=True, listed=True, counted=True, concealed="plain", verdict="", names=[],
+        score=score,
         strength_z=20.0 if what else 0.0, alarm_z=0.5,
     )  # fmt: skip
     return replace(plain, **known)
@@ -247,3 +249,16 @@ def test_cases_do_not_depend_on_how_they_were_spread(tmp_path):
 def _timeless(text: str) -> list[str]:
     """Return the lines of an outcome without its time and its digest."""
     return [line for line in text.splitlines() if "seconds" not in line and "sha256" not in line]
+
+
+def test_a_third_of_the_tables_tells_no_counts_but_where_these_alone_tell_what_is_hidden() -> None:
+    every = [drawn_of(number, 3)[1] for number in range(240)]
+    share = np.mean([not one.counted for one in every])
+    assert 0.2 < share < 0.45
+    assert all(one.counted for one in every if "level-control" in one.hidden)
+    turns = ((n, drawn_of(n, 3)) for n in range(240))
+    bare = next(n for n, (turn, one) in turns if turn.mode == "CIR" and not one.counted)
+    case = make_case(bare, 3)
+    assert isinstance(case.simulated, Recordings)
+    tables = (case.recorded.frame, case.simulated.frame, case.truth.frame, case.clean)
+    assert not any("preamble_count" in frame for frame in tables)
