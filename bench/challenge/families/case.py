@@ -145,7 +145,8 @@ def draw(
     but where these alone tell what is hidden.
     """
     made = _drawn(turn, seed, known, outside, rarely)
-    other = np.random.default_rng([seed, turn.number, 14])
+    place = SCHEDULE.index((turn.mode, turn.family))
+    other = np.random.default_rng([seed, turn.number, place, 14])
     return replace(made, counted=COUNTED in made.hidden or bool(other.integers(3)))
 
 
