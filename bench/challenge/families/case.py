@@ -36,7 +36,7 @@ COARSE = (
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
 KEPT = ("rink", "brewery")
-"""Families that were written last, and opened for the report alone."""
+"""Families that were written last."""
 WITH_WAVES = (
     "mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery",
