@@ -172,8 +172,20 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
 
 
 def _findings(findings: Sequence[Finding], most: int) -> list[str]:
-    """Return the first findings, each once: intervals of different rows may read alike."""
-    return list(dict.fromkeys(f"- {finding}" for finding in findings))[:most]
+    """Return the first findings, each once: of some of the rows what holds in others is no news."""
+    told: list[Finding] = []
+    for one in findings:
+        if not any(_alike(one, other) for other in told):
+            told.append(one)
+    return [f"- {finding}" for finding in told[:most]]
+
+
+def _alike(one: Finding, other: Finding) -> bool:
+    """Return whether two findings are of one observable, and as large as far as is known."""
+    same = one.cell.observable == other.cell.observable and one.cell.moment == other.cell.moment
+    trends = one.cell.place.trend or other.cell.place.trend
+    apart = one.effect.low > other.effect.high or other.effect.low > one.effect.high
+    return one.cell == other.cell if trends else same and not apart
 
 
 def nameless_lines(diagnosis: Diagnosis) -> list[str]:

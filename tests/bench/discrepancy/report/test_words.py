@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.document import describe
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
@@ -29,3 +31,19 @@ def test_a_tone_and_noise_are_told_apart_by_a_measurement_others_by_what_they_fo
     both = _option(NoiseFloor()), _option(NarrowbandInterference())
     assert "while no tag sends" in separating(both)
     assert separating((both[0], _option(PathLoss()))).startswith("vary what only one")
+
+
+def _found(size_db: float, where: str | None = None, trend: bool = False) -> Finding:
+    """Return a level that is off by so much, known to half a decibel."""
+    place = Place(where, 0.0, 1.0, trend) if where else Place(None, None, None, False)
+    size = Estimate(size_db, size_db - 0.5, size_db + 0.5, "dB")
+    return Finding(Cell("energy_db", "mean", place), size, 9.0, 0.002, 90, 30)
+
+
+def test_what_holds_in_all_rows_is_not_said_again_of_some() -> None:
+    every = (
+        _found(4.0), _found(4.2, "tx_z_m"), _found(9.0, "rx_z_m"), _found(3.9, "time_s", True),
+    )  # fmt: skip
+    lines = describe(Unknown(every, Estimate(0, 0, 0, "nats"), {}, "left"))[1:]
+    assert len(lines) == 3
+    assert not any("tx_z_m" in line for line in lines)
