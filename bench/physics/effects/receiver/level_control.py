@@ -30,7 +30,8 @@ class LevelControl(Effect):
     stage = "receiver"
     source = "DW1000 User Manual 2.11, figure 22; counts measured on Zenodo 10.5281/zenodo.4742391"
     signature = "reported level flattens near -78 dBm as the distance falls; the count falls too"
-    essential_with_cir = ("accumulation",)  # a level alone is shifted by many things
+    needs = (("preamble_count",),)  # a level alone is shifted by many things
+    essential_with_cir = ("accumulation",)
     own_curve = True
 
     compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)

@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import Comparison, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select import logged, marks, stepwise
+from bench.discrepancy.select.candidates import offered
 from bench.discrepancy.select.logged import Logged
 from bench.discrepancy.select.settings import LOGGED_NATS
 from bench.discrepancy.select.state import Search
@@ -90,6 +91,13 @@ def test_what_is_not_logged_says_nothing() -> None:
     frame = _frame().drop(columns=["preamble_count", "noise_std"])
     found = logged.read_logs(_search(frame, TableComparison(_frame(seed=2), Window())))
     assert (found.logged, set(found.kinds)) == ((), set(KINDS))
+
+
+def test_a_level_control_is_not_offered_where_no_counts_are_told() -> None:
+    able, lacking = offered(KINDS, _frame().drop(columns=["preamble_count"]), False)
+    assert "level-control" not in able
+    assert "needs preamble_count" in lacking["level-control"]
+    assert "level-control" in offered(KINDS, _frame(), False)[0]
 
 
 def test_a_louder_floor_is_a_mark_that_no_score_takes_back() -> None:
