@@ -129,3 +129,9 @@ def test_the_page_on_architecture_is_true_of_the_tree() -> None:
         for path in (ROOT / one).glob("*/__init__.py")
     }
     assert sorted(packages - named) == []
+
+
+def test_no_two_test_modules_share_a_name() -> None:
+    """Without packages pytest imports them by name: the second could not be collected."""
+    names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
+    assert sorted(names) == sorted(set(names))
