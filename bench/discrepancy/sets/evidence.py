@@ -19,6 +19,7 @@ from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.settings import (
     ANY_MEAN,
     EM_STEPS,
+    FIRST_RATIO,
     LARGE_OFFSETS,
     LEAST_VARIANCE_M2,
     LEAST_WEIGHT,
@@ -83,13 +84,13 @@ class Evidence:
         self.scatter_m2 = np.inf
         self.mean_ratio = 0.0  # variance of that mean over the rows', as `reweigh` finds it
         self.weights = np.ones(len(left_m))
-        self.ratios: tuple[float, ...] = OFFSET_RATIOS
+        self.nearby = FIRST_RATIO  # place of the ratio from which the best is sought
         self._products: dict[float, tuple[Floats, float]] = {}
 
     def with_blocks(self, blocks: Columns) -> Evidence:
         """Return the evidence of other blocks, every row with the weight that it has here."""
         made = Evidence(self.left_m, self.links, blocks, self.widest)
-        made.weights, made.ratios = self.weights, self.ratios
+        made.weights, made.nearby = self.weights, self.nearby
         made.offset_mean, made.mean_ratio = self.offset_mean, self.mean_ratio
         made.scatter_m2 = self.scatter_m2
         return made
@@ -109,12 +110,12 @@ class Evidence:
     def reweigh(self, causes: Sequence[str]) -> int:
         """Give rows and links the weights that they have beside a set of causes.
 
-        Returns how many links take no part. Later only ratios near the best one are tried.
+        Returns how many links take no part.
         """
-        self.ratios, self.mean_ratio, stray = OFFSET_RATIOS, 0.0, 0
+        self.mean_ratio, stray = 0.0, 0
         for _ in range(REWEIGHINGS):
             best = self.of(causes)
-            place = OFFSET_RATIOS.index(best.ratio)
+            self.nearby = OFFSET_RATIOS.index(best.ratio)
             left = self.left_m - self.columns[:, best.places] @ best.factors
             far = self._stray(left)
             near, stray = ~far[self.links], int(far.sum())
@@ -124,7 +125,6 @@ class Evidence:
             self._products = {}
         if self.offset_mean:
             self.mean_ratio = self._around_mean(causes)
-        self.ratios = OFFSET_RATIOS[max(place - 1, 0) : place + 2]
         return stray
 
     def _around_mean(self, causes: Sequence[str]) -> float:
@@ -153,8 +153,21 @@ class Evidence:
         return np.bincount(self.links, self.weights * left_m) * ratio / (1 + ratio * weight)
 
     def of(self, causes: Sequence[str]) -> Weighed:
-        """Return a set with its evidence, at the best of some ratios of link offsets."""
-        return max((self._at(tuple(causes), r) for r in self.ratios), key=lambda one: one.nats)
+        """Return a set with its evidence, at its own best ratio of link offsets.
+
+        At that of another set, offsets that links keep would count as evidence for a cause.
+        """
+        key, place = tuple(causes), self.nearby
+        best = self._at(key, OFFSET_RATIOS[place])
+        for step in (-1, 1):
+            while 0 <= place + step < len(OFFSET_RATIOS):
+                other = self._at(key, OFFSET_RATIOS[place + step])
+                if other.nats <= best.nats:
+                    break
+                best, place = other, place + step
+            if place != self.nearby:
+                break
+        return best
 
     def response(self, made: Weighed, cause: str) -> Floats:
         """Return what one cause of a set does to the range of every row [n], in metres."""

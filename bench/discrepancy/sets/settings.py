@@ -16,7 +16,9 @@ SMALLEST_STEP_NATS: Final = 1.0  # for the size of a cause, which is fitted [sou
 RIVAL_NATS: Final = 3.0  # behind the best set, within which another is not excluded: 20 to 1 [sets]
 MOST_CAUSES: Final = 5  # in a set [cost]
 BEAM: Final = 5  # sets that are followed [cost]
-OFFSET_RATIOS: Final = (0.0, 0.05, 0.3, 1.0, 4.0)  # variance of link offsets over that of rows
+OFFSET_RATIOS: Final = (0.0, *(0.05 * 2 ** (step / 2) for step in range(15)))  # variance of link
+# offsets over that of rows; so close that a set hardly gains by what falls between two [cost]
+FIRST_RATIO: Final = 7  # place of the ratio that is tried first: 0.4 [cost]
 ROWS_PER_LINK: Final = 3  # on average, to tell what links keep from what rows do [convention]
 ANY_MEAN: Final = 1e6  # variance of a mean over that of rows: nothing is known of it [derived]
 LARGE_OFFSETS: Final = 2.0  # of the variance of rows, from which on link offsets are more than what
