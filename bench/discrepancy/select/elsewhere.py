@@ -13,9 +13,13 @@ import numpy as np
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.logged import DEVICES
+from bench.discrepancy.select.settings import OWN_GRID_PLACES, ROUNDING_VARIANCE
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     CONTROL_ROWS,
     FORMS_OF_MARK,
@@ -24,6 +28,8 @@ from bench.discrepancy.settings import (
     SCORE_MEMBERS,
 )
 from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 
 
 def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Explanation:
@@ -55,20 +61,50 @@ def _stands(search: Search, added: Added, contender: Contender) -> bool:
 def _beyond_marks(search: Search, added: Added, contender: Contender) -> bool:
     """Return whether scatter beside what bears a mark does more than another form of that would.
 
-    Ranges that are rounded by chance, or twice, scatter more than such to the nearest step do.
+    Ranges that are rounded by chance, or twice, are off by twice the variance of those to the
+    nearest step. Rows must scatter by more than that, too: wide scatter is fitted where little is.
     """
     marks = [effect for effect in added if type(effect).marked]
     if not marks or not type(contender.effect).independent:
         return True
-    sizes = []
-    for effect, rest in [(contender.effect, added), *((e, without(added, e)) for e in marks)]:
-        with_it, bare = (
-            search.comparison.ensemble(search.searched, some, SCORE_MEMBERS, SCORE_FIRST)
-            for some in ((*rest, effect), rest)
-        )
-        change = with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)
-        sizes.append(float(np.nanstd(change)))
-    return sizes[0] > FORMS_OF_MARK * max(sizes[1:])
+    rows, others = search.searched, [(e, without(added, e)) for e in marks]
+    forms = [max(_change(search, rest, e), own_grids_m(rows, e)) for e, rest in others]
+    most = FORMS_OF_MARK * max(forms)
+    there = _scatter_m(search, added) ** 2 > (FORMS_OF_MARK + 1) * max(forms) ** 2
+    return there and _change(search, added, contender.effect) > most
+
+
+def _change(search: Search, rest: Added, effect: Effect) -> float:
+    """Return how far an effect moves ranges beside others, as a standard deviation in metres."""
+    with_it, bare = (
+        search.comparison.ensemble(search.searched, some, SCORE_MEMBERS, SCORE_FIRST)
+        for some in ((*rest, effect), rest)
+    )
+    return float(np.nanstd(with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)))
+
+
+def _scatter_m(search: Search, added: Added) -> float:
+    """Return how far rows lie from their link beside some effects, in metres; inf if none does."""
+    made = search.comparison.ensemble(search.searched, added, SCORE_MEMBERS, SCORE_FIRST)
+    left = within(Ensemble((RANGE,), ("m",), made.residual_of(RANGE)[None, :, None], made.links))[0]
+    return float(np.sqrt(np.nanmean(left**2))) if np.isfinite(left).any() else np.inf
+
+
+def own_grids_m(rows: View, effect: Effect) -> float:
+    """Return how far rounding moves ranges where devices have coarser steps of their own, in m.
+
+    One grid holds all their ranges, that of the largest step that divides all of theirs. A step is
+    a device's own where all its ranges lie on it, which chance hardly does; 0 for other effects.
+    """
+    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+        return 0.0
+    place = np.rint((numeric(rows.frame, "range_m") - effect.origin_m) / effect.step_m)
+    times = np.ones(len(place))
+    for name, mine in rows.covariates.groups.items():
+        some = place[mine][np.isfinite(place[mine])].astype(int)
+        if name.startswith(DEVICES) and len(np.unique(some)) >= OWN_GRID_PLACES:
+            times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
+    return float(effect.step_m * np.sqrt(np.mean(times**2) * ROUNDING_VARIANCE))
 
 
 def without_others(rows: View, added: Added) -> list[View]:

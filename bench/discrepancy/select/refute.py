@@ -16,7 +16,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.constant_level import beyond_a_constant
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
-from bench.discrepancy.select.noise_scatter import beyond_noise
+from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
@@ -237,7 +237,7 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
         for asked in (scatters_alike, beyond_a_constant):
             other = asked(search.comparison, search.work, added, effect)
             found = found if other.adequate else other
-        return found if not found.adequate else beyond_noise(search, added, effect)
+        return found if not found.adequate else beyond_causes(search, added, effect)
     except BenchError:
         return Adequacy(True)
 

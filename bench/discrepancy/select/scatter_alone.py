@@ -16,9 +16,11 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     CENTRAL_90,
     FIT_MEMBERS,
@@ -38,11 +40,14 @@ def scatter_alone(
 ) -> Strike | None:
     """Return independent scatter as what all links are struck by, None where it is not that alone.
 
-    Only where every finding is of the spread of ranges, and links keep nothing of it.
+    Only where every finding is of the spread of ranges, links keep nothing of it and no other cause
+    makes it.
     """
     kinds = [c.effect for c in explanation.contenders if type(c.effect).independent]
     only = all((f.cell.observable, f.cell.moment) == (RANGE, "spread") for f in located.findings)
     if search.work is None or not kinds or not only:
+        return None
+    if not beyond_causes(search, (*added, kinds[0]), kinds[0]).adequate:
         return None
     made = versions(search.comparison, search.work, added)
     if RANGE not in made.names:
@@ -60,21 +65,6 @@ def scatter_alone(
         return None  # normal rows of all links make both at once, a few wild links the first alone
     effect, sizes = _sized(search, added, type(kinds[0]), _extras(made, recorded, simulated))
     return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
-
-
-def within(made: Ensemble) -> tuple[Floats, Floats]:
-    """Return how far recorded [n] and simulated ranges [m, n] lie from their link, in metres.
-
-    As far as a row lies from a mean it has no part in; NaN for links of one row.
-    """
-    code = np.unique(made.links, return_inverse=True)[1]
-    values = made.versions_of(RANGE)
-    count = np.bincount(code)[code].astype(np.float64)
-    mean = np.stack([np.bincount(code, one)[code] for one in values]) / count
-    with np.errstate(divide="ignore", invalid="ignore"):
-        whole = np.where(count > 1, np.sqrt(count / (count - 1)), np.nan)
-    left = (values - mean) * whole
-    return left[0], left[1:]
 
 
 def _variances(recorded: Floats, simulated: Floats) -> tuple[float, float]:

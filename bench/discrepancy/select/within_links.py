@@ -29,6 +29,21 @@ def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
     return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
 
 
+def within(made: Ensemble) -> tuple[Floats, Floats]:
+    """Return how far recorded [n] and simulated ranges [m, n] lie from their link, in metres.
+
+    As far as a row lies from a mean it has no part in; NaN for links of one row.
+    """
+    code = np.unique(made.links, return_inverse=True)[1]
+    values = made.versions_of(RANGE)
+    count = np.bincount(code)[code].astype(np.float64)
+    mean = np.stack([np.bincount(code, one)[code] for one in values]) / count
+    with np.errstate(divide="ignore", invalid="ignore"):
+        whole = np.where(count > 1, np.sqrt(count / (count - 1)), np.nan)
+    left = (values - mean) * whole
+    return left[0], left[1:]
+
+
 def rows_off(ensemble: Ensemble) -> float:
     """Return the share of the rows that lie off their own link by as much as a detour does.
 

@@ -17,7 +17,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.elsewhere import elsewhere_too, own_grids_m
 from bench.discrepancy.select.refute import _adequate_rival, idle
 from bench.discrepancy.select.state import Round
 from bench.physics.base import Base
@@ -48,6 +48,13 @@ def rows(steeper: bool) -> View:
     return view(made, link_codes(made), np.arange(len(made)), Window(), None, False)
 
 
+def with_error(seen: View, error_m: object) -> View:
+    """Return the rows with other errors of the range, in metres."""
+    frame = seen.frame.assign(error_m=error_m)
+    frame["range_m"] = frame["true_range_m"] + frame["error_m"]
+    return view(frame, seen.links, np.arange(len(frame)), Window(), None, False)
+
+
 @pytest.mark.parametrize("steeper", [True, False])
 def test_an_effect_on_levels_acts_without_walls_too(steeper: bool) -> None:
     seen = rows(steeper)
@@ -65,6 +72,8 @@ def test_scatter_beside_a_rounding_is_more_than_another_form_of_it(
     samples: float, stays: bool
 ) -> None:
     seen = rows(False)
+    error = 0.2 * np.random.default_rng(8).standard_normal(len(seen.rows))
+    seen = with_error(seen, seen.frame["error_m"] + stays * error)
     gain = Estimate(1, 0.5, 1.5)
     tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
     jitter = Contender(TimestampJitter(jitter_samples=samples), tally, gain)
@@ -75,6 +84,35 @@ def test_scatter_beside_a_rounding_is_more_than_another_form_of_it(
     )  # fmt: skip
     added = (RangeRounding(step_m=0.15),)
     assert bool(elsewhere_too(search, added, made).contenders) is stays  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("steps", [(0.12, 0.18), (0.06, 0.06)])
+def test_devices_round_to_steps_of_their_own(steps: tuple[float, float]) -> None:
+    rng, device = np.random.default_rng(2), np.arange(240) % 6
+    step = np.where(device % 2 > 0, *steps)
+    ranges = step * np.rint(rng.uniform(2, 30, 240) / step)
+    groups = {f"rx=a{i}": device == i for i in range(6)}
+    seen = SimpleNamespace(
+        frame=pd.DataFrame({"range_m": ranges}), covariates=SimpleNamespace(groups=groups)
+    )
+    error = own_grids_m(seen, RangeRounding(step_m=0.06))  # type: ignore[arg-type]
+    assert error == pytest.approx(np.sqrt(np.mean(np.square(steps)) / 12))
+
+
+def test_scatter_that_is_wider_than_rows_scatter_is_no_more_than_they_do() -> None:
+    seen = rows(False)
+    rounding = RangeRounding(step_m=0.3)
+    error = np.random.default_rng(4).uniform(-0.15, 0.15, (2, len(seen.rows))).sum(axis=0)
+    seen = with_error(seen, error)
+    gain = Estimate(1, 0.5, 1.5)
+    tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
+    jitter = Contender(TimestampJitter(jitter_samples=0.6), tally, gain)
+    made = Explanation((jitter,), tally, gain, tally, {}, {})
+    search = SimpleNamespace(
+        comparison=Resimulation(Simulator(Base(), (), 3), Window()),
+        work=seen, searched=seen, seed=0,
+    )  # fmt: skip
+    assert not elsewhere_too(search, (rounding,), made).contenders  # type: ignore[arg-type]
 
 
 def test_scatter_does_not_come_in_the_place_of_what_bears_a_mark() -> None:

@@ -43,7 +43,7 @@ def found(
     tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
     made = Contender(TimestampJitter(), tally, Estimate(0, 0, 0))
     told = Explanation((made,), tally, Estimate(0, 0, 0), tally, {}, {})
-    search = SimpleNamespace(comparison=TableComparison(simulated, Window()), work=seen)
+    search = SimpleNamespace(comparison=TableComparison(simulated, Window()), work=seen, logged=())
     cell = SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=moment))
     return scatter_alone(search, (), told, SimpleNamespace(findings=(cell,)))  # type: ignore[arg-type]
 

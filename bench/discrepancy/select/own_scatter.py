@@ -1,0 +1,109 @@
+"""Scatter of ranges that a named cause makes by itself is no jitter.
+
+An edge is timed the worse the more noise there is beside the signal: its standard deviation goes
+with the square root of noise over signal (Kay 1993, section 3.11). A truth that is late is not
+equally late in every row (a tracker has frames, a host a queue), and a device moves as far
+meanwhile as it is fast: what that leaves goes with the speed. Clocks scatter every range alike.
+Where a receiver logs a noise that is louder than simulated, or motion is named, both are put to
+ranges.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.select.adequacy import Adequacy
+from bench.discrepancy.select.logged import logs
+from bench.discrepancy.select.settings import EXTRA_SCATTER_M
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.select.within_links import within
+from bench.discrepancy.settings import FIT_MEMBERS, LEAD_NATS, LEAST_SCATTER_M
+from bench.physics.effect import Effect
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.units import Floats
+from bench.recordings.motion import SPEED
+
+OF_NOISE = "it scatters as the noise does that is logged"
+OF_MOTION = "it scatters as devices move"
+
+
+def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
+    """Return whether independent scatter is told from that which other causes make themselves.
+
+    Of rows beside their link: that of clocks must be likelier by 3 nats than one whose variance
+    goes with the noise that was not simulated over the signal, or with how far devices move.
+    """
+    asked = type(effect).independent and not type(effect).marked and search.work is not None
+    rest = without(added, effect)
+    own = _own_scatter(search, search.work, rest) if asked and search.work is not None else {}
+    if not own:
+        return Adequacy(True)
+    assert search.work is not None
+    made = versions(search.comparison, search.work, rest)
+    if RANGE not in made.names:
+        return Adequacy(True)
+    left, simulated = _beside(made)
+    spread = max(float(np.nanmean(simulated**2)), LEAST_SCATTER_M**2)
+    notes = [note for note, goes in own.items() if not _even(left, spread, goes)]
+    return Adequacy(False, 1.0, note=notes[0]) if notes else Adequacy(True)
+
+
+def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:
+    """Return what variances go with that named causes make themselves, [n] each by what to say."""
+    out = {}
+    if any(isinstance(one, NoiseFloor) for one in search.logged):
+        louder = np.maximum(10 ** (logs(search, rows).noise_db / 10) - 1, 0)
+        out[OF_NOISE] = louder * 10 ** (-numeric(rows.frame, LEVEL) / 10)
+    moving = [one for one in rest if any(SPEED in way for way in type(one).needs)]
+    if moving:
+        out[OF_MOTION] = np.sum([_moved_m(search, rows, rest, one) ** 2 for one in moving], axis=0)
+    return out
+
+
+def _moved_m(search: Search, rows: View, added: Added, effect: Effect) -> Floats:
+    """Return what an effect does to the range of every row [n], in metres."""
+    whole, bare = (
+        search.comparison.ensemble(rows, some, FIT_MEMBERS)
+        for some in (added, without(added, effect))
+    )
+    if RANGE not in whole.names or RANGE not in bare.names:
+        return np.zeros(len(rows.rows))
+    change = (whole.simulated_of(RANGE) - bare.simulated_of(RANGE)).mean(axis=0)
+    return np.asarray(np.nan_to_num(change), np.float64)
+
+
+def _beside(made: Ensemble) -> tuple[Floats, Floats]:
+    """Return recorded [n] and simulated ranges [m, n] beside the mean simulated and their link.
+
+    What devices that move do to ranges is the same in all versions, and no scatter.
+    """
+    versions_m = made.versions.copy()
+    m = len(versions_m) - 1
+    if m > 1:
+        versions_m -= versions_m[1:].mean(axis=0)
+        versions_m[1:] *= np.sqrt((m + 1) / (m - 1))  # as far as a new one is
+    return within(Ensemble(made.names, made.units, versions_m, made.links))
+
+
+def _even(left_m: Floats, own_m2: float, goes: Floats) -> bool:
+    """Return whether ranges [n] scatter evenly rather than with `goes` [n]; where that is none."""
+    known = np.isfinite(left_m) & np.isfinite(goes)
+    if not goes[known].any():
+        return True
+    even, other = (
+        likeliest(left_m[known], own_m2, one[known] / one[known].mean())
+        for one in (np.ones(len(left_m)), goes)
+    )
+    return even > other + LEAD_NATS
+
+
+def likeliest(left_m: Floats, own_m2: float, goes: Floats) -> float:
+    """Return the largest log likelihood of normal ranges [n] whose extra variance goes with [n]."""
+    sizes_m = np.array([0.0, *np.geomspace(*EXTRA_SCATTER_M)])
+    every = own_m2 + np.square(sizes_m)[:, None] * goes
+    return float((-0.5 * (left_m**2 / every + np.log(every))).sum(axis=1).max())

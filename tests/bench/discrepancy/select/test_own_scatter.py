@@ -1,0 +1,69 @@
+"""Scatter that goes with a logged noise over the signal, or with motion, is no jitter; even is."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.select import own_scatter
+from bench.discrepancy.select.own_scatter import beyond_causes
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.effects.ranging.time_lag import TimeLag
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+ROWS = 360
+NOISY = (NoiseFloor(level_db=3.0),)
+SCALE = RangeScale(scale=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("of_noise", "logged", "named"),
+    [(False, NOISY, True), (True, NOISY, False), (True, (), True)],
+)
+def test_scatter_of_a_logged_noise_is_no_jitter(
+    monkeypatch: pytest.MonkeyPatch, of_noise: bool, logged: tuple[Effect, ...], named: bool
+) -> None:
+    rng, links = np.random.default_rng(5), np.repeat(np.arange(ROWS // 3), 3)
+    level = rng.uniform(-95, -75, ROWS // 3)[links]
+    wide = 0.05 * 10 ** (-(level + 88) / 20) if of_noise else 0.05
+    versions = rng.normal(0, 0.02, (9, ROWS, 1))
+    versions[0, :, 0] += wide * rng.normal(size=ROWS)
+    made = Ensemble(("error_m",), ("m",), versions, links)
+    monkeypatch.setattr(own_scatter, "versions", lambda *_: made)
+    noise = SimpleNamespace(noise_db=np.full(ROWS, 3.0))
+    monkeypatch.setattr(own_scatter, "logs", lambda *_: noise)
+    frame = pd.DataFrame({"rx_power_dbm": level})
+    search = SimpleNamespace(logged=logged, work=SimpleNamespace(frame=frame), comparison=None)
+    jitter = TimestampJitter()
+    assert beyond_causes(search, (jitter,), jitter).adequate is named  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("of_motion", "beside", "named"),
+    [(False, TimeLag(lag_s=0.1), True), (True, TimeLag(lag_s=0.1), False), (True, SCALE, True)],
+)
+def test_a_truth_of_another_age_in_every_row_is_no_jitter(
+    monkeypatch: pytest.MonkeyPatch, of_motion: bool, beside: Effect, named: bool
+) -> None:
+    rng, links = np.random.default_rng(6), np.repeat(np.arange(ROWS // 6), 6)
+    speed = rng.normal(0, 1.5, ROWS)
+    scatter = 0.03 * (speed if of_motion else 1.0) * rng.normal(size=ROWS)
+    versions = rng.normal(0, 0.02, (9, ROWS, 1)) + 0.1 * speed[:, None]
+    versions[0, :, 0] += scatter
+
+    def ensemble(_: object, added: tuple[Effect, ...], __: int) -> Ensemble:
+        moved = versions if beside in added else versions - 0.1 * speed[:, None]
+        return Ensemble(("error_m",), ("m",), moved, links)
+
+    monkeypatch.setattr(own_scatter, "versions", lambda _, rows, added: ensemble(rows, added, 8))
+    work, comparison = SimpleNamespace(rows=links), SimpleNamespace(ensemble=ensemble)
+    search = SimpleNamespace(logged=(), work=work, comparison=comparison)
+    jitter = TimestampJitter()
+    found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
+    assert found.adequate is named
