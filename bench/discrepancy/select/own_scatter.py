@@ -30,6 +30,7 @@ from bench.recordings.motion import SPEED
 
 OF_NOISE = "it scatters as the noise does that is logged"
 OF_MOTION = "it scatters as devices move"
+OWN = (OF_NOISE, OF_MOTION)
 
 
 def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:

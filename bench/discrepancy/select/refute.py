@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.constant_level import beyond_a_constant
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.fixed_distance import follows
-from bench.discrepancy.select.own_scatter import beyond_causes
+from bench.discrepancy.select.own_scatter import OWN, beyond_causes
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search
@@ -94,7 +95,12 @@ def checked(search: Search, rounds: tuple[Round, ...], added: Added) -> Checked:
     for effect in first if search.fit.waveform else ():
         rounds, added = _taken_again(search, rounds, added, effect)
     back = {effect.name for effect in added}
-    return _stated(search, rounds, added, tuple(d for d in gone if d.effect.name not in back))
+    return _stated(search, rounds, added, _nameless(d for d in gone if d.effect.name not in back))
+
+
+def _nameless(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
+    """Return the doubts without those of scatter that a named cause makes: that has its name."""
+    return tuple(doubt for doubt in doubts if doubt.why.note not in OWN)
 
 
 def _unmissed(search: Search, added: Added, effect: Effect) -> Added:
@@ -143,6 +149,7 @@ def _stated(
     """
     doubts = _refuted(search, rounds, whole)
     added, fillers = _standing(search, whole, doubts) if doubts else (whole, ())
+    doubts = _nameless(doubts)
     needed = doubts or (gone and _left(search, rounds, added))
     doubts = (*gone, *doubts, *fillers)
     loudest = _loudest(search, rounds, added)

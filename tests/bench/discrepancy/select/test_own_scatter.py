@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select import own_scatter
+from bench.discrepancy.select import own_scatter, refute
+from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.range_scale import RangeScale
@@ -67,3 +68,17 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
     jitter = TimestampJitter()
     found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
     assert found.adequate is named
+
+
+@pytest.mark.parametrize(("note", "strange"), [(own_scatter.OF_MOTION, 0), ("it is no jitter", 1)])
+def test_scatter_of_a_named_cause_is_nothing_without_a_name(
+    monkeypatch: pytest.MonkeyPatch, note: str, strange: int
+) -> None:
+    lag, jitter = TimeLag(lag_s=0.1), TimestampJitter()
+    doubt = refute.Doubt(jitter, Adequacy(False, 1.0, note=note))
+    monkeypatch.setattr(refute, "_refuted", lambda *_: (doubt,))
+    monkeypatch.setattr(refute, "_standing", lambda *_: ((lag,), ()))
+    search = SimpleNamespace(fit=SimpleNamespace(waveform=False))
+    found = refute._stated(search, (), (lag, jitter), ())  # type: ignore[arg-type]
+    assert found.added == (lag,)
+    assert len(found.doubts) == strange
