@@ -124,6 +124,8 @@ class Effect(ABC):
     `follows`: the measured column that its error follows, at a fixed distance too.
     `by_device`: every device has a size of its own of it, and it comes and goes, which nothing
     known foretells.
+    `by_kind`: every kind of obstacle has a size of its own of it, and every one of a kind another,
+    as materials and thicknesses are rarely known.
     `own_curve`: what it does over the level is every receiver's own, so any curve is a form of it.
     `jumps`: by it detected first paths jump from row to row, as far as a receiver's detector says.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
@@ -153,6 +155,7 @@ class Effect(ABC):
     marked: ClassVar[bool] = False
     follows: ClassVar[str] = ""
     by_device: ClassVar[bool] = False
+    by_kind: ClassVar[bool] = False
     own_curve: ClassVar[bool] = False
     jumps: ClassVar[bool] = False
     told_by: ClassVar[str] = ""

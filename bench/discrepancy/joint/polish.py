@@ -65,25 +65,34 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
     responses = tuple(moments.mean - rest.mean for rest in rests if rest is not None)
     count = sum(len(free_parameters(type(effect))) for effect in effects)
     able = zip(effects, responses, strict=True)
-    varied = [response for effect, response in able if type(effect).by_device]
-    moments = replace(moments, own=_own(given, varied))
-    each = [replace(moments, uneven=one) for one in _uneven(varied)]
+    varied = [(r, groups) for effect, r in able if (groups := _groups(given, effect)) is not None]
+    moments = replace(moments, own=_own(varied))
+    each = [replace(moments, uneven=one) for one in _uneven([response for response, _ in varied])]
     made = (Fit(effects, m, responses, fitness(given, m, m.left, responses, count)) for m in each)
     return max(made, key=lambda fit: fit.nats)
 
 
+def _groups(given: Statistics, effect: Effect) -> Floats | None:
+    """Return the groups of links [L, r] that each have a size of their own of an effect, or None.
+
+    Those of devices, or of kinds of obstacles.
+    """
+    kind = type(effect)
+    return given.devices if kind.by_device else given.kinds if kind.by_kind else None
+
+
 def _uneven(varied: Sequence[Floats]) -> list[Floats | None]:
-    """Return by how much links may differ in responses of which devices do [L, p, k], or not."""
+    """Return by how much links may differ in responses of which groups do [L, p, k], or not."""
     return [None, *(size * np.stack(varied, axis=2) for size in UNEVEN if varied)]
 
 
-def _own(given: Statistics, varied: Sequence[Floats]) -> Floats | None:
-    """Return what devices may have of their own of responses of which they do [L, p, r].
+def _own(varied: Sequence[tuple[Floats, Floats]]) -> Floats | None:
+    """Return what groups [L, r] may have of their own of responses [L, p] of which they do.
 
     Of a size that is not negative only the mean is known, the response: the likeliest law of that
     (of most entropy) is exponential, whose standard deviation is its mean. So factors are of one.
     """
-    parts = [one[:, :, None] * given.devices[:, None] for one in varied]
+    parts = [response[:, :, None] * groups[:, None] for response, groups in varied]
     return np.concatenate(parts, axis=2) if parts else None
 
 

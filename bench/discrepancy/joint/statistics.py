@@ -134,6 +134,15 @@ class Statistics:
         ]
         return np.stack(shares, axis=1) if shares else np.zeros((self.links, 0))
 
+    @cached_property
+    def kinds(self) -> Floats:
+        """How many obstacles of a kind stand in the way of a link [L, r], of every kind."""
+        kinds = self.rows.scene.kinds
+        every = np.unique(kinds[kinds >= 0])
+        counts = [(kinds == kind).sum(axis=1, keepdims=True) for kind in every]
+        many = np.hstack([np.zeros((len(kinds), 0)), *counts]).astype(np.float64)
+        return self.of_links(many)
+
     def moments(self, added: Added) -> Moments | None:
         """Return the statistics with effects `added`; None where one leaves an observable unknown.
 

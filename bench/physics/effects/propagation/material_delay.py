@@ -25,7 +25,8 @@ class MaterialDelay(Effect):
     Excess path t (sqrt(eps_r - sin^2 theta) - cos theta) and the loss of the complex
     permittivity; kinds and thicknesses from `obstacles` and `obstacle_thickness_m`. Rows without
     line of sight whose obstacles are not listed get `unlisted_walls` brick walls. A wall stands
-    between other paths too: they lose `spill` of its loss in dB.
+    between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal: that
+    it blocks, and what goes around, is `Diffraction`'s.
     """
 
     name = "material-delay"
@@ -35,6 +36,7 @@ class MaterialDelay(Effect):
     signature = "a positive step per wall, the same at all distances; the first path weaker"
     needs = (("obstacles",), ("los",))
     control = "rows with nothing in the straight line"
+    by_kind = True
 
     thickness_scale: float = parameter(1, "ratio", 0, 4, "of the listed thickness", null=0)
     delay_scale: float = parameter(1, "ratio", 0, 4, "of the slab's excess delay")
@@ -62,7 +64,9 @@ class MaterialDelay(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Delay and weaken the straight path of every row with an obstacle."""
-        delay_m, loss = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
+        through = ~of_metal(batch.rows)
+        whole = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
+        delay_m, loss = (np.where(through, each, 0) for each in whole)
         wall_m, wall_loss = self._unlisted(batch)
         common = self.spill * (
             np.where(of_kind(batch.rows, "wall"), loss, 0).sum(axis=1) + wall_loss
