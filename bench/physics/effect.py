@@ -129,6 +129,8 @@ class Effect(ABC):
     `own_curve`: what it does over the level is every receiver's own, so any curve is a form of it.
     `jumps`: by it detected first paths jump from row to row, as far as a receiver's detector says.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
+    `resembles`: the effect that does the same to many links together, so that where its places are
+    not known these two are not told apart, "" without one.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -159,6 +161,7 @@ class Effect(ABC):
     own_curve: ClassVar[bool] = False
     jumps: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
+    resembles: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True

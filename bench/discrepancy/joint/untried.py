@@ -29,15 +29,30 @@ from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
+NOT_PLACED = "it could not be tried: it needs "
 NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
 def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
-    """Return the verdicts, independent scatter as a class with what could not be tried."""
+    """Return the verdicts, as classes with what could not be tried and may do the same."""
+    said = tuple(_with_unplaced(search, one) for one in said)
     rivals = [kind for kind in search.untried.values() if kind.by_rows]
     if not rivals:
         return said
     return tuple(_of_class(search, added, one, rivals) for one in said)
+
+
+def _with_unplaced(search: Search, said: Verdict) -> Verdict:
+    """Return one verdict, with what resembles it where nobody told the places of that."""
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    fitted = tuple(one for one in options if isinstance(one, LeftOut))
+    kinds = [search.untried.get(type(one.effect).resembles) for one in fitted]
+    more = tuple(
+        _untried(one, kind(), NOT_PLACED + (", ").join(kind.needs[0]))
+        for one, kind in zip(fitted, kinds, strict=True)
+        if kind is not None
+    )
+    return Ambiguous((*fitted, *more), separating((*fitted, *more))) if more else said
 
 
 def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Effect]]) -> Verdict:

@@ -43,6 +43,7 @@ class DiffuseTail(Effect):
     source += "al., IEEE Trans. Veh. Technol. 46 (1997) 477"
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
     needs = (("cir",),)
+    resembles = "specular-reflections"
 
     level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m", null=-60)
     distance_exponent: float = parameter(0.5, "1", 0, 6, "how the level falls with distance")

@@ -28,10 +28,12 @@ from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -191,6 +193,17 @@ def test_what_obstructs_links_may_be_what_obstacles_do_that_nobody_listed(
     said = LeftOut(effect, (), SAID.gain, 1.0, SAID.control)
     assert with_unlisted(search, said).names == names
     assert with_unlisted(replace(search, untried={}), said) is said
+
+
+def test_a_tail_may_be_reflections_of_walls_that_nobody_placed():
+    tail = replace(SAID, effect=DiffuseTail())
+    untold = Search(None, None, None, {}, 0, untried={"specular-reflections": SpecularReflections})  # type: ignore[arg-type]
+    (found,) = with_untried(untold, (), (tail,))
+    assert isinstance(found, Ambiguous)
+    assert found.names == ("diffuse-tail", "specular-reflections")
+    assert "room_x_m" in found.options[1].note
+    assert with_untried(replace(untold, untried={}), (), (tail,)) == (tail,)
+    assert with_untried(untold, (), (SAID,)) == (SAID,)
 
 
 def test_what_levels_may_scatter_beyond_simulated_ones_is_bounded():
