@@ -131,6 +131,7 @@ class Effect(ABC):
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
     `resembles`: the effect that does the same to many links together, so that where its places are
     not known these two are not told apart, "" without one.
+    `logged_as`: the column in which receivers log this alone, "" without one.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -162,6 +163,7 @@ class Effect(ABC):
     jumps: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
     resembles: ClassVar[str] = ""
+    logged_as: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True

@@ -46,6 +46,19 @@ def refuted(given: Statistics, fit: Fit, name: str, alone: float) -> bool:
     return given.worth(foreseen, (fit.effects[place],)) > NAME_NATS
 
 
+def logged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
+    """Return whether a member is what receivers log of it, which no other of the set moves.
+
+    What has no form would do as well to a log of noise: but noise is what that is a log of.
+    """
+    column = type(fit.effects[fit.names.index(name)]).logged_as
+    if column not in given.names:
+        return False
+    place = np.array([given.names.index(column)])
+    alone = place[0] in untouched(given, fit, name)
+    return bool(alone) and _of(given, fit, place) - _of(given, rest, place) >= NAME_NATS
+
+
 def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:
     """Return the places of statistics of which others than `name` move no mean nor scatter."""
     others = [one for n, one in zip(fit.names, fit.responses, strict=True) if n != name]

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.joint.apart import brought_alone, refuted
+from bench.discrepancy.joint.apart import brought_alone, logged, refuted
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve
@@ -95,9 +95,13 @@ class Sets:
         )
 
     def _doubted(self, best: Fit) -> tuple[str, ...]:
-        """Return the members that bring too little beside something without a form."""
+        """Return the members that bring too little beside something without a form.
+
+        None of what is logged as such.
+        """
         whole = beside_unformed(self.given, best)
         less = {name: self._plain(self._without(best, name)) for name in best.names}
+        less = {n: rest for n, rest in less.items() if not logged(self.given, best, rest, n)}
         rests = {name: beside_unformed(self.given, one, best) for name, one in less.items()}
         return tuple(name for name, rest in rests.items() if whole - rest < NAME_NATS)
 

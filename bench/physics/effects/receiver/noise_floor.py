@@ -31,6 +31,7 @@ class NoiseFloor(Effect):
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     by_device = True
     told_by = NOISE_TOLD_BY
+    logged_as = "noise_std"
     signature = "noise level and correlation in every bin alike, before the first path too"
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)

@@ -12,7 +12,8 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.apart import brought_alone, untouched
+from bench.discrepancy.joint import sets as module
+from bench.discrepancy.joint.apart import brought_alone, logged, untouched
 from bench.discrepancy.joint.likelihood import left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
@@ -118,3 +119,25 @@ def test_noise_counts_beside_a_louder_path_loss_by_what_is_logged_of_it(
     assert "noise_std" in names
     assert "rx_power_dbm" not in names
     assert (brought_alone(given, both, rest, "noise-floor") > NAME_NATS) is needed
+
+
+def test_noise_that_is_logged_as_noise_is_named_though_what_has_no_form_would_do_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given = statistics((NoiseFloor(level_db=5.0, **WHITE),))
+    kinds = (NoiseFloor, PathLoss)
+    monkeypatch.setattr(module, "beside_unformed", lambda *_: 0.0)
+    sets = Sets(given.comparison, given.rows, given.rows, kinds)
+    assert [effect.name for effect in sets.chosen().named] == ["noise-floor"]
+    monkeypatch.setattr(module, "logged", lambda *_: False)
+    assert sets.chosen().doubted == ("noise-floor",)
+
+
+def test_only_noise_is_logged_as_noise_and_only_where_nothing_else_moves_the_log():
+    given = statistics((STEEPER, NoiseFloor(level_db=3.0, **WHITE)))
+    both = fit_of(given, (STEEPER, NoiseFloor(level_db=3.0, **WHITE)))
+    rest = fit_of(given, (STEEPER,))
+    assert logged(given, both, rest, "noise-floor")
+    assert not logged(given, both, rest, "path-loss")
+    twice = fit_of(given, (NoiseFloor(level_db=3.0, **WHITE), NarrowbandInterference(level_db=1.0)))
+    assert not logged(given, twice, twice, "noise-floor")
