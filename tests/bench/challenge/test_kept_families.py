@@ -16,7 +16,7 @@ from bench.discrepancy.data.observables import COUNT
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
-LATEST = ("ferry", "stacks", "glasshouse", "quarry", *KEPT)
+LATEST = ("ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", *KEPT)
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
 OF_TABLES = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
@@ -120,16 +120,17 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) -> None:
     made = _tables(family, (), mode)
     sizes = made.recorded.groupby("link").size()
-    most = {"glasshouse": 9, "quarry": 10, "brewery": 9}.get(family, 8)
+    most = {"glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10}.get(family, 8)
     fifth = 8 if family in ("ferry", "stacks") else 5
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
-    assert len(sizes) == (104 if family in ("quarry", "brewery") else 112)
+    links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
+    assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
 
 def test_levels_are_those_of_a_legal_transmitter_on_the_stated_channel() -> None:
-    """-41.3 dBm/MHz over 500 MHz, in the open a metre away: from -58.8 dBm to -64.8 dBm."""
-    in_the_open = {2: -58.8, 3: -59.8, 5: -63.0, 9: -64.8}
+    """-41.3 dBm/MHz over 500 MHz, in the open a metre away: from -57.6 dBm to -64.8 dBm."""
+    in_the_open = {1: -57.6, 2: -58.8, 3: -59.8, 5: -63.0, 9: -64.8}
     for family, mode in OWN:
         table = _tables(family, (), mode).recorded
         open_ = in_the_open[int(table["channel"].iloc[0])]
@@ -297,6 +298,52 @@ def test_a_median_is_of_a_links_last_three_ranges() -> None:
     assert 0.1 < moved.mean() < 0.8
 
 
+def test_ropes_stretch_downward_the_more_the_heavier_the_load() -> None:
+    made, shift = _tables("tannery", ("ropes-stretch",)), _shift("tannery", "ropes-stretch")
+    assert (shift > 0).all()  # purlins are above all tags
+    load = made.recorded["load_kg"] / 300
+    rise = (made.recorded["rx_z_m"] - made.recorded["tx_z_m"]) / made.recorded["true_range_m"]
+    lower = shift / (rise * load * (5.6 - made.recorded["tx_z_m"]))
+    assert np.quantile(lower, [0.05, 0.95]) == pytest.approx(0.085, rel=0.25)
+
+
+def test_firmware_takes_off_ranges_only_where_first_paths_are_weak() -> None:
+    made = _tables("tannery", ("weak-edges-corrected",))
+    shift = _shift("tannery", "weak-edges-corrected")
+    gap = made.recorded["rx_power_dbm"] - made.recorded["first_path_power_dbm"]
+    assert np.allclose(shift[gap <= 1.4], 0)
+    assert np.allclose(shift[gap > 1.4], -0.13 * (gap[gap > 1.4] - 1.4))
+    assert 0.2 < (shift < 0).mean() < 0.7
+
+
+def test_a_canted_tag_is_off_across_its_siding_by_no_more_than_it_is_high() -> None:
+    made, shift = _tables("signalbox", ("cant-forgotten",)), _shift("signalbox", "cant-forgotten")
+    assert (np.abs(shift) <= made.recorded["tx_z_m"] * 0.106).all()
+    assert np.abs(shift).max() > 0.1
+    assert np.abs(_shift("signalbox", "cant-forgotten", 0.25)).max() < 0.4 * np.abs(shift).max()
+
+
+def test_underrated_retarders_leave_what_stands_and_are_off_by_more_the_later() -> None:
+    made = _tables("signalbox", ("retarders-underrated",))
+    shift = np.abs(_shift("signalbox", "retarders-underrated"))
+    rows = made.recorded.groupby("link")["true_range_m"]
+    assert shift[rows.transform("size").gt(1) & rows.transform(np.ptp).eq(0)].max() < 1e-9
+    order = made.recorded.groupby("link").cumcount()
+    assert shift[order >= 4].mean() > 1.5 * shift[order == 0].mean()
+
+
+def test_clocks_run_by_a_line_until_their_bell_rings() -> None:
+    made = _tables("signalbox", ("clocks-run-between-bells",))
+    seen = made.recorded.assign(shift=_shift("signalbox", "clocks-run-between-bells"))
+    for _, rows in seen.sort_values("time_s").groupby("rx"):
+        assert rows["shift"].min() * rows["shift"].max() >= 0  # fast, or slow
+        rates = 1150.0 * rows["shift"].diff() / rows["time_s"].diff()
+        near = rates[rows["time_s"].diff() < 10].to_numpy()
+        assert np.abs(near - np.median(near)).max() < 1e-6  # no bell rings in a run here
+        assert np.abs(np.median(near)) < 0.34
+    assert 0.05 < np.abs(seen["shift"]).mean() < 0.34
+
+
 @pytest.mark.parametrize(
     ("family", "name", "least"),
     [
@@ -318,6 +365,12 @@ def test_a_median_is_of_a_links_last_three_ranges() -> None:
         ("brewery", "canceller-overshoots", 0.05),
         ("brewery", "row-before-shines-through", 0.05),
         ("brewery", "least-of-three", 0.05),
+        ("tannery", "drums-turn-while-summed", 0.05),
+        ("tannery", "address-bit-stuck", 0.05),
+        ("tannery", "swept-gain-left-on", 0.05),
+        ("signalbox", "coupling-dried-out", 0.05),
+        ("signalbox", "clutter-map-taken-away", 0.05),
+        ("signalbox", "second-bank-without-phase", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(

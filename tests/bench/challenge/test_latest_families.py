@@ -28,7 +28,7 @@ from bench.physics.simulator import Simulator
 
 LAST = (
     "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks", "glasshouse",
-    "quarry", *KEPT,
+    "quarry", "rink", "brewery", *KEPT,
 )  # fmt: skip
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
@@ -44,6 +44,8 @@ PERIOD_OF = {
     "sump-pumped": "time_s",
     "drier-cycles": "time_s",
     "glycol-pump-cycles": "time_s",
+    "drums-reverse": "time_s",
+    "rail-joints": "chainage_m",
 }
 WORLD_OF_DEVICE = {
     "crane": "tx",
@@ -58,6 +60,8 @@ WORLD_OF_DEVICE = {
     "mast": "rx",
     "truss": "rx",
     "gantry": "rx",
+    "purlin": "rx",
+    "semaphore": "rx",
 }
 
 
@@ -117,10 +121,11 @@ def test_their_tables_have_other_columns_and_lengths() -> None:
     assert {"room_x_m"} <= has["stacks", "ranges"] - has["ferry", "ranges"]
     assert {"room_x_m"} <= has["glasshouse", "CIR"] - has["quarry", "CIR"]
     assert {"room_x_m"} <= has["rink", "ranges"] - has["brewery", "ranges"]
+    assert {"room_x_m"} <= has["tannery", "CIR"] - has["signalbox", "CIR"]
     assert "preamble_count" not in has["harbour", "ranges"]
     assert "temperature_c" not in has["attic", "CIR"]
     lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in LAST}
-    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110, 128, 144, 136, 116}
+    assert lengths == {178, 118, 134, 106, 152, 122, 164, 110, 128, 144, 136, 116, 124, 148}
 
 
 @pytest.mark.parametrize(("family", "mode"), MODES)
@@ -268,6 +273,7 @@ def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
 
 CHANNELS = {
     "market": 9, "ferry": 5, "stacks": 9, "glasshouse": 2, "quarry": 3, "rink": 5, "brewery": 9,
+    "tannery": 1, "signalbox": 2,
 }  # fmt: skip
 AGAIN = [(m, f, CHANNELS[f]) for m, f in SCHEDULE if f in CHANNELS and m.endswith("again")]
 
