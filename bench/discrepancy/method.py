@@ -130,7 +130,7 @@ class Diagnosis:
     def headline(self) -> str:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
         said = self.setup_fault or self.law or curve_words(self.added)
-        more = f" ({said})" if said else ""
+        more = f" ({said}{self.law.nearest if self.law else ''})" if said else ""
         found, added = self.selection, bool(self.added)
         now = NEW_SIMULATOR if self.simulator else NEW_TABLE
         return headline(found.verdicts, added, self.confirmed, more, found.withheld, now)

@@ -69,6 +69,12 @@ class FoundLaw:
         """The law as an effect of the simulator."""
         return with_constants(self.expression, ((c.name, c.value, c.unit) for c in self.constants))
 
+    @property
+    def nearest(self) -> str:
+        """The likeliest of what is not excluded, in words; "" where nothing is."""
+        rival = min(self.rivals, key=lambda one: one.behind, default=None)
+        return f"; not excluded: {rival.words}" if rival else ""
+
     def __str__(self) -> str:
         what = f"a law of the form of {self.of_library}"
         what = what if self.of_library else "a law without a name"

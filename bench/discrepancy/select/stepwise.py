@@ -51,7 +51,7 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
         ensemble.first(own), seen.covariates, number, level, crowding=alone,
         reused=reuse(search.comparison, seen),
     )  # fmt: skip
-    if located.significant and not few and len(ensemble.simulated) >= own + FEW_VERSIONS:
+    if located.significant and own > 1 and len(ensemble.simulated) >= own + FEW_VERSIONS:
         return beyond_own_draws(located, ensemble, own, seen, number, crowding)
     if located.significant or not few:
         return located
