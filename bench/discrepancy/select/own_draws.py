@@ -17,7 +17,7 @@ import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
-from bench.discrepancy.locate.permutation_test import Finding, Located, locate
+from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
 
@@ -25,22 +25,16 @@ from bench.physics.units import Floats
 def beyond_own_draws(
     located: Located, ensemble: Ensemble, own: int, view: View, seed: int, crowding: float
 ) -> Located:
-    """Return a significant search, without findings that draws of links may make.
+    """Return a significant search, without findings where draws of links may be all there is.
 
     `ensemble` has `own` simulated versions of each row, then those of similar links.
     """
     tried = []
     for search in _searches(ensemble, own, view, seed, crowding):
         if search.significant:
-            return replace(located, findings=_shared(located, search) or search.findings)
+            return located
         tried.append(search.p)
     return replace(located, findings=(), p=min(1.0, len(tried) * min(tried)))
-
-
-def _shared(located: Located, search: Located) -> tuple[Finding, ...]:
-    """Return the findings of a search whose observable another search found, too."""
-    seen = {found.cell.observable for found in search.findings}
-    return tuple(found for found in located.findings if found.cell.observable in seen)
 
 
 def _searches(

@@ -23,12 +23,11 @@ def search_of(
     shift_db: float,
     row_db: float = 0.0,
     replicas: int = REPLICAS,
-    shift_m: float | None = None,
 ) -> Search:
     """Return a search where every link has a level of its own, simulated `replicas` times alike.
 
     Recorded links draw theirs anew, `own_db` wide, and are off by `shift_db` and, from row to row,
-    by `row_db`; their ranges, where these are compared, by `shift_m`.
+    by `row_db`.
     """
     recorded, simulated = (table.frame for table in tables(seed, replicas=replicas))
     rng = np.random.default_rng(seed)
@@ -38,16 +37,9 @@ def search_of(
     noise = rng.normal(0, 0.1, (1 + replicas, len(recorded)))
     more = shift_db + rng.normal(0, row_db, len(recorded))
     recorded = recorded.assign(rx_power_dbm=level + ours[codes] + noise[0] + more)
-    off = {
-        name: recorded[name] + (shift_m or 0.0)
-        for name in ("range_m", "error_m")
-        if name in recorded
-    }
-    recorded = recorded.assign(**off)
     alike = (level + theirs[codes] + noise[1:]).ravel()
     simulated = simulated.assign(rx_power_dbm=alike)
-    names = ("rx_power_dbm",) if shift_m is None else ("rx_power_dbm", "error_m")
-    rows = view(recorded, codes, np.arange(len(recorded)), Window(), names, False)
+    rows = view(recorded, codes, np.arange(len(recorded)), Window(), ("rx_power_dbm",), False)
     return Search(TableComparison(simulated, Window()), rows, rows, {}, 0, work=rows)
 
 
@@ -72,12 +64,3 @@ def test_two_simulated_rows_of_a_link_that_share_its_draw_are_no_two_versions():
     assert search.comparison.distinct(search.searched) == 2
     assert locate(made.first(2), search.searched.covariates, 0).significant
     assert not locate_left(search, (), 0).significant
-
-
-def test_what_draws_of_links_make_is_not_told_beside_what_is_there():
-    search = search_of(3, 2.0, 0, replicas=2, shift_m=0.01)
-    made = search.comparison.ensemble(search.searched, (), 16)
-    swapped = locate(made.first(2), search.searched.covariates, 0)
-    assert "rx_power_dbm" in {one.cell.observable for one in swapped.findings}
-    found = locate_left(search, (), 0)
-    assert {one.cell.observable for one in found.findings} == {"error_m"}
