@@ -5,6 +5,7 @@ An effect is named only if physics does about as well on held-out links with its
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -48,8 +49,9 @@ def corrected(
     for which, name in enumerate(fit.names):
         if name in focus and name in held.names:
             place = held.names.index(name)
+            own = [one for one in OWN if one != name and one in fit.names and one in held.names]
             left, right = (
-                _inputs(part, cov, names, name)
+                _inputs(part, cov, names, own)
                 for part, cov in ((fit, fit_covariates), (held, held_covariates))
             )
             shift, scale = _fitted(left, fit, which, right)
@@ -59,13 +61,14 @@ def corrected(
     return replace(held, versions=versions)
 
 
-def _inputs(part: Ensemble, covariates: Covariates, names: tuple[str, ...], target: str) -> Floats:
-    """Return the regressors [n, q]: known covariates and the recorded powers."""
+def _inputs(
+    part: Ensemble, covariates: Covariates, names: tuple[str, ...], powers: Sequence[str]
+) -> Floats:
+    """Return the regressors [n, q]: known covariates and some recorded powers."""
     columns = [covariates.matrix(names)] if names else []
-    for own in OWN:
-        if own in part.names and own != target:
-            value = part.recorded_of(own)
-            columns.append(np.nan_to_num(value, nan=float(np.nanmedian(value)))[:, None])
+    for own in powers:
+        value = part.recorded_of(own)
+        columns.append(np.nan_to_num(value, nan=float(np.nanmedian(value)))[:, None])
     return np.hstack(columns) if columns else np.zeros((len(part.links), 1))
 
 

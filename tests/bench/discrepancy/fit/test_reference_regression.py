@@ -29,3 +29,12 @@ def test_links_of_one_row_beside_another_teach_a_constant():
         fit, known = _part(links)
         made = corrected(fit, known, fit, known, ("error_m",))
         assert abs(made.residual.mean()) < 1e-9
+
+
+def test_a_level_that_only_one_part_of_the_links_has_teaches_nothing():
+    fit, known = _part(np.repeat(np.arange(10), 8))
+    names, units = ("error_m", "rx_power_dbm"), ("m", "dB")
+    more = Ensemble(names, units, np.repeat(fit.versions, 2, axis=2), fit.links)
+    for taught, asked in ((fit, more), (more, fit)):
+        made = corrected(taught, known, asked, known, ("error_m",))
+        assert np.abs(made.residual_of("error_m")).mean() < 0.1 * np.abs(fit.residual).mean()
