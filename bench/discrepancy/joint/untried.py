@@ -44,15 +44,21 @@ def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tup
 
 def _with_unplaced(search: Search, said: Verdict) -> Verdict:
     """Return one verdict, with what resembles it where nobody told the places of that."""
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    fitted = tuple(one for one in options if isinstance(one, LeftOut))
+    fitted = _options(said)
     kinds = [search.untried.get(type(one.effect).resembles) for one in fitted]
     more = tuple(
-        _untried(one, kind(), NOT_PLACED + (", ").join(kind.needs[0]))
+        _untried(one, kind(), NOT_PLACED + ", ".join(kind.needs[0]))
         for one, kind in zip(fitted, kinds, strict=True)
         if kind is not None
     )
-    return Ambiguous((*fitted, *more), separating((*fitted, *more))) if more else said
+    options = (*fitted, *more)
+    return Ambiguous(options, separating(options)) if more else said
+
+
+def _options(said: Verdict) -> tuple[LeftOut, ...]:
+    """Return the effects of a verdict: none, one, or those that do as well."""
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    return tuple(one for one in options if isinstance(one, LeftOut))
 
 
 def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Effect]]) -> Verdict:
@@ -70,8 +76,7 @@ def with_unlisted(search: Search, said: Verdict) -> Verdict:
 
     An obstructed path is what these do to a link that they stand in the way of.
     """
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    fitted = tuple(one for one in options if isinstance(one, LeftOut))
+    fitted = _options(said)
     if not any(isinstance(one.effect, ObstructedPath) for one in fitted):
         return said
     kinds = [one for one in search.untried.values() if any("obstacles" in way for way in one.needs)]
