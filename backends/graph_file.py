@@ -65,11 +65,16 @@ def _strip_metadata(model: ModelProto) -> None:
 
 
 def _share_constants(graph: GraphProto) -> None:
-    """Keep one of several constants with the same type, shape and values."""
+    """Keep one of several constants with the same type, shape and values.
+
+    Not of the zero points of signed weights: a runtime that makes these unsigned replaces each.
+    """
     seen: dict[tuple[Any, ...], str] = {}
     renamed: dict[str, str] = {}
     for tensor in graph.initializer:
         _use_raw_data(tensor)
+        if tensor.data_type == TensorProto.INT8 and not any(tensor.raw_data):
+            continue
         key = (tensor.data_type, *tensor.dims, tensor.raw_data)
         renamed[tensor.name] = seen.setdefault(key, tensor.name)
     _rename(graph, renamed)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Optimisation = Literal["off", "extended", "all"]
 _ERRORS_ONLY = 3
 _WEIGHT_FOLDER = "session.model_external_initializers_file_folder_path"
+_EXACT_SUMS = "session.x64quantprecision"
 _INTEGER = ("QLinearConv", "ConvInteger", "QGemm", "QLinearMatMul", "MatMulInteger")
 _FLOAT = ("Conv", "Gemm", "MatMul", "FusedConv", "FusedGemm", "FusedMatMul", "MatMulIntegerToFloat")
 
@@ -113,7 +114,10 @@ def _options(
     options.log_severity_level = _ERRORS_ONLY
     # a file may name other files as its weights, found from here: nowhere
     options.add_session_config_entry(_WEIGHT_FOLDER, os.devnull)
-    if save_to is not None:
+    if save_to is None:
+        # without VNNI, unsigned times signed bytes are added in 16 bits, where they overflow
+        options.add_session_config_entry(_EXACT_SUMS, "1")
+    else:  # what is only read keeps its weights as they are
         options.optimized_model_filepath = str(save_to)
     return options
 

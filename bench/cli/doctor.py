@@ -115,7 +115,10 @@ def _counting() -> Iterator[Finding]:
 def _integer_advice(sets: list[str]) -> str:
     if set(INTEGER_DOT) & set(sets) or not sets:
         return ""
-    return "no 8-bit dot products (VNNI, SDOT): int8 runs, but gains little speed here"
+    return (
+        "no 8-bit dot products (VNNI, SDOT): int8 runs, but gains little speed here; elsewhere "
+        "than in `bench`, give ONNX Runtime session.x64quantprecision = 1, or sums overflow"
+    )
 
 
 def _places() -> Iterator[Finding]:

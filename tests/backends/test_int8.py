@@ -53,6 +53,16 @@ def test_weights_are_signed_and_activations_unsigned(built) -> None:
             assert types[widen.input[0]] == onnx.TensorProto.INT8
 
 
+def test_every_weight_has_a_zero_point_of_its_own(built) -> None:
+    """A runtime that adds without overflow makes weights unsigned, and replaces each by name."""
+    graph = load_graph(built("remnet", "int8").path).graph
+    signed = {t.name for t in graph.initializer if t.data_type == onnx.TensorProto.INT8}
+    points = [n.input[2] for n in graph.node if n.op_type == "DequantizeLinear"]
+    own = [one for one in points if one in signed]
+    assert own
+    assert len(own) == len(set(own))
+
+
 @pytest.mark.parametrize("model", ["remnet", "cnn1d", "mlp"])
 def test_file_is_at_most_0_6_of_float32(model: str, built) -> None:
     plain, small = (graph_cost(built(model, name).path) for name in ("fp32", "int8"))
