@@ -132,6 +132,8 @@ class Effect(ABC):
     `resembles`: the effect that does the same to many links together, so that where its places are
     not known these two are not told apart, "" without one.
     `logged_as`: the column in which receivers log this alone, "" without one.
+    `adds`: the parameter by which it adds to what there is: below its null it would take away,
+    which nothing does that a simulator leaves out; "" without one.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
@@ -164,6 +166,7 @@ class Effect(ABC):
     told_by: ClassVar[str] = ""
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""
+    adds: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True

@@ -39,7 +39,23 @@ def refuted(given: Statistics, fit: Fit, name: str, alone: float) -> bool:
     """
     if alone >= 0 or len(fit.names) == 1:
         return False
-    places, place = untouched(given, fit, name), fit.names.index(name)
+    return _plain(given, fit, name, untouched(given, fit, name))
+
+
+def unlogged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
+    """Return whether receivers log a member, no other moves that log, and it does not show there.
+
+    What lowers weak samples alone, as a mean that is taken off, looks like less noise but to them.
+    """
+    place = _log(given, fit, name)
+    if not len(place) or _of(given, fit, place) - _of(given, rest, place) > 0:
+        return False
+    return _plain(given, fit, name, place)
+
+
+def _plain(given: Statistics, fit: Fit, name: str, places: NDArray[np.intp]) -> bool:
+    """Return whether what a member does to some statistics would be plain to see."""
+    place = fit.names.index(name)
     response = fit.responses[place][:, places]
     matrices, _ = whitener(given, _part(fit.moments, places), [response])
     foreseen = 0.5 * float((white(matrices, response) ** 2).sum())
@@ -51,12 +67,15 @@ def logged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
 
     What has no form would do as well to a log of noise: but noise is what that is a log of.
     """
+    place = _log(given, fit, name)
+    return bool(len(place)) and _of(given, fit, place) - _of(given, rest, place) >= NAME_NATS
+
+
+def _log(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:
+    """Return the place of the log of a member [1], where no other moves it; else none [0]."""
     column = type(fit.effects[fit.names.index(name)]).logged_as
-    if column not in given.names:
-        return False
-    place = np.array([given.names.index(column)])
-    alone = place[0] in untouched(given, fit, name)
-    return bool(alone) and _of(given, fit, place) - _of(given, rest, place) >= NAME_NATS
+    places = untouched(given, fit, name)
+    return places[[given.names[one] == column for one in places]]
 
 
 def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:

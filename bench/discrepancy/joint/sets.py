@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.joint.apart import brought_alone, logged, refuted
+from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve
@@ -209,7 +209,7 @@ class Sets:
         """
         rest = self._without(fit, name)
         alone = brought_alone(self.given, fit, rest, name)
-        if refuted(self.given, fit, name, alone):
+        if refuted(self.given, fit, name, alone) or unlogged(self.given, fit, rest, name):
             return float("inf")
         if beside_own_curve(self.given, fit, rest, name) < NAME_NATS:
             return float("inf")

@@ -144,12 +144,28 @@ def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> st
         return f"it is there too in {option.control.words}"
     if untold(option):
         return "none of its values is told from zero"
-    if words := unused(option.effect) or _idle(option):
+    if words := unused(option.effect) or _idle(option) or taken_away(option.effect):
         return words
     if not wider or type(option.effect).essential:
         return ""
     found = adequacy(search.comparison, (search.fit, search.discover), added, option.effect)
     return "" if found.adequate else str(found)
+
+
+def taken_away(effect: Effect) -> str:
+    """Return in words that less is recorded than simulated of what an effect can only add, or "".
+
+    Noise is added by every part of a receiver; less of it than simulated says that the simulator
+    has too much, or that something takes small samples away: a threshold, a mean taken off.
+    """
+    added = next((p for p in effect.parameters() if p.name == type(effect).adds), None)
+    if added is None or getattr(effect, added.name) >= (added.null or 0.0):
+        return ""
+    value = f"{-getattr(effect, added.name):.2g} {added.unit}"
+    return (
+        f"less is recorded than simulated, by {value}: the simulator has too much of it, or "
+        "something takes small samples away"
+    )
 
 
 def _idle(option: LeftOut) -> str:

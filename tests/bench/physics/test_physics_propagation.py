@@ -14,6 +14,7 @@ from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.propagation.specular import SpecularReflections
+from bench.physics.randomness import Draws
 from bench.physics.scene import scene
 
 GHZ = 3.9936
@@ -168,8 +169,6 @@ def test_surfaces_of_a_link_reflect_each_as_it_does() -> None:
 
 def test_ground_bounce_is_the_two_ray_model() -> None:
     batch = Base().paths(scene(line(64, tx_z_m=1.0, rx_z_m=2.0)))
-    from bench.physics.randomness import Draws
-
     made = GroundBounce().apply(batch, Draws(0, 0, "x", 0))
     truth = batch.rows.true_range_m
     flat = np.sqrt(truth**2 - 1.0)  # horizontal distance
@@ -179,7 +178,7 @@ def test_ground_bounce_is_the_two_ray_model() -> None:
     assert made.excess_ns[-1, 1] < made.excess_ns[10, 1] / 2  # falls with distance
 
 
-def test_ground_bounce_ripples_power_and_leaves_rooms_alone() -> None:
+def test_ground_bounce_ripples_power_and_is_the_floor_of_a_room_once() -> None:
     frame = line(512, far_m=40.0)
     made, base = change(frame, GroundBounce())
     ripple = (made.rx_power_dbm - base.rx_power_dbm)[256:]
@@ -188,9 +187,23 @@ def test_ground_bounce_ripples_power_and_leaves_rooms_alone() -> None:
     shift = made.range_m - base.range_m
     assert shift.max() > 0.005
     assert shift.min() < -0.005
-    inside, outside = change(room(), GroundBounce())
-    np.testing.assert_array_equal(inside.cir, outside.cir)
-    assert GroundBounce().inert(Base().paths(scene(room()))).all()
+    inside, without = change(room(), GroundBounce())
+    assert not np.array_equal(inside.cir, without.cir)
+    both, walls = change(room(), SpecularReflections(), GroundBounce())
+    np.testing.assert_array_equal(both.cir, walls.cir)
+
+
+def test_a_floor_seen_from_uncertain_heights_turns_the_carrier_of_every_link() -> None:
+    frame = line(64, tx_z_m=1.0, rx_z_m=2.0, link=[f"l{i // 2}" for i in range(64)])
+    batch = Base().paths(scene(frame))
+    sure, unsure = (
+        GroundBounce(placed_m=size).apply(batch, Draws(0, 0, "x", 0)).gain[:, 1]
+        for size in (0.0, 0.02)
+    )
+    turned = np.angle(unsure[2:] / sure[2:])
+    np.testing.assert_allclose(np.abs(unsure), np.abs(sure), rtol=1e-5)
+    np.testing.assert_allclose(turned[::2], turned[1::2], atol=0.2)  # heights are of links
+    assert turned.std() > 0.2
 
 
 def test_tail_decays_as_asked_and_has_the_level_asked_for() -> None:

@@ -14,15 +14,16 @@ from bench.physics.effects.propagation.two_rays import pulling_ways
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.units import C_M_PER_NS, Floats, amplitude, wavelength_m
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
 
 
 @dataclass(frozen=True)
 class GroundBounce(Effect):
     """Adds the two-ray path: excess sqrt(d^2 + (h1 + h2)^2) - sqrt(d^2 + (h1 - h2)^2).
 
-    Heights from `tx_z_m` and `rx_z_m`, else `height_m` for both. Rows inside a known room are
-    left to the specular reflections, whose floor it would be again.
+    Heights from `tx_z_m` and `rx_z_m`, else `height_m` for both. Rows inside a known room that
+    have the room's reflections already are left to these, whose floor it would be again. Heights
+    are known to a few centimetres, of a wavelength of three to nine: `placed_m` turns the carrier.
     """
 
     name = "ground-bounce"
@@ -31,10 +32,11 @@ class GroundBounce(Effect):
     source = "two-ray model; Fresnel coefficient with the permittivity of ITU-R P.2040-3"
     signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
     needs = (("tx_z_m", "rx_z_m"),)
-    control = "rows inside a known room"
+    control = "rows that have a room's reflections already"
 
     strength_db: float = parameter(0, "dB", -60, 6, "over the Fresnel coefficient")
     height_m: float = parameter(1.0, "m", 0.02, 30, "of both antennas where z is not known")
+    placed_m: float = parameter(0, "m", 0, 0.1, "std of heights about those of the positions")
     ground: str = "concrete"
 
     def __post_init__(self) -> None:
@@ -43,7 +45,7 @@ class GroundBounce(Effect):
             material(name)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        """Add the bounced path of every row outside of rooms."""
+        """Add the bounced path of every row that has no floor already."""
         heights = [batch.rows.number(f"{end}_z_m", self.height_m) for end in ("tx", "rx")]
         heights = [np.where(height > 0.01, height, self.height_m) for height in heights]
         truth = batch.rows.true_range_m
@@ -52,11 +54,20 @@ class GroundBounce(Effect):
         permittivity = material(self.ground).permittivity(batch.centre_ghz)
         factor = reflection(permittivity, np.arcsin(sine)) * amplitude(self.strength_db)
         extra = length - truth
-        turn = np.exp(-2j * np.pi * extra / wavelength_m(batch.centre_ghz))
+        turn = self._turn(batch, extra, (heights[0] + heights[1]) / length, draws)
         reference = np.zeros(len(batch)) if batch.free_gain is None else batch.free_gain
         gain = np.where(self.inert(batch), 0, reference * factor * truth / length * turn)
         paths = (extra / C_M_PER_NS)[:, None], gain.astype(np.complex64)[:, None]
         return batch.with_paths(*paths, SPECULAR)
+
+    def _turn(self, batch: Batch, extra_m: Floats, sine: Floats, draws: Draws) -> Complexes:
+        """Return how the carrier of a way so much longer [n], so steep, is turned.
+
+        An antenna higher by some centimetres than its position says makes the way longer.
+        """
+        if self.placed_m:
+            extra_m = extra_m + self.placed_m * sine * draws.group_normal(batch.rows.group("link"))
+        return np.asarray(np.exp(-2j * np.pi * extra_m / wavelength_m(batch.centre_ghz)))
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
@@ -64,5 +75,5 @@ class GroundBounce(Effect):
         return pulling_ways(rows)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
-        """Return the rows inside a known room."""
-        return in_room(batch.rows)
+        """Return the rows inside a known room that have reflections of it already."""
+        return in_room(batch.rows) & (batch.kind == SPECULAR).any(axis=1)

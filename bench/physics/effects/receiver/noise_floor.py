@@ -32,6 +32,7 @@ class NoiseFloor(Effect):
     by_device = True
     told_by = NOISE_TOLD_BY
     logged_as = "noise_std"
+    adds = "level_db"
     signature = "noise level and correlation in every bin alike, before the first path too"
 
     level_db: float = parameter(0, "dB", -20, 30, "over the base's noise", null=0)

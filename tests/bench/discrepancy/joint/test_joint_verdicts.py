@@ -13,7 +13,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.joint import turn
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
-from bench.discrepancy.joint.verdicts import standing
+from bench.discrepancy.joint.verdicts import standing, taken_away
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -45,6 +45,12 @@ def test_what_brings_little_beside_a_refused_name_goes_with_it():
     assert names(standing(said(NoiseFloor()), choice)) == set()
     loud = WaveChoice(nats={"pulse-ringing": 100.0, "noise-floor": 350.0})
     assert names(standing(said(NoiseFloor()), loud)) == {"noise-floor"}
+
+
+def test_less_noise_than_simulated_is_nothing_that_was_left_out():
+    assert "1.5 dB" in taken_away(NoiseFloor(level_db=-1.5))
+    assert not taken_away(NoiseFloor(level_db=1.5))
+    assert not taken_away(PathLoss(exponent=1.5))
 
 
 def test_what_a_refused_name_does_not_do_in_any_form_stands_beside_it():

@@ -13,7 +13,7 @@ from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import sets as module
-from bench.discrepancy.joint.apart import brought_alone, logged, untouched
+from bench.discrepancy.joint.apart import brought_alone, logged, unlogged, untouched
 from bench.discrepancy.joint.likelihood import left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
@@ -141,3 +141,16 @@ def test_only_noise_is_logged_as_noise_and_only_where_nothing_else_moves_the_log
     assert not logged(given, both, rest, "path-loss")
     twice = fit_of(given, (NoiseFloor(level_db=3.0, **WHITE), NarrowbandInterference(level_db=1.0)))
     assert not logged(given, twice, twice, "noise-floor")
+
+
+def test_noise_that_is_lower_in_the_profile_but_not_in_its_log_is_none() -> None:
+    """A mean that is taken off lowers weak samples; the receiver logs its noise before."""
+    quieter = NoiseFloor(level_db=-3.0, **WHITE)
+    frame, plain = made_with((quieter,)), made_with(())
+    for log, is_noise in ((plain["noise_std"], False), (frame["noise_std"], True)):
+        given = Statistics(*compared(frame.assign(noise_std=log.to_numpy())))
+        sets = Sets(given.comparison, given.rows, given.rows, (NoiseFloor, PathLoss))
+        found = [effect.name for effect in sets.chosen().added]
+        assert ("noise-floor" in found) is is_noise
+        fit, rest = fit_of(given, (quieter,)), fit_of(given, ())
+        assert unlogged(given, fit, rest, "noise-floor") is not is_noise
