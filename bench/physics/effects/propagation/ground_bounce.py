@@ -76,4 +76,4 @@ class GroundBounce(Effect):
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows inside a known room that have reflections of it already."""
-        return in_room(batch.rows) & (batch.kind == SPECULAR).any(axis=1)
+        return np.asarray(in_room(batch.rows) & (batch.kind == SPECULAR).any(axis=1))
