@@ -74,10 +74,14 @@ def beaten(contest: Contest, best: Set) -> Beaten | None:
     A law over what a name is about must do better, for the name is such a law, of known physics.
     One over anything else need only do about as well: then nothing here tells them apart.
     """
-    names = tuple(one for one in best if one in contest.library)
-    groups = [(one,) for one in names] + ([names] if len(names) > 1 else [])
-    found = [held for gone in groups if (held := _against(contest, best, gone))]
+    found = [held for gone in groups_of(contest, best) if (held := _against(contest, best, gone))]
     return max(found, key=lambda one: one.lead, default=None)
+
+
+def groups_of(contest: Contest, best: Set) -> list[Set]:
+    """Return the names of a set that a law may stand in for: each, and all of them."""
+    names = tuple(one for one in best if one in contest.library)
+    return [(one,) for one in names] + ([names] if len(names) > 1 else [])
 
 
 def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
@@ -106,10 +110,8 @@ def _off(contest: Contest, best: Set, gone: Set) -> float:
 
 def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
     """Return the laws that do most for what the rest of a set leaves."""
-    made = contest.evidence.of(best)
     names = tuple(one for one in best if one not in gone)
-    rest = [contest.evidence.response(made, one) for one in names]
-    left = contest.evidence.left_m - np.sum([np.zeros(len(contest.known)), *rest], axis=0)
+    left = left_by(contest, best, gone)
     frame = contest.rows.frame.iloc[contest.known].reset_index(drop=True)
     every = material(frame, left, contest.rows.links[contest.known])
     part = every.take(np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT))
@@ -120,6 +122,15 @@ def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
         or told_from_delays(contest, names, law.parts, law.pays + NAME_NATS)
     )
     return list(islice(told, FORMS_TRIED))
+
+
+def left_by(contest: Contest, best: Set, gone: Set) -> Floats:
+    """Return what a set leaves of the known rows [n], in metres, without what some of it does."""
+    made = contest.evidence.of(best)
+    rest = [contest.evidence.response(made, one) for one in best if one not in gone]
+    return np.asarray(
+        contest.evidence.left_m - np.sum([np.zeros(len(contest.known)), *rest], axis=0)
+    )
 
 
 def laws_of(every: Material, part: Material) -> Iterator[Formed]:

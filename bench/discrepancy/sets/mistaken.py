@@ -2,13 +2,16 @@
 
 What scatters from row to row is set aside, for a receiver's quality figure that follows the error
 would else explain it. But such a figure follows the noise too. Where a law over a column explains
-what a set of causes leaves, and what is left then scatters just as simulated rows do, the column
-says nothing of the noise: it was known before.
+what a set of causes leaves, or stands in for names of it, and what is left then scatters just as
+simulated rows do, the column says nothing of the noise: it was known before.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
+from math import log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +23,15 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.material import material
 from bench.discrepancy.sets.beside import nats_with, weighed_with
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.formed import laws_of
-from bench.discrepancy.sets.settings import AS_SIMULATED, LEAST_WEIGHT, MISTAKEN_NATS
+from bench.discrepancy.sets.formed import Formed, groups_of, laws_of, left_by
+from bench.discrepancy.sets.rivals import CONSTANT
+from bench.discrepancy.sets.settings import (
+    AS_SIMULATED,
+    FORM_NATS,
+    LAW_M,
+    LEAST_WEIGHT,
+    MISTAKEN_NATS,
+)
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -32,31 +42,75 @@ Floats = NDArray[np.float64]
 def mistaken(
     contest: Contest, best: Set, doubtful: pd.DataFrame, ensemble: Ensemble
 ) -> tuple[str, ...]:
-    """Return which `doubtful` columns [all rows] are known before, by what `best` leaves.
+    """Return which `doubtful` columns [all rows] are known before, beside or instead of `best`.
 
     `ensemble` has the simulated versions of the contest's view.
     """
-    made = contest.evidence.of(best)
-    rest = [contest.evidence.response(made, one) for one in best]
-    left = contest.evidence.left_m - np.sum([np.zeros(len(contest.known)), *rest], axis=0)
-    rows, links = contest.rows.rows[contest.known], contest.rows.links[contest.known]
-    noise = _scatter(ensemble, contest.known)
-    taken = np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT)
-    out = []
-    for name in map(str, doubtful.columns):
-        every = material(doubtful[[name]].iloc[rows].reset_index(drop=True), left, links)
-        if not every.columns or len(every.residual_m) < len(left):
-            continue
-        for law in islice(laws_of(every, every.take(taken)), 1):
-            lead = nats_with(contest, best, {law.name: law.parts}) - law.pays - contest.nats(best)
-            after = weighed_with(contest, best, {law.name: law.parts}).variance_m2
-            if lead > MISTAKEN_NATS and AS_SIMULATED[0] < after / noise < AS_SIMULATED[1]:
-                out.append(name)
-    return tuple(out)
+    if not len(doubtful.columns):
+        return ()
+    asked = _Asked(contest, best, doubtful, _scatter(contest, ensemble))
+    return tuple(filter(asked.known_before, map(str, doubtful.columns)))
 
 
-def _scatter(ensemble: Ensemble, known: NDArray[np.intp]) -> float:
-    """Return the variance of simulated ranges of the same row, infinite where there is one each."""
-    versions = ensemble.versions[1:, known, ensemble.place(RANGE)]
-    each = np.nanvar(versions, axis=0, ddof=1) if len(versions) > 1 else np.zeros(0)
-    return float(np.nanmedian(each)) or np.inf if each.size else np.inf
+@dataclass(frozen=True)
+class _Asked:
+    """Whether laws over columns that were set aside hold; simulated rows scatter by `noise_m2`."""
+
+    contest: Contest
+    best: Set
+    doubtful: pd.DataFrame
+    noise_m2: float
+
+    def known_before(self, name: str) -> bool:
+        """Return whether a law over a column holds beside the set, or in the place of names.
+
+        There it needs no more than a law over a known column: it makes a cause less, not one more.
+        A constant beside it could be a name, so it must do without.
+        """
+        instead = FORM_NATS + log(len(self.doubtful.columns))
+        return any(
+            self._leads(law, gone, instead if gone else MISTAKEN_NATS)
+            for gone in ((), *groups_of(self.contest, self.best))
+            for law in islice((o for o in self._laws(name, gone) if not (gone and o.offset)), 1)
+        )
+
+    def _laws(self, name: str, gone: Set) -> Iterator[Formed]:
+        """Yield the laws over a column of what the set leaves without the names `gone`."""
+        contest = self.contest
+        rows, links = contest.rows.rows[contest.known], contest.rows.links[contest.known]
+        frame = self.doubtful[[name]].iloc[rows].reset_index(drop=True)
+        every = material(frame, left_by(contest, self.best, gone), links)
+        if every.columns and len(every.residual_m) == len(rows):
+            taken = np.flatnonzero(contest.evidence.weights > LEAST_WEIGHT)
+            yield from (law for law in laws_of(every, every.take(taken)) if law.over)
+
+    def _leads(self, law: Formed, gone: Set, price: float) -> bool:
+        """Return whether a law beats the set, or a constant, by a price in nats.
+
+        And leaves what is simulated, nearer to that than the set alone: a figure that follows the
+        noise leaves less.
+        """
+        contest, rest = self.contest, tuple(one for one in self.best if one not in gone)
+        made = {law.name: law.parts}
+        none = nats_with(contest, rest, {CONSTANT: (np.full((len(contest.known), 1), LAW_M),)})
+        lead = nats_with(contest, rest, made) - law.pays - max(contest.nats(self.best), none)
+        before = contest.evidence.of(self.best).variance_m2 / self.noise_m2
+        after = weighed_with(contest, rest, made).variance_m2 / self.noise_m2
+        alike = AS_SIMULATED[0] < after < AS_SIMULATED[1] and abs(log(after)) < abs(log(before))
+        return lead > price and alike
+
+
+def _scatter(contest: Contest, ensemble: Ensemble) -> float:
+    """Return the variance of simulated rows in the recorded ones' place, weighed as these are.
+
+    Each beside the mean of the others, of which there is one less; infinite where there is one.
+    """
+    versions = ensemble.simulated_of(RANGE)[:, contest.known]
+    count, found = len(versions), []
+    for one in range(count if count > 1 else 0):
+        others = np.delete(versions, one, axis=0).mean(axis=0)
+        made = contest.evidence.toward(contest.seen(versions[one] - others))
+        made.weights = np.ones(len(others))
+        made.reweigh(())
+        found.append(made.of(()).variance_m2)
+    return float(np.mean(found)) * (1 - 1 / count**2) if found else np.inf

@@ -53,7 +53,8 @@ FORM_NATS: Final = 6.0  # by which a law over what a name is about must lead it:
 TIED_NATS: Final = -3.0  # of lead, from which on a law over anything else is no worse than a name:
 # 20 to 1 [convention]
 SAME_SHAPE: Final = 1e-6  # of a law's square, that a name cannot do: rounding [derived]
-MISTAKEN_NATS: Final = 12.0  # that a law over a column that was set aside must bring [sets]
+MISTAKEN_NATS: Final = 12.0  # that a law over a column that was set aside must bring beside a set;
+# in the place of a name as one over what it is about, `FORM_NATS` [sets]
 AS_SIMULATED: Final = (0.7, 1.8)  # of the simulated variance, what is left then [convention]
 HUMP_STEPS: Final = 60  # of expectation and maximisation, of two humps of ranges [cost]
 SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a centre [derived]

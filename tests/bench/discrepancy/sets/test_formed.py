@@ -68,29 +68,3 @@ def test_a_law_over_where_devices_go_is_a_law() -> None:
 
     found = chosen(search_of(high, 11, raised(up)), ())
     assert "antenna-delay" not in found.names
-
-
-def set_aside(hidden: Hidden | None, load: Callable[[pd.DataFrame], np.ndarray]) -> tuple[str, ...]:
-    """Return the columns that are known before, of one that was set aside as measured."""
-    search = search_of(hidden, 12)
-    assert search.work is not None
-    doubtful = pd.DataFrame({"load": load(search.work.frame)})
-    return chosen(replace(search, doubtful=doubtful), ()).mistaken
-
-
-def busy(frame: pd.DataFrame) -> np.ndarray:
-    """Return a load that scatters from row to row."""
-    return np.random.default_rng(5).lognormal(3, 0.8, len(frame))
-
-
-def test_a_column_that_explains_what_is_missing_was_known_before() -> None:
-    def delayed(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
-        return 0.2 * busy(frame) / (busy(frame) + 20)
-
-    assert set_aside(delayed, busy) == ("load",)
-    assert set_aside(None, busy) == ()
-
-
-def test_a_column_that_follows_the_noise_stays_measured() -> None:
-    rng = np.random.default_rng(6)
-    assert set_aside(None, lambda f: f["error_m"] + rng.normal(0, 0.02, len(f))) == ()

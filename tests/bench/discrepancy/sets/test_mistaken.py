@@ -1,0 +1,73 @@
+"""A column that was set aside as measured is known before where a law over it says what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.choose import Contest, chosen
+from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.mistaken import mistaken
+from tests.bench.discrepancy.numpy_tables import Hidden, constant
+from tests.bench.discrepancy.sets.test_sets import search_of
+
+
+def set_aside(hidden: Hidden | None, load: Callable[[pd.DataFrame], np.ndarray]) -> Choice:
+    """Return what is chosen where one column, `load`, was set aside as measured."""
+    search = search_of(hidden, 12)
+    assert search.work is not None
+    doubtful = pd.DataFrame({"load": load(search.work.frame)})
+    return chosen(replace(search, doubtful=doubtful), ())
+
+
+def busy(frame: pd.DataFrame) -> np.ndarray:
+    """Return a load that scatters from row to row."""
+    return np.random.default_rng(5).lognormal(3, 0.8, len(frame))
+
+
+def test_a_column_that_explains_what_is_missing_was_known_before() -> None:
+    def delayed(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return 0.2 * busy(frame) / (busy(frame) + 20)
+
+    assert set_aside(delayed, busy).mistaken == ("load",)
+    assert set_aside(None, busy).mistaken == ()
+
+
+def even(frame: pd.DataFrame, width: float = 0.37) -> np.ndarray:
+    """Return a load that scatters about 20."""
+    return 20 * np.exp(np.random.default_rng(5).normal(0, width, len(frame)))
+
+
+def test_a_column_of_which_a_law_stands_in_for_a_name_was_known_before() -> None:
+    """In proportion, without a constant: the delay that is named for it is one cause too many."""
+
+    def late(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return 0.002 * even(frame)
+
+    assert set_aside(late, even).mistaken == ("load",)
+
+
+def test_a_constant_that_a_set_lacks_says_nothing_of_a_column() -> None:
+    search = search_of(constant, 12)
+    rows = search.sharpest
+    ensemble = search.comparison.ensemble(rows, (), 3)
+    left, every = ensemble.residual_of(RANGE), np.arange(len(rows.rows))
+    evidence = Evidence(left, rows.links, {})
+    contest = Contest(evidence, {}, 1.0, rows, every, every >= 0)
+    doubtful = pd.DataFrame({"load": even(rows.frame, 0.02)})
+    assert mistaken(contest, (), doubtful, ensemble) == ()
+
+
+@pytest.mark.parametrize("hidden", [None, constant])
+def test_a_column_that_follows_the_noise_stays_measured(hidden: Hidden | None) -> None:
+    """Of ranges that are late by 12 cm, too: a figure in proportion to them says that as well."""
+    rng = np.random.default_rng(6)
+    found = set_aside(hidden, lambda f: f["error_m"] + rng.normal(0, 0.02, len(f)))
+    assert found.mistaken == ()
+    assert ("antenna-delay" in found.names) == (hidden is not None)
