@@ -109,7 +109,7 @@ def _scatter(contest: Contest, ensemble: Ensemble) -> float:
     count, found = len(versions), []
     for one in range(count if count > 1 else 0):
         others = np.delete(versions, one, axis=0).mean(axis=0)
-        made = contest.evidence.toward(contest.seen(versions[one] - others))
+        made = contest.evidence.with_blocks({}).toward(contest.seen(versions[one] - others))
         made.weights = np.ones(len(others))
         made.reweigh(())
         found.append(made.of(()).variance_m2)
