@@ -34,6 +34,7 @@ from bench.discrepancy.joint.settings import (
     NAME_SHARE,
     POLISHED,
     REFITTED,
+    SCATTERED_SHARE,
     SCATTERS,
     SETTLED,
     STEPS,
@@ -84,7 +85,8 @@ class Sets:
         free = left_free(self.given, best.moments, best.responses, best.parameters)
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
-        much = much or (self._scatters(best, self.none) and free[1] > LEFT_NATS)
+        least = max(LEFT_NATS, SCATTERED_SHARE * explained)
+        much = much or (self._scatters(best, self.none) and free[1] > least)
         much = much or (best.names != marked and off(self.given, best))
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))

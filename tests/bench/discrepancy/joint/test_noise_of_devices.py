@@ -17,7 +17,7 @@ from bench.discrepancy.joint.apart import brought_alone, logged, unlogged, untou
 from bench.discrepancy.joint.likelihood import left_free, misfit
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
-from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS
+from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS, SCATTERED_SHARE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.tone_or_noise import counterparts
 from bench.physics.base import Base
@@ -154,3 +154,18 @@ def test_noise_that_is_lower_in_the_profile_but_not_in_its_log_is_none() -> None
         assert ("noise-floor" in found) is is_noise
         fit, rest = fit_of(given, (quieter,)), fit_of(given, ())
         assert unlogged(given, fit, rest, "noise-floor") is not is_noise
+
+
+@pytest.mark.parametrize(("share", "sure"), [(0.9, True), (1.1, False)])
+def test_what_scatters_may_leave_a_hundredth_over_what_is_known(
+    share: float, sure: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Shadowing hides what goes with a covariate; but of what explains much, a little is left."""
+    shadowed = PathLoss(exponent=2.3, offset_db=-12.0, shadowing_db=6.0)
+    given = statistics((shadowed,))
+    sets = Sets(given.comparison, given.rows, given.rows, (PathLoss,))
+    monkeypatch.setattr(module, "off", lambda *_: False)
+    explained = sets.chosen().explained
+    most = max(LEFT_NATS, SCATTERED_SHARE * explained)
+    monkeypatch.setattr(module, "left_free", lambda *_: (0.0, share * most))
+    assert sets.chosen().unexplained is not sure
