@@ -16,7 +16,9 @@ from bench.discrepancy.data.observables import COUNT
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
-LATEST = ("ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", *KEPT)
+LATEST = (
+    "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", *KEPT,
+)  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
 OF_TABLES = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
