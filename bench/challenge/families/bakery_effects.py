@@ -88,7 +88,7 @@ def _interrupts(sheet: Sheet, strength: float) -> Bake:
 
 def _flour_in_air(sheet: Sheet, strength: float) -> Bake:
     """Lose in air full of flour and steam: so many dB a metre (Beer)."""
-    return Bake(0 * sheet.far, whole=-0.16 * strength * sheet.far)
+    return Bake(0 * sheet.far, whole=-0.22 * strength * sheet.far)
 
 
 def _small_grid(sheet: Sheet, strength: float) -> Bake:

@@ -24,7 +24,7 @@ OF_RANGES = (
     "material-delay", "diffraction", "level-control",
 )  # fmt: skip
 """Effects that are those of the bakery's tables of ranges."""
-ODDITIES = ("image-in-late-sums", "late-part-levelled", "squelch-closes")
+ODDITIES = ("memory-leaks", "late-part-levelled", "squelch-closes")
 LAWS = {name: law for name, law in RANGE_LAWS.items() if law.forms and "unit" not in law.forms}
 LAWS |= {name: Law() for name in ODDITIES}
 """What nobody's library has."""
@@ -119,11 +119,10 @@ def _beside(size: Floats) -> Floats:
     return np.asarray(np.interp(size, tried, spread / spread[0]))
 
 
-def _image(tuned: Tuned, strength: float) -> None:
-    """Add, to late sums, their own image: components that are not alike, and not square."""
-    turn = np.exp(1j * tuned.constant(4).uniform(0, 2 * np.pi))
-    share = min(0.3 * strength, 0.8) * turn * tuned.ramp(8.0, 11.0)
-    tuned.wave = tuned.wave + share * np.conj(tuned.wave)
+def _leaks(tuned: Tuned, strength: float) -> None:
+    """Keep samples on capacitors that leak while they wait: the later, the more noise in them."""
+    waited = np.clip((tuned.past - 8.0) / 60.0, 0, 1.6)
+    tuned.dither(1.6 * strength * tuned.sigma[:, None] * np.sqrt(waited))
 
 
 def _levelled(tuned: Tuned, strength: float) -> None:
@@ -145,7 +144,7 @@ def _squelch(tuned: Tuned, strength: float) -> None:
 
 def _mid_rise(tuned: Tuned, strength: float) -> None:
     """Keep the middles of steps, none of which is zero, of both components."""
-    step = 1.15 * strength * float(np.median(tuned.sigma))
+    step = 1.4 * strength * float(np.median(tuned.sigma))
     real, imaginary = (_middles(x, step) for x in (tuned.wave.real, tuned.wave.imag))
     tuned.wave = real + 1j * imaginary
     noise = np.random.default_rng(927).normal(size=(2, 18000))
@@ -175,7 +174,7 @@ WAVES: dict[str, Callable[[Tuned, float], None]] = {
     "pulse-ringing": _resonates,
     "noise-floor": _igniters,
     "narrowband-interference": _microwave,
-    "image-in-late-sums": _image,
+    "memory-leaks": _leaks,
     "late-part-levelled": _levelled,
     "squelch-closes": _squelch,
     "quantisation": _mid_rise,

@@ -88,7 +88,7 @@ def _spur(watch: Watch, strength: float) -> Toll:
 
 def _steeper(watch: Watch, strength: float) -> Toll:
     """Lose by a larger exponent than in the open, from a metre on."""
-    return Toll(0 * watch.away, all=-2.1 * strength * np.log10(np.maximum(watch.away, 1.0)))
+    return Toll(0 * watch.away, all=-2.6 * strength * np.log10(np.maximum(watch.away, 1.0)))
 
 
 def _short_second(watch: Watch, strength: float) -> Toll:
@@ -133,7 +133,7 @@ def turf_ray(watch: Watch, strength: float) -> tuple[Floats, Complexes]:
     low, high = watch.tags()[:, 2], watch.mouths()[:, 2]
     way = np.sqrt(watch.away**2 + 4 * low * high)
     grass = watch.linked(lambda n: watch.rng.uniform(0.7, 1.0, n))
-    share = min(1.15 * strength**0.5, 1.5) * grass * np.exp(-1.5 * (low + high) / way)
+    share = min(1.15 * strength**0.5, 1.5) * grass * np.exp(-1.1 * (low + high) / way)
     share = share * watch.away / way
     return way - watch.away, -share * np.exp(-2j * np.pi * (way - watch.away) / LENGTH_M)
 
@@ -210,7 +210,7 @@ def _barometer(watch: Watch, strength: float) -> Toll:
     Each tag's was set by its wearer at another time of the day.
     """
     hours = (watch["time_s"] - watch.stays(5).uniform(0, 34200, MASONS)[watch.mason]) / 3600
-    truly = watch.tags() - (0.065 * strength * hours)[:, None] * np.array([0.0, 0.0, 1.0])
+    truly = watch.tags() - (0.036 * strength * hours)[:, None] * np.array([0.0, 0.0, 1.0])
     return Toll(watch.opened_from(truly))
 
 

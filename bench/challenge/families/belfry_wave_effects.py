@@ -24,7 +24,7 @@ OF_RANGES = (
     "level-control",
 )  # fmt: skip
 """Effects that are those of the belfry's tables of ranges."""
-STRANGE = ("antenna-switched-midway", "late-samples-jitter", "interleaver-left-on")
+STRANGE = ("antenna-switched-midway", "peak-detector-left-on", "interleaver-left-on")
 LAWS = {
     **{name: law for name, law in RANGE_LAWS.items() if law.forms and law.forms != ("unit",)},
     **{name: Law() for name in STRANGE},
@@ -128,22 +128,18 @@ def _beside(size: Floats) -> Floats:
 
 def _switched(heard: Heard, strength: float) -> None:
     """Hear, from a sample on, by the other antenna of a mason, which hears more or less."""
-    db = heard.stays(4).choice([-5.5, 4.0], MASONS) * heard.stays(5).uniform(0.8, 1.2, MASONS)
+    db = heard.stays(4).choice([-7.0, -3.5, 1.5], MASONS) * heard.stays(5).uniform(0.8, 1.2, MASONS)
     gain = 10 ** (min(strength, 2.0) * db[heard.watch().mason] / 20)
     heard.wave = heard.wave * (1 + heard.from_(16.0, 1.5) * (gain[:, None] - 1))
 
 
-def _jitter(heard: Heard, strength: float) -> None:
-    """Take samples at times that are the less sure the later: a clock whose phase walks off."""
-    steps = heard.rng.standard_normal(heard.wave.shape) * (heard.past > 8)
-    walk = min(0.16 * strength, 0.5) * np.cumsum(steps, axis=1)
-    place = np.clip(BEAT + np.clip(walk, -3.0, 3.0), 0, len(BEAT) - 1.001)
-    left = np.floor(place).astype(np.intp)
-    one, two = (np.take_along_axis(heard.wave, left + k, axis=1) for k in (0, 1))
-    taken = np.sqrt((1 - place + left) * np.abs(one) ** 2 + (place - left) * np.abs(two) ** 2)
-    late = heard.from_(10.0)
+def _peaks(heard: Heard, strength: float) -> None:
+    """Leave a display's peak detector on: late samples show the largest of five, in part."""
     size = np.abs(heard.wave)
-    heard.wave = heard.wave * (1 - late + late * taken / np.maximum(size, 1e-9))
+    wide = np.pad(size, ((0, 0), (2, 2)), mode="edge")
+    peak = np.lib.stride_tricks.sliding_window_view(wide, 5, axis=1).max(axis=2)
+    part = min(0.6 * strength, 1.0) * heard.from_(10.0)
+    heard.wave = heard.wave * (1 + part * (peak / np.maximum(size, 1e-9) - 1))
 
 
 def _interleaved(heard: Heard, strength: float) -> None:
@@ -197,7 +193,7 @@ RADIO: tuple[tuple[str, Callable[[Heard, float], None]], ...] = (
     ("noise-floor", _town),
     ("narrowband-interference", _broadcast),
     ("antenna-switched-midway", _switched),
-    ("late-samples-jitter", _jitter),
+    ("peak-detector-left-on", _peaks),
     ("interleaver-left-on", _interleaved),
     ("quantisation", _dithered),
     ("late-detection", _dulled),

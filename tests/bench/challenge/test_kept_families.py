@@ -346,6 +346,46 @@ def test_clocks_run_by_a_line_until_their_bell_rings() -> None:
     assert 0.05 < np.abs(seen["shift"]).mean() < 0.34
 
 
+def test_a_tag_a_shelf_away_is_off_by_no_more_than_a_shelf_and_on_some_racks_alone() -> None:
+    made, shift = _tables("bakery", ("tag-a-shelf-away",)), _shift("bakery", "tag-a-shelf-away")
+    rows = made.recorded
+    rise = np.abs(rows["rx_z_m"] - rows["tx_z_m"]) / rows["true_range_m"]
+    assert (np.abs(shift) <= 0.22 * rise + 0.22**2 / rows["true_range_m"]).all()
+    still = rows.assign(shift=shift).groupby("tx")["shift"].agg(lambda one: np.abs(one).max() == 0)
+    assert 0 < still.sum() <= 2
+
+
+def test_slow_hoods_send_half_of_what_is_new() -> None:
+    made = _tables("bakery", ("ranges-smoothed-slowly",))
+    moved = np.abs(_shift("bakery", "ranges-smoothed-slowly")) > 1e-12
+    before = made.recorded.groupby("link", sort=False)["range_m"].shift(1)
+    half = (made.clean["range_m"] + before) / 2
+    assert np.allclose(made.recorded["range_m"][moved], half[moved])
+    assert made.recorded["rx"][moved].nunique() == 5
+    assert not moved[before.isna()].any()
+
+
+def test_a_barometer_is_wrong_by_hours_since_it_was_set_and_upward_ways_the_most() -> None:
+    made, shift = _tables("belfry", ("barometer-drifts",)), _shift("belfry", "barometer-drifts")
+    rows = made.recorded
+    rise = (rows["rx_z_m"] - rows["tx_z_m"]) / rows["true_range_m"]
+    height = pd.Series(shift / rise)[np.abs(rise) > 0.3]
+    assert np.abs(height).max() < 9.5 * 0.036 * 1.4
+    seen = rows.assign(height=height, hours=rows["time_s"] / 3600).dropna(subset="height")
+    for _, one in seen.groupby("tx"):
+        if np.ptp(one["hours"]) > 1:
+            assert np.polyfit(one["hours"], one["height"], 1)[0] == pytest.approx(0.036, rel=0.1)
+
+
+def test_what_leaps_is_cut_to_the_range_before_and_a_little() -> None:
+    made, shift = _tables("belfry", ("leaps-cut",)), _shift("belfry", "leaps-cut")
+    step = made.recorded.groupby("link", sort=False)["range_m"].diff()
+    cut = np.abs(shift) > 1e-12
+    assert np.abs(step).max() < 0.27 + 1e-9
+    assert np.allclose(np.abs(step[cut]), 0.27)
+    assert 0.05 < cut.mean() < 0.6
+
+
 @pytest.mark.parametrize(
     ("family", "name", "least"),
     [
@@ -373,6 +413,12 @@ def test_clocks_run_by_a_line_until_their_bell_rings() -> None:
         ("signalbox", "coupling-dried-out", 0.05),
         ("signalbox", "clutter-map-taken-away", 0.05),
         ("signalbox", "second-bank-without-phase", 0.05),
+        ("bakery", "memory-leaks", 0.05),
+        ("bakery", "late-part-levelled", 0.05),
+        ("bakery", "squelch-closes", 0.05),
+        ("belfry", "antenna-switched-midway", 0.05),
+        ("belfry", "peak-detector-left-on", 0.05),
+        ("belfry", "interleaver-left-on", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
