@@ -78,7 +78,7 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     found, metres = _baked(clean, drawn, seed, "found")
     truth, _ = _baked(simulated, drawn, seed, "truth")
     shown = [sold(table, drawn.listed) for table in (found, clean, simulated, truth)]
-    return Tables(*shown, shifts_m=metres)
+    return Tables(shown[0], shown[1], shown[2], shown[3], shifts_m=metres)
 
 
 def sold(table: pd.DataFrame, listed: bool) -> pd.DataFrame:
@@ -92,7 +92,7 @@ def parted(rows: pd.DataFrame, sign: float) -> pd.DataFrame:
     far = rows.groupby("link")["true_range_m"].transform("mean") * sign
     rank = far.rank(method="dense").to_numpy()
     kept = (rank <= 0.45 * rank.max()) | (rank % 4 == 0)
-    return rows[kept].reset_index(drop=True)
+    return rows.loc[kept].reset_index(drop=True)
 
 
 def batches(rng: np.random.Generator, rare: str, rounds: tuple[int, ...] = ROUNDS) -> pd.DataFrame:
@@ -105,7 +105,7 @@ def batches(rng: np.random.Generator, rare: str, rounds: tuple[int, ...] = ROUND
     each = [_batch(rng, k, n, begin_s[k], k in stands) for k, n in enumerate(order)]
     table = pd.concat(each, ignore_index=True)
     between = _stand_between(rng, table["link"], MIXERS[rare == "diffraction"])
-    return table.assign(**_noted(rng, len(table)), obstacles=between)
+    return table.assign(**_noted(rng, len(table)), obstacles=pd.Series(between))
 
 
 def _noted(rng: np.random.Generator, size: int) -> dict[str, Floats]:

@@ -165,7 +165,8 @@ def _past_steel(sheet: Sheet, strength: float) -> Bake:
 
 def _pads(sheet: Sheet, strength: float) -> Bake:
     """Switch pads before the amplifier, one for each 5 dB over a level, and add fewer symbols."""
-    pads = np.clip(np.floor((sheet.get("rx_power_dbm") + 97.0) / 5.0), 0, 4)
+    over = np.floor((sheet.get("rx_power_dbm") + 97.0) / 5.0)
+    pads = np.minimum(np.maximum(over, 0.0), 4.0)
     return Bake(0 * pads, whole=-1.3 * min(strength, 2.2) * pads, count=-1.8 * strength * pads)
 
 

@@ -50,7 +50,8 @@ def tables(drawn: Draw, seed: int) -> Tables:
     rows = rows.loc[list(rows.index) * drawn.ratio].reset_index(drop=True)
     simulated, again = (received(rows, rng) for _ in range(2))
     found, truth = (_tuned(one, drawn, seed) for one in (clean, again))
-    return Tables(*(_sold(one, drawn.listed) for one in (found, clean, simulated, truth)))
+    shown = [_sold(one, drawn.listed) for one in (found, clean, simulated, truth)]
+    return Tables(shown[0], shown[1], shown[2], shown[3])
 
 
 def _batches(rng: np.random.Generator) -> pd.DataFrame:

@@ -81,7 +81,7 @@ def loudness(waves: Complexes, index: Floats, sigma: Floats) -> Floats:
     first = np.sum(power * np.maximum(1 - (past / 2.6) ** 2, 0.0), axis=1)
     first = np.maximum(first, 0.9 * sigma**2)
     whole = np.maximum(np.sum(power * (past > -5), axis=1), 1.12 * first)
-    return 10 * np.log10(np.array([whole, first]))
+    return np.asarray(10 * np.log10(np.array([whole, first])))
 
 
 class Heard:

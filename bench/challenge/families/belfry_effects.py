@@ -34,7 +34,8 @@ BIAS_M = (0.086, 0.079, 0.061, 0.03, -0.012, -0.034, -0.046, -0.05)
 
 def _asked_in_turn(watch: Watch, strength: float) -> Toll:
     """Compare with places of when a round was called, before gargoyles ask one after another."""
-    return Toll(watch.opened(strength * (0.115 + 0.012 * watch.gargoyle)))
+    late_s = 0.115 + 0.012 * watch.gargoyle.astype(np.float64)
+    return Toll(watch.opened(strength * late_s))
 
 
 def _product_by_sum(watch: Watch, strength: float) -> Toll:

@@ -145,13 +145,13 @@ def _peaks(heard: Heard, strength: float) -> None:
 def _interleaved(heard: Heard, strength: float) -> None:
     """Leave late words as an interleaver wrote them: row by row, and read column by column.
 
-    In blocks of five by four, in a part of the frames.
+    In blocks of eight by eight, in a part of the frames.
     """
-    part = min(0.6 * strength, 1.0)
+    part = min(0.85 * strength, 1.0)
     begin = np.ceil(heard.attack).astype(np.intp) + 9
-    order = np.arange(20).reshape(5, 4).T.ravel()
+    order = np.arange(64).reshape(8, 8).T.ravel()
     past = np.arange(len(BEAT)) - begin[:, None]
-    source = begin[:, None] + 20 * (past // 20) + order[past % 20]
+    source = begin[:, None] + 64 * (past // 64) + order[past % 64]
     inside = (past >= 0) & (source < len(BEAT))
     moved = np.take_along_axis(heard.wave, np.where(inside, source, 0), axis=1)
     mixed = (1 - part) * heard.wave + part * moved
