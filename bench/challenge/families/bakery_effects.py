@@ -192,7 +192,7 @@ def _burners(sheet: Sheet, strength: float) -> Bake:
 
 
 def _shutter(sheet: Sheet, strength: float) -> Bake:
-    return Bake(0.124 * strength * (sheet.get("shutter_percent") > 56.0))
+    return Bake(np.where(sheet.get("shutter_percent") > 56.0, 0.124 * strength, 0.0))
 
 
 def _fat(sheet: Sheet, strength: float) -> Bake:
