@@ -19,7 +19,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confirm, headline
 from bench.discrepancy.counterpart import counted, covered
-from bench.discrepancy.data.checks import check_recorded
+from bench.discrepancy.data.checks import check_tables
 from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
@@ -150,7 +150,7 @@ def diagnose(
     earlier, unfinished diagnosis of the same input is not done again.
     """
     keep_freed()
-    check_recorded(recorded)
+    check_tables(recorded, simulated)
     numbers = counted(recorded, simulated)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))

@@ -9,12 +9,43 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import error_m
 from bench.discrepancy.settings import (
     LONGEST_MEDIAN_RANGE_M,
+    SAME_PERIOD,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
     UNIT_MISTAKE,
 )
 from bench.errors import BenchError
 from bench.recordings.table import Recordings
+
+
+def check_tables(recorded: Recordings, simulated: object) -> None:
+    """Raise BenchError where recordings cannot be diagnosed, or not beside this simulated table.
+
+    Waveforms of another sample period have other edges, tails and noise: what differs by that
+    alone would be called physics.
+    """
+    check_recorded(recorded)
+    if not isinstance(simulated, Recordings):
+        return
+    if all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated)):
+        _check_periods(recorded, simulated)
+
+
+def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
+    """Raise where two tables sample waveforms at other periods."""
+    mine, other = (_typical(table.frame, "sample_period_ns") for table in (recorded, simulated))
+    if abs(np.log(mine / other)) > SAME_PERIOD:
+        raise BenchError(
+            f"{simulated.source}: sample_period_ns is {other:.4g}, but {mine:.4g} in "
+            f"{recorded.source}: waveforms are compared at one period only: resample the "
+            "simulated ones, or leave their column 'cir' out to compare ranges"
+        )
+
+
+def _typical(frame: pd.DataFrame, name: str) -> float:
+    """Return the median of a column's numbers, 1 where it has none."""
+    values = numeric(frame, name)
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else 1.0
 
 
 def check_recorded(recorded: Recordings) -> None:
@@ -49,8 +80,7 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
     ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
-    period = numeric(frame, "sample_period_ns")
-    typical = float(np.nanmedian(period)) if np.isfinite(period).any() else 1.0
+    typical = _typical(frame, "sample_period_ns")
     if not SAMPLE_PERIOD_NS[0] <= typical <= SAMPLE_PERIOD_NS[1]:
         raise BenchError(f"{source}: sample_period_ns is {typical:.4g}: expected nanoseconds")
 

@@ -1,0 +1,37 @@
+"""Bad input that is found before anything is fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.data.checks import check_tables
+from bench.errors import BenchError
+from bench.physics.base import Base
+from bench.physics.simulator import Simulator
+from bench.recordings.table import Recordings
+
+
+def table(source: str, period_ns: float, cir: bool = True) -> Recordings:
+    """Return forty rows with waveforms of a sample period; SIMULATED."""
+    frame = pd.DataFrame({"link": [f"l{i // 4}" for i in range(40)]})
+    frame = frame.assign(true_range_m=2.0, range_m=2.1, sample_period_ns=period_ns)
+    if cir:
+        frame["cir"] = list(np.ones((40, 16), np.float32))
+    return Recordings(frame, source)
+
+
+@pytest.mark.parametrize("simulated", [Simulator(Base()), table("s.parquet", 1.0)])
+def test_tables_of_about_the_same_period_pass(simulated: Simulator | Recordings) -> None:
+    check_tables(table("r.parquet", 1.0016), simulated)
+
+
+def test_waveforms_of_another_period_are_refused_with_what_to_do() -> None:
+    said = r"s\.parquet: sample_period_ns is 2, but 1\.002 in r\.parquet: .*resample"
+    with pytest.raises(BenchError, match=said):
+        check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0))
+
+
+def test_a_period_without_waveforms_is_of_no_matter() -> None:
+    check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0, cir=False))
