@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dtrtri
 
 from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.settings import (
@@ -211,25 +212,43 @@ class Evidence:
         places = places.astype(np.intp)
         widths = [(c, width) for c in causes for width in self.widths[c]]
         owner = np.repeat(np.arange(len(widths)), [width for _, width in widths])
+        begin = np.flatnonzero(np.diff(owner, prepend=-1))
         inner = product[np.ix_(places, places)]
         right, square = product[places, -1], float(product[-1, -1])
         count = max(float(np.count_nonzero(self.weights > LEAST_WEIGHT)), 2.0)
         most = np.array([self.widest.get(c, SIZE_BOUNDS[1]) for c, _ in widths])
         sizes, variance = np.ones(len(widths)), max(square / count, LEAST_VARIANCE_M2)
         for _ in range(EM_STEPS if causes else 0):
-            covariance = np.linalg.inv(inner / variance + np.diag(1 / sizes[owner]))
-            factors = covariance @ right / variance
-            known = 1 - np.diag(covariance) / sizes[owner]
-            told = np.maximum(np.bincount(owner, known, len(widths)), 1e-3)
-            sizes = np.bincount(owner, factors**2, len(widths)) / told
-            sizes = np.clip(sizes, SIZE_BOUNDS[0], most)
-            left = square - 2 * factors @ right + factors @ inner @ factors
+            prior = (1 / sizes)[owner]
+            root = inverse_root(inner / variance, prior)
+            factors = root.T @ (root @ right) / variance
+            known = 1 - np.einsum("ij,ij->j", root, root) * prior
+            told = np.maximum(np.add.reduceat(known, begin), 1e-3)
+            power = factors * factors
+            sizes = np.add.reduceat(power, begin) / told
+            sizes = np.minimum(np.maximum(sizes, SIZE_BOUNDS[0]), most)
+            left = square - factors @ right - variance * float(power @ prior)
             variance = max(float(left / max(count - told.sum(), 1.0)), LEAST_VARIANCE_M2)
-        precision = inner / variance + np.diag(1 / sizes[owner])
-        covariance = np.linalg.inv(precision)
+        root = inverse_root(inner / variance, (1 / sizes)[owner])
+        covariance = root.T @ root
         factors = covariance @ right / variance
         quadratic = (square - factors @ right) / variance
-        volume = float(np.linalg.slogdet(precision)[1] + np.log(sizes[owner]).sum())
+        volume = float(np.log(sizes[owner]).sum() - 2 * np.log(root.diagonal()).sum())
         nats = -0.5 * (count * np.log(2 * np.pi * variance) + log + volume + quadratic)
         nats -= SMALLEST_STEP_NATS * len(causes)
         return Weighed(causes, float(nats), places, factors, covariance, variance, ratio)
+
+
+def inverse_root(matrix: Floats, more: Floats) -> Floats:
+    """Return R [n, n], lower, with R' R the inverse of a matrix, `more` [n] on its diagonal.
+
+    By Cholesky: a third of the work of an inverse by elimination. Raises LinAlgError where the sum
+    is not positive. `matrix` is written over.
+    """
+    matrix.flat[:: len(more) + 1] += more
+    if not len(more):
+        return matrix
+    lower, wrong = dpotrf(matrix, lower=1, clean=1)
+    if wrong:
+        raise np.linalg.LinAlgError("a precision that is not positive")
+    return np.asarray(dtrtri(lower, lower=1)[0])
