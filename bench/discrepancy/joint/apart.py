@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.joint.form import variances
-from bench.discrepancy.joint.likelihood import evidence, white, whitener
+from bench.discrepancy.joint.likelihood import evidence, left_free, white, whitener
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import ACTS, NAME_NATS, SCATTERS
+from bench.discrepancy.joint.settings import ACTS, LEFT_NATS, NAME_NATS, SCATTERS
 from bench.discrepancy.joint.statistics import Moments, Statistics
 
 Floats = NDArray[np.float64]
@@ -65,10 +65,14 @@ def _plain(given: Statistics, fit: Fit, name: str, places: NDArray[np.intp]) -> 
 def logged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
     """Return whether a member is what receivers log of it, which no other of the set moves.
 
-    What has no form would do as well to a log of noise: but noise is what that is a log of.
+    What has no form would do as well to a log of noise: but noise is what that is a log of. It must
+    be of the size that the log says, too.
     """
     place = _log(given, fit, name)
-    return bool(len(place)) and _of(given, fit, place) - _of(given, rest, place) >= NAME_NATS
+    if not len(place) or _of(given, fit, place) - _of(given, rest, place) < NAME_NATS:
+        return False
+    responses = [one[:, place] for one in fit.responses]
+    return left_free(given, _part(fit.moments, place), responses, fit.parameters)[0] < LEFT_NATS
 
 
 def _log(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:

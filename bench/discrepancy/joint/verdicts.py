@@ -12,6 +12,7 @@ from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.joint.sizes import sizes_seen
+from bench.discrepancy.joint.tone_or_noise import counterparts
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
@@ -85,7 +86,7 @@ def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...
     """Return the verdicts without names that may only mend the form of one that is refused.
 
     Of waveforms: those that bring not much more than it does, do no more than it where they act,
-    and bear no mark.
+    and bear no mark; and a noise floor beside a refused tone, or a tone beside such a noise.
     """
     refused = [name for name, one in said.items() if not one.names and name in choice.nats]
     return tuple(
@@ -95,6 +96,10 @@ def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...
 
 def _stands(name: str, refused: list[str], choice: WaveChoice) -> bool:
     """Return whether a name is more than what may mend the form of those that are refused."""
+    effects = {effect.name: effect for effect in choice.added}
+    twins = counterparts(effects[name]) if name in effects else ()
+    if {one.name for one in twins} & set(refused):
+        return False
     mended = [choice.nats[one] for one in refused if one not in choice.beyond.get(name, ())]
     loud = choice.nats.get(name, np.inf) >= LOUDER * max(mended, default=0.0)
     return name in choice.marked or bool(loud)

@@ -18,6 +18,7 @@ from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
@@ -59,6 +60,19 @@ def test_what_a_refused_name_does_not_do_in_any_form_stands_beside_it():
         beyond={"noise-floor": ("pulse-ringing",)},
     )
     assert names(standing(said(NoiseFloor()), choice)) == {"noise-floor"}
+
+
+def test_a_noise_floor_does_not_stand_beside_a_refused_tone():
+    """To first order a tone does to magnitudes what noise does: either may mend the other."""
+    noise, tone = NoiseFloor(level_db=3.0), NarrowbandInterference(level_db=1.0)
+    held = {name: one for name, one in said(noise).items() if one.names} | {tone.name: REFUSED}
+    choice = WaveChoice(
+        (noise, tone),
+        nats={tone.name: 100.0, noise.name: 900.0},
+        beyond={noise.name: (tone.name,)},
+    )
+    assert names(standing(held, choice)) == set()
+    assert names(standing({noise.name: held[noise.name]}, choice)) == {noise.name}
 
 
 def test_marks_and_ranges_stand_beside_a_refused_name():

@@ -143,6 +143,17 @@ def test_only_noise_is_logged_as_noise_and_only_where_nothing_else_moves_the_log
     assert not logged(given, twice, twice, "noise-floor")
 
 
+def test_noise_of_another_size_than_its_log_says_is_not_what_is_logged() -> None:
+    noise = NoiseFloor(level_db=12.0, **WHITE)
+    given = statistics((noise,))
+    rest = fit_of(given, ())
+    right, low = (fitted(given, (replace(noise, level_db=level),)) for level in (12.0, 1.0))
+    assert right is not None
+    assert low is not None
+    assert logged(given, right, rest, "noise-floor")
+    assert not logged(given, low, rest, "noise-floor")
+
+
 def test_noise_that_is_lower_in_the_profile_but_not_in_its_log_is_none() -> None:
     """A mean that is taken off lowers weak samples; the receiver logs its noise before."""
     quieter = NoiseFloor(level_db=-3.0, **WHITE)
