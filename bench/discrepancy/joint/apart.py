@@ -25,10 +25,7 @@ def brought_alone(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
 
     0 where there are none.
     """
-    places = untouched(given, fit, name)
-    if not len(places):
-        return 0.0
-    return _of(given, fit, places) - _of(given, rest, places)
+    return _gain(given, fit, rest, untouched(given, fit, name))
 
 
 def refuted(given: Statistics, fit: Fit, name: str, alone: float) -> bool:
@@ -48,16 +45,16 @@ def unlogged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
     What lowers weak samples alone, as a mean that is taken off, looks like less noise but to them.
     """
     place = _log(given, fit, name)
-    if not len(place) or _of(given, fit, place) - _of(given, rest, place) > 0:
+    if not len(place) or _gain(given, fit, rest, place) > 0:
         return False
     return _plain(given, fit, name, place)
 
 
 def _plain(given: Statistics, fit: Fit, name: str, places: NDArray[np.intp]) -> bool:
     """Return whether what a member does to some statistics would be plain to see."""
-    place = fit.names.index(name)
-    response = fit.responses[place][:, places]
-    matrices, _ = whitener(given, _part(fit.moments, places), [response])
+    place, some = fit.names.index(name), _among(fit, places)
+    response = some.responses[place]
+    matrices, _ = whitener(given, some.moments, [response])
     foreseen = 0.5 * float((white(matrices, response) ** 2).sum())
     return given.worth(foreseen, (fit.effects[place],)) > NAME_NATS
 
@@ -69,10 +66,10 @@ def logged(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
     be of the size that the log says, too.
     """
     place = _log(given, fit, name)
-    if not len(place) or _of(given, fit, place) - _of(given, rest, place) < NAME_NATS:
+    if _gain(given, fit, rest, place) < NAME_NATS:
         return False
-    responses = [one[:, place] for one in fit.responses]
-    return left_free(given, _part(fit.moments, place), responses, fit.parameters)[0] < LEFT_NATS
+    some = _among(fit, place)
+    return left_free(given, some.moments, some.responses, some.parameters)[0] < LEFT_NATS
 
 
 def _log(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:
@@ -91,10 +88,19 @@ def untouched(given: Statistics, fit: Fit, name: str) -> NDArray[np.intp]:
     return np.flatnonzero((moved < ACTS) & ~wider)
 
 
-def _of(given: Statistics, fit: Fit, places: NDArray[np.intp]) -> float:
-    """Return the evidence of a set by some statistics alone, in nats."""
-    responses = [one[:, places] for one in fit.responses]
-    return evidence(given, _part(fit.moments, places), responses, fit.parameters)
+def _gain(given: Statistics, fit: Fit, rest: Fit, places: NDArray[np.intp]) -> float:
+    """Return the evidence of a set over the rest of it by some statistics alone, in nats."""
+    if not len(places):
+        return 0.0
+    some = [_among(one, places) for one in (fit, rest)]
+    whole, less = (evidence(given, one.moments, one.responses, one.parameters) for one in some)
+    return whole - less
+
+
+def _among(fit: Fit, places: NDArray[np.intp]) -> Fit:
+    """Return a set as some statistics show it."""
+    responses = tuple(one[:, places] for one in fit.responses)
+    return replace(fit, moments=_part(fit.moments, places), responses=responses)
 
 
 def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:

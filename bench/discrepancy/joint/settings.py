@@ -64,9 +64,7 @@ CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do
 LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is
 # there that no effect explains [convention]
 LEFT_SHARE: Final = NAME_SHARE  # and of all that is explained then: as a name must [derived]
-SCATTERED_SHARE: Final = (
-    0.01  # the same over one covariate, of a set that makes links scatter: this
-)
+SCATTERED_SHARE: Final = 0.01  # the same over one covariate, of a set that scatters links: that
 # hides much of what goes with a covariate, but no form is right to a thousandth [convention]
 MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulated links, up to which
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]

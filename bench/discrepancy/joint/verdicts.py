@@ -96,9 +96,8 @@ def standing(said: dict[str, Verdict], choice: WaveChoice) -> tuple[Verdict, ...
 
 def _stands(name: str, refused: list[str], choice: WaveChoice) -> bool:
     """Return whether a name is more than what may mend the form of those that are refused."""
-    effects = {effect.name: effect for effect in choice.added}
-    twins = counterparts(effects[name]) if name in effects else ()
-    if {one.name for one in twins} & set(refused):
+    twins = {o.name for e in choice.added if e.name == name for o in counterparts(e)}
+    if twins.intersection(refused):
         return False
     mended = [choice.nats[one] for one in refused if one not in choice.beyond.get(name, ())]
     loud = choice.nats.get(name, np.inf) >= LOUDER * max(mended, default=0.0)

@@ -107,6 +107,7 @@ def test_no_name_is_sure_where_links_are_far_off_beside_it():
     found = choice_of(frame.assign(cir=echoed).drop(columns="noise_std"))
     assert found.unexplained
     assert names(found) == set()
+    assert "looks most like" in found.likeness
     assert "noise" in found.likeness  # which a log of the noise, the same as ever, would deny
     denied = choice_of(frame.assign(cir=echoed))
     assert denied.unexplained
