@@ -104,6 +104,7 @@ UNLIMITED_MEMBERS: Final = 1 << 16  # a simulator gives as many as are asked for
 RARE_P: Final = 0.001  # family-wise, of single links beyond all scatter [convention]
 RARE_BEYOND: Final = 2.0  # times the widest simulated link, that such a link must be off [blind]
 FEW_VERSIONS: Final = 3  # simulated rows per recorded row: with fewer, scatter is borrowed
+ROWS_P: Final = 0.01  # of single rows beyond all simulated ones, by exchange alone [convention]
 RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [derived]
 
 # --- Where they differ (locate) ------------------------------------------------------------------

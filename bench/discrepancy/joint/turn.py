@@ -23,10 +23,12 @@ from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.marks import forms_of_marks
+from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
+from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -134,8 +136,17 @@ def _with_scatter(state: State, journal: Journal) -> State:
     if best is None:
         return state
     added = (*state.added, best.effect)
+    if not _scatters_by_itself(search, added, best.effect):
+        return state
     turn = Round(left, found.led_by(best), best.effect)
     return replace(state, added=added, rounds=(*state.rounds, turn))
+
+
+def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether ranges scatter as that effect does, and not as another cause makes them."""
+    assert search.work is not None  # rows were compared
+    alike = scatters_alike(search.comparison, search.work, added, effect)
+    return alike.adequate and beyond_causes(search, added, effect).adequate
 
 
 def _of_range(found: Finding) -> bool:

@@ -21,6 +21,7 @@ from bench.discrepancy.compare.reuse import widening
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
+from bench.discrepancy.locate.rare_rows import struck_rows
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LEAST_SCATTER_M,
@@ -32,6 +33,7 @@ from bench.discrepancy.settings import (
     RARE_BEYOND,
     RARE_FEWEST,
     RARE_P,
+    ROWS_P,
     SPREAD_TOLD,
 )
 
@@ -118,7 +120,7 @@ def locate(
     narrow = [wider_only and c.moment in ("spread", "link") for c in cells] & (z < 0)
     best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
     found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
-    rare = None if found else rare_links(ensemble, seed)
+    rare = None if found else rare_links(ensemble, seed) or _rare_rows(ensemble, crowding, seed)
     found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
     least = threshold * float(wider[0])  # the first cell is of all rows
@@ -297,6 +299,15 @@ def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
         return None
     cell = Cell(RANGE, "link", Place())
     return _finding(ensemble, Covariates({}, {}), cell, most / scatter, RARE_P, seed)
+
+
+def _rare_rows(ensemble: Ensemble, crowding: float, seed: int) -> Finding | None:
+    """Return a finding where rows of some links are beyond all simulated rows."""
+    p, times = struck_rows(ensemble, crowding)
+    if p > ROWS_P:
+        return None
+    cell = Cell(RANGE, "spread", Place())
+    return _finding(ensemble, Covariates({}, {}), cell, times, p, seed)
 
 
 def _link_offsets(values: Floats, code: Links) -> Floats:

@@ -8,6 +8,7 @@ import pytest
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.permutation_test import locate, rare_links
+from bench.discrepancy.locate.rare_rows import struck_rows
 
 LINKS, ROWS = 40, 5
 
@@ -50,3 +51,38 @@ def test_two_links_among_forty_are_seen_with_three_simulated_versions():
 
 def test_links_that_only_scatter_are_no_rare_cause():
     assert [rare_links(_ensemble(seed, 3), seed) for seed in range(40)].count(None) >= 39
+
+
+def _late_rows(versions: int, late: int, simulated: int = 0) -> Ensemble:
+    """Return an ensemble in which single rows of so many links read two metres long."""
+    made = _ensemble(7, versions)
+    values = made.versions.copy()
+    values[0, ROWS * np.arange(late), 0] += 2.0
+    values[1, ROWS * np.arange(simulated) + 1, 0] += 2.0
+    return Ensemble(made.names, made.units, values, made.links)
+
+
+def test_one_late_row_on_some_links_is_seen_though_their_medians_are_as_ever():
+    assert rare_links(_late_rows(8, late=3), 0) is None
+    p, times = struck_rows(_late_rows(8, late=3))
+    assert p == pytest.approx(40 * 39 * 38 / (360 * 359 * 358))
+    assert times > 10
+    located = locate(_late_rows(8, late=3), Covariates({}, {}), 3, permutations=199)
+    assert located.significant
+    assert located.p <= 0.01
+
+
+def test_late_rows_say_nothing_where_chance_or_the_simulator_makes_them():
+    assert struck_rows(_late_rows(2, late=1))[0] == pytest.approx(1 / 3)
+    assert struck_rows(_late_rows(8, late=3, simulated=1))[0] == 1.0
+    assert struck_rows(_late_rows(1, late=5))[0] == 1.0  # of two versions, which one is off?
+    crowded = struck_rows(_late_rows(8, late=3), crowding=2.0)[0]
+    assert crowded > 20 * struck_rows(_late_rows(8, late=3))[0]
+
+
+def test_rows_without_a_range_are_no_late_ones():
+    made = _late_rows(8, late=3)
+    made.versions[0, : 2 * ROWS, 0] = np.nan
+    assert struck_rows(made)[0] == pytest.approx(38 / (38 * 9))
+    made.versions[0, :, 0] = np.nan
+    assert struck_rows(made) == (1.0, 0.0)

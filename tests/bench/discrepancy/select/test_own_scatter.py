@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.joint import turn
 from bench.discrepancy.select import own_scatter, refute
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.own_scatter import beyond_causes
@@ -63,11 +64,15 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
         return Ensemble(("error_m",), ("m",), moved, links)
 
     monkeypatch.setattr(own_scatter, "versions", lambda _, rows, added: ensemble(rows, added, 8))
-    work, comparison = SimpleNamespace(rows=links), SimpleNamespace(ensemble=ensemble)
+    recorded = SimpleNamespace(names=())  # nothing to ask of the shape of the scatter
+    work = SimpleNamespace(rows=links, recorded=recorded)
+    comparison = SimpleNamespace(ensemble=ensemble)
     search = SimpleNamespace(logged=(), work=work, comparison=comparison)
     jitter = TimestampJitter()
     found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
     assert found.adequate is named
+    of_waves = turn._scatters_by_itself(search, (beside, jitter), jitter)  # type: ignore[arg-type]
+    assert of_waves is named
 
 
 @pytest.mark.parametrize(("note", "strange"), [(own_scatter.OF_MOTION, 0), ("it is no jitter", 1)])
