@@ -17,7 +17,8 @@ from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
 LATEST = (
-    "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", *KEPT,
+    "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery",
+    "belfry", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -386,6 +387,62 @@ def test_what_leaps_is_cut_to_the_range_before_and_a_little() -> None:
     assert 0.05 < cut.mean() < 0.6
 
 
+def test_heads_are_lower_toward_the_alley_and_by_no_more_than_a_neck() -> None:
+    made, shift = _tables("cowshed", ("heads-lowered",)), _shift("cowshed", "heads-lowered")
+    rows = made.recorded
+    assert (shift > 0).all()  # rafters are above all collars
+    rise = (rows["rx_z_m"] - rows["tx_z_m"]) / rows["true_range_m"]
+    lower = shift / (rise + 0.5 * 0.32 / rows["true_range_m"])
+    assert lower.max() < 0.33
+    feeds = (rows["tx_x_m"] - 11).abs() < 2
+    assert lower[feeds].min() > 0.2
+    assert lower[(rows["tx_x_m"] - 11).abs() > 6].max() < 0.1
+
+
+def test_underrated_changes_are_a_part_of_those_since_a_links_first_range() -> None:
+    made = _tables("cowshed", ("changes-underrated",))
+    first = made.clean.groupby("link")["range_m"].transform("first")
+    gone = made.clean["range_m"] - first
+    assert np.allclose(made.recorded["range_m"] - first, gone / 1.6)
+    assert gone.abs().max() > 0.5
+
+
+def test_a_wheel_set_askew_moves_its_own_gondolas_and_those_by_its_axle_the_least() -> None:
+    made = _tables("fairground", ("wheel-set-askew",))
+    shift, rows = np.abs(_shift("fairground", "wheel-set-askew")), made.recorded
+    wheel = (rows["environment"] == "wheel").to_numpy()
+    assert not shift[~wheel].any()
+    out = np.hypot(rows["tx_x_m"] - 28, rows["tx_y_m"] - 26)
+    assert (shift <= 0.0411 * out)[wheel].all()
+    assert shift.max() > 0.15
+
+
+def test_of_two_ranges_that_of_the_louder_first_path_is_kept() -> None:
+    made = _tables("fairground", ("louder-of-two-kept",))
+    rows = made.clean.groupby("link", sort=False)
+    before, loud = (rows[name].shift(1) for name in ("range_m", "first_path_power_dbm"))
+    louder = loud > made.clean["first_path_power_dbm"]
+    assert np.allclose(made.recorded["range_m"], np.where(louder, before, made.clean["range_m"]))
+    assert 0.2 < louder.mean() < 0.6
+
+
+@pytest.mark.parametrize("family", ["cowshed", "fairground"])
+def test_who_moves_goes_on_as_the_effects_have_it(family: str) -> None:
+    """Places that effects take for some time later are those of the rows of then."""
+    world: Any = world_of(family)
+    rows = world.known(Draw(), 5)
+    rows = rows[rows["rx"] == rows["rx"].iloc[0]]
+    links = rows.groupby("link", sort=False)
+    later = links["time_s"].shift(-1) - rows["time_s"]
+    known = links["true_range_m"].shift(-1) - rows["true_range_m"]
+    kind: Any = {"cowshed": "Herd", "fairground": "Ticket"}[family]
+    made = getattr(world, kind)(rows, 5, np.random.default_rng(5))
+    moved = (made.farther if family == "cowshed" else made.drifts)(later.fillna(0.0).to_numpy())
+    there = known.notna().to_numpy()
+    assert np.allclose(moved[there], known[there], atol=1e-9)
+    assert np.abs(moved).max() > 0.1
+
+
 @pytest.mark.parametrize(
     ("family", "name", "least"),
     [
@@ -419,6 +476,12 @@ def test_what_leaps_is_cut_to_the_range_before_and_a_little() -> None:
         ("belfry", "antenna-switched-midway", 0.05),
         ("belfry", "peak-detector-left-on", 0.05),
         ("belfry", "interleaver-left-on", 0.05),
+        ("cowshed", "sampler-trembles", 0.05),
+        ("cowshed", "slopes-limited", 0.05),
+        ("cowshed", "mirror-image-leaks", 0.05),
+        ("fairground", "highest-carry-lost", 0.05),
+        ("fairground", "runs-of-one-word", 0.05),
+        ("fairground", "quadrature-fails", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(

@@ -28,7 +28,7 @@ from bench.physics.simulator import Simulator
 
 LAST = (
     "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks", "glasshouse",
-    "quarry", "rink", "brewery", "tannery", "signalbox", *KEPT,
+    "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry", *KEPT,
 )  # fmt: skip
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
@@ -48,6 +48,8 @@ PERIOD_OF = {
     "rail-joints": "chainage_m",
     "burners-cycle": "time_s",
     "quarters-struck": "time_s",
+    "scrapers-run": "time_s",
+    "organ-plays": "time_s",
 }
 WORLD_OF_DEVICE = {
     "crane": "tx",
@@ -66,6 +68,8 @@ WORLD_OF_DEVICE = {
     "semaphore": "rx",
     "hood": "rx",
     "gargoyle": "rx",
+    "rafter": "rx",
+    "booth": "rx",
 }
 
 
@@ -127,11 +131,13 @@ def test_their_tables_have_other_columns_and_lengths() -> None:
     assert {"room_x_m"} <= has["rink", "ranges"] - has["brewery", "ranges"]
     assert {"room_x_m"} <= has["tannery", "CIR"] - has["signalbox", "CIR"]
     assert {"room_x_m"} <= has["bakery", "ranges"] - has["belfry", "ranges"]
+    assert {"room_x_m"} <= has["cowshed", "CIR"] - has["fairground", "CIR"]
     assert "preamble_count" not in has["harbour", "ranges"]
     assert "temperature_c" not in has["attic", "CIR"]
     lengths = {len(_tables(family, (), "CIR").recorded["cir"][0]) for family in LAST}
     assert lengths == {
         178, 118, 134, 106, 152, 122, 164, 110, 128, 144, 136, 116, 124, 148, 158, 130,
+        140, 168,
     }  # fmt: skip
 
 
@@ -281,6 +287,7 @@ def test_an_obstructed_path_is_weak_and_late_on_some_links(family: str) -> None:
 CHANNELS = {
     "market": 9, "ferry": 5, "stacks": 9, "glasshouse": 2, "quarry": 3, "rink": 5, "brewery": 9,
     "tannery": 1, "signalbox": 2, "bakery": 5, "belfry": 3,
+    "cowshed": 5, "fairground": 1,
 }  # fmt: skip
 AGAIN = [(m, f, CHANNELS[f]) for m, f in SCHEDULE if f in CHANNELS and m.endswith("again")]
 
