@@ -335,7 +335,7 @@ def _with_best(
 
 def concluded(state: State, journal: Journal) -> Selection:
     """Fit what was chosen once more on all working rows, and say what can be said."""
-    search, added = state.search, state.added
+    search, added, choice = state.search, state.added, state.search.choice
     if search.work is not None and added:
         last = state.guard.safely("last fit", journal.kept(settled), added)
         added = last(search.comparison, search.work, added)
@@ -345,6 +345,6 @@ def concluded(state: State, journal: Journal) -> Selection:
     held = state.guard.safely("marks", with_marks, held)(search, held)
     said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts, held.whole)
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
-    skipped = {**state.skipped, **state.guard.failed}
+    out = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)
-    return Selection(said, best, held.rounds, skipped, search.choice.names, (), {}, search.logged)
+    return Selection(said, best, held.rounds, out, choice.names, (), {}, search.logged, choice.tied)

@@ -181,4 +181,5 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
-    return Selection(said, best, rounds, skipped, together)
+    tied = search.choice.tied
+    return Selection(said, best, rounds, skipped, together, tied=tied)

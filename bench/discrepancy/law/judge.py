@@ -63,6 +63,16 @@ def _rivals(proposal: Proposal, sealed: Material, shift: Floats, seed: int) -> t
     return tuple(out)
 
 
+def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
+    """Return the library's names that do as well as a device that stands elsewhere.
+
+    From where an anchor sees its rows, standing further off reads nearly the same as being late.
+    """
+    of = f" of {law.where}" if law.where else ""
+    given = names if law.fault == "position" else ()
+    return tuple(Rival(f"{name}{of} instead", "constant", law.columns[:0], 0.0) for name in given)
+
+
 def _rival(one: Candidate, behind: float) -> Rival:
     """Return a candidate that is not excluded, in words."""
     given = [LawConstant(n, v, v, v, unit) for n, v, unit in one.fitted.constants]

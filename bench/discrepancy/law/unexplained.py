@@ -13,7 +13,7 @@ from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.joint.verdicts import LEFT_OF_WAVES
 from bench.discrepancy.law.between import told_from_detectors
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
-from bench.discrepancy.law.judge import gains_among, judged, setup_fault
+from bench.discrepancy.law.judge import gains_among, judged, setup_fault, tied_names
 from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
@@ -276,7 +276,8 @@ def _borne_out(
     if law is None or not _runs(law):
         return without
     held = weighing.instead or weighing.found
-    law = replace(law, of_library=weighing.form)
+    rivals = (*tied_names(law, held.tied), *law.rivals)
+    law = replace(law, of_library=weighing.form, rivals=rivals)
     return Said(held, law, setup_fault(weighing.proposal) or named_fault(held))
 
 

@@ -116,7 +116,8 @@ class Selection:
 
     `together`: the names that were weighed as a set (see `bench.discrepancy.sets`). `mistaken`:
     columns that were set aside as measured, but are not. `withheld`: names that were not added,
-    and why. `logged`: effects that logs of the receiver show.
+    and why. `logged`: effects that logs of the receiver show. `tied`: names that do as well as a
+    fault of the set-up that is said in their place.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -127,6 +128,7 @@ class Selection:
     mistaken: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
     logged: Added = ()
+    tied: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

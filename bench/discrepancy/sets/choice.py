@@ -19,7 +19,8 @@ class Choice:
     many times less is known of what it does than if the rest were known; `shifts_m` to what it does
     to every row [n], names and others alike.
     `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
-    aside as measured that a law says are known before (see `mistaken`).
+    aside as measured that a law says are known before (see `mistaken`). `tied`: names that a device
+    which stands elsewhere took the place of, though these do as well.
     """
 
     names: Set = ()
@@ -32,8 +33,14 @@ class Choice:
     view: int = -1
     mistaken: Set = ()
     constants_m: dict[str, float] = field(default_factory=dict)
+    tied: Set = ()
 
 
 def but(causes: Set, gone: str) -> Set:
     """Return a set without one of its causes."""
     return tuple(one for one in causes if one != gone)
+
+
+def but_not(causes: Set, others: Set) -> Set:
+    """Return the causes of a set that are not in another."""
+    return tuple(one for one in causes if one not in others)

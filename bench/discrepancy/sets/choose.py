@@ -26,7 +26,7 @@ from bench.discrepancy.sets.blocks import (
     off_by,
     usual_levels,
 )
-from bench.discrepancy.sets.choice import Choice, Set, but
+from bench.discrepancy.sets.choice import Choice, Set, but, but_not
 from bench.discrepancy.sets.evidence import Evidence, Weighed
 from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.mistaken import mistaken
@@ -41,6 +41,7 @@ from bench.discrepancy.sets.settings import (
     MOST_LAWS,
     NAME_NATS,
     RANGE_LAW_NATS,
+    RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -142,8 +143,10 @@ class Contest:
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
-        best = self._at_usual_levels(self._beyond_deformed(self._calm()))
-        best = moves_every_row(self, self._beyond_forms(misplaced(self, best)))
+        first = self._at_usual_levels(self._beyond_deformed(self._calm()))
+        placed = misplaced(self, first)
+        tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
+        best = moves_every_row(self, self._beyond_forms(placed))
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
         return Choice(
@@ -154,7 +157,12 @@ class Contest:
             {one: self._wider(best, one) for one in names},
             self.shifts(best),
             constants_m={o: m for some in beside.values() for o, m in some.items()},
+            tied=tied if set(but_not(placed, first)) <= set(best) else (),
         )
+
+    def _about_as_good(self, causes: Set, other: Set) -> bool:
+        """Return whether a set is not excluded beside another."""
+        return self.nats(causes) > self.nats(other) - RIVAL_NATS
 
     def most(self) -> float:
         """Return the worth of the best set."""
