@@ -13,13 +13,6 @@ from __future__ import annotations
 
 from typing import Final
 
-# --- Bad input (data/checks) ---------------------------------------------------------------------
-LONGEST_MEDIAN_RANGE_M: Final = 500.0  # [source] UWB at -41.3 dBm/MHz is not heard so far
-SHORTEST_MEDIAN_RANGE_M: Final = 0.02  # [derived] shorter than an antenna: kilometres were meant
-UNIT_MISTAKE: Final = 300.0  # [derived] measured / true: mistakes of units are by 1000
-SAME_PERIOD: Final = 0.05  # of a sample period, up to which two tables have the same [convention]
-SAMPLE_PERIOD_NS: Final = (0.2, 5.0)  # [source] receivers sample at 0.2 to 5 GS/s
-
 # --- What is compared (data/observables, data/covariates) ----------------------------------------
 PROFILE_EDGES_NS: Final = (
     -4.0, -1.5, 1.5, 3.5, 6.5, 10.5, 15.5, 22.5, 32.5, 45.5, 62.5, 82.5, 105.5,

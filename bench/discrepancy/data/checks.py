@@ -7,8 +7,10 @@ import pandas as pd
 
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import error_m
-from bench.discrepancy.settings import (
+from bench.discrepancy.data.settings import (
+    LARGEST_FIGURE,
     LONGEST_MEDIAN_RANGE_M,
+    LOUDEST_DBM,
     SAME_PERIOD,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
@@ -27,8 +29,43 @@ def check_tables(recorded: Recordings, simulated: object) -> None:
     check_recorded(recorded)
     if not isinstance(simulated, Recordings):
         return
+    _check_figures(simulated.frame, simulated.source)
+    _check_copies(recorded, simulated)
     if all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated)):
         _check_periods(recorded, simulated)
+
+
+def _check_copies(recorded: Recordings, simulated: Recordings) -> None:
+    """Raise where the simulated ranges are the recorded ones, row by row."""
+    mine, other = (error_m(table.frame) for table in (recorded, simulated))
+    if np.isfinite(mine).any() and np.array_equal(mine, other, equal_nan=True):
+        raise BenchError(
+            f"{simulated.source}: its ranges are those of {recorded.source}, row by row: expected "
+            "a table that was simulated, with noise of its own"
+        )
+
+
+def _check_figures(frame: pd.DataFrame, source: str) -> None:
+    """Raise where a column holds what no instrument reads; ranges are looked at elsewhere."""
+    for name in frame.columns.difference(["range_m", "true_range_m", "error_m"]):
+        if frame[name].dtype.kind not in "fiu":
+            continue
+        large = np.abs(numeric(frame, name)) > LARGEST_FIGURE
+        wild = np.flatnonzero(large & np.isfinite(numeric(frame, name)))
+        if len(wild):
+            value, row = frame[name].iloc[wild[0]], int(wild[0])
+            raise BenchError(f"{source}: {name} is {value:.4g} at row {row}: no measurement")
+
+
+def _check_levels(frame: pd.DataFrame, source: str) -> None:
+    """Raise where levels are above any that a UWB receiver gets: their sign was lost."""
+    for name in ("rx_power_dbm", "first_path_power_dbm"):
+        middle = _typical(frame, name) if name in frame else 0.0
+        if middle > LOUDEST_DBM:
+            raise BenchError(
+                f"{source}: the median of {name} is {middle:.4g} dBm: expected received levels, "
+                "far below 0 dBm (was the sign lost?)"
+            )
 
 
 def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
@@ -51,7 +88,8 @@ def _typical(frame: pd.DataFrame, name: str) -> float:
 def check_recorded(recorded: Recordings) -> None:
     """Raise BenchError where a recorded table cannot be diagnosed, naming column and expectation.
 
-    Looks for: no rows, no truth, no link column, units off by 1000, time going backwards.
+    Looks for: no rows, no truth, no link column, units off by 1000, levels without their sign,
+    figures beyond any instrument, time going backwards.
     """
     frame, source = recorded.frame, recorded.source
     if not len(frame):
@@ -64,6 +102,8 @@ def check_recorded(recorded: Recordings) -> None:
     if "true_range_m" not in frame and "tx_x_m" not in frame:
         raise BenchError(f"{source}: no column 'true_range_m' and no antenna positions")
     _check_units(frame, source)
+    _check_levels(frame, source)
+    _check_figures(frame, source)
     _check_time(frame, source)
 
 
@@ -99,6 +139,7 @@ def _check_time(frame: pd.DataFrame, source: str) -> None:
         raise BenchError(
             f"{source}: time_s goes backwards at row {row} "
             f"({-float(steps.iloc[row]):.4g} s, link {frame['link'].iloc[row]!r}); "
-            "expected rows of a link in the order they were recorded: sort by link and time_s, "
-            "unless a clock was reset or two recordings share a link's name"
+            "expected rows of a link in the order they were recorded: sort by link and time_s; "
+            "where a clock was reset, or two recordings share a link's name, give each part a "
+            "link of its own; drop rows that are there twice"
         )

@@ -35,6 +35,7 @@ from bench.discrepancy.select.stepwise import (
     explain_left,
     locate_left,
     struck_round,
+    with_ranges,
 )
 from bench.discrepancy.select.verdict import NoMismatch
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
@@ -44,7 +45,7 @@ from bench.physics.effect import Effect
 def selected(state: State, journal: Journal) -> Selection:
     """Return what waveforms and, beside what these name, ranges speak for."""
     search, kept, safely = state.search, journal.kept, state.guard.safely
-    located = kept(locate_left)(search, (), 0)
+    located = kept(with_ranges)(search, kept(locate_left)(search, (), 0))
     if not located.significant:
         return _said(state.after(Round(located, None, None)), WaveChoice(), journal)
     fault = safely("recorder", recorder_fault, "")(search)
@@ -133,10 +134,8 @@ def _with_scatter(state: State, journal: Journal) -> State:
     able = tuple(one for one in found.contenders if one.effect.name in kinds)
     found = replace(found, contenders=able)
     best = best_contender(found)
-    if best is None:
-        return state
-    added = (*state.added, best.effect)
-    if not _scatters_by_itself(search, added, best.effect):
+    added = (*state.added, best.effect) if best else ()
+    if best is None or not _scatters_by_itself(search, added, best.effect):
         return state
     turn = Round(left, found.led_by(best), best.effect)
     return replace(state, added=added, rounds=(*state.rounds, turn))
@@ -144,9 +143,9 @@ def _with_scatter(state: State, journal: Journal) -> State:
 
 def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
     """Return whether ranges scatter as that effect does, and not as another cause makes them."""
-    assert search.work is not None  # rows were compared
-    alike = scatters_alike(search.comparison, search.work, added, effect)
-    return alike.adequate and beyond_causes(search, added, effect).adequate
+    rows = search.both or search.searched
+    alike = scatters_alike(search.comparison, rows, added, effect)
+    return alike.adequate and beyond_causes(replace(search, work=rows), added, effect).adequate
 
 
 def _of_range(found: Finding) -> bool:

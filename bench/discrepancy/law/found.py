@@ -20,7 +20,8 @@ class LawConstant:
     unit: str
 
     def __str__(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit.replace('/', ' per ', 1)}"
+        unit = self.unit.replace("/", " per ", 1).replace("/", " and ")
+        unit = "" if self.unit == "1" else f" {unit}"
         if self.low == self.high:
             return f"{self.value:.4g}{unit}"
         return f"{self.value:.3g} ({self.low:.3g}..{self.high:.3g}){unit}"

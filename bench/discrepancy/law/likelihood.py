@@ -24,8 +24,11 @@ class Fit:
     likelihood: float
 
 
-def log_density(left_m: Floats, scale_m: float) -> Floats:
-    """Return the log density [n] of residuals, up to a constant that all laws share."""
+def log_density(left_m: Floats, scale_m: Floats | float) -> Floats:
+    """Return the log density [n] of residuals, up to a constant that all laws share.
+
+    Scales of their own, [..., n], give as many densities.
+    """
     z = (left_m / scale_m) ** 2 / LAW_TAIL
     return np.asarray(-(LAW_TAIL + 1) / 2 * np.log1p(z) - np.log(scale_m))
 

@@ -16,6 +16,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.logged import logs
 from bench.discrepancy.select.settings import EXTRA_SCATTER_M
@@ -104,7 +105,10 @@ def _even(left_m: Floats, own_m2: float, goes: Floats) -> bool:
 
 
 def likeliest(left_m: Floats, own_m2: float, goes: Floats) -> float:
-    """Return the largest log likelihood of normal ranges [n] whose extra variance goes with [n]."""
+    """Return the largest log likelihood of ranges [n] whose extra variance goes with [n].
+
+    Of Student's t: how fast a device turned between two rows of the truth, nobody knows.
+    """
     sizes_m = np.array([0.0, *np.geomspace(*EXTRA_SCATTER_M)])
-    every = own_m2 + np.square(sizes_m)[:, None] * goes
-    return float((-0.5 * (left_m**2 / every + np.log(every))).sum(axis=1).max())
+    every = np.sqrt(own_m2 + np.square(sizes_m)[:, None] * goes)
+    return float(log_density(left_m, every).sum(axis=1).max())

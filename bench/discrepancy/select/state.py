@@ -28,10 +28,11 @@ class Search:
     """What every step shares: the comparison, the two working views, the library, the seed.
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
-    where that would cost too much. `choice`: the set of causes that ranges speak for. `doubtful`:
-    columns of all recorded rows that were set aside as measured by their scatter alone. `untried`:
-    effects that cannot be tried: no table can have them, or columns lack. `logged`: effects that
-    logs of the receiver show beside ranges (see `bench.discrepancy.select.logged`).
+    where that would cost too much: `both`, beside waveforms, are for ranges alone. `choice`: the
+    set of causes that ranges speak for. `doubtful`: columns of all recorded rows that were set
+    aside as measured by their scatter alone. `untried`: effects that cannot be tried: no table can
+    have them, or columns lack. `logged`: effects that logs of the receiver show beside ranges (see
+    `bench.discrepancy.select.logged`).
     """
 
     comparison: Comparison
@@ -45,6 +46,7 @@ class Search:
     doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
     untried: Mapping[str, type[Effect]] = field(default_factory=dict)
     logged: Added = ()
+    both: View | None = None
 
     @property
     def sharpest(self) -> View:
@@ -63,6 +65,7 @@ class Search:
             discover=self.discover.leaving(found.struck),
             fit=self.fit.leaving(found.struck),
             work=self.work and self.work.leaving(found.struck),
+            both=self.both and self.both.leaving(found.struck),
         )
         return calm.without(found.effect)
 

@@ -5,6 +5,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
@@ -15,6 +19,7 @@ from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, r
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.own_draws import beyond_own_draws
+from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.within_links import of_links
 from bench.discrepancy.settings import (
@@ -39,12 +44,34 @@ from bench.physics.effect import Effect
 
 def locate_left(search: Search, added: Added, turn: int) -> Located:
     """Search for what the effects added so far leave."""
-    seen = search.searched
     first = SEARCH_FIRST + turn * SEARCH_MEMBERS
-    ensemble = search.comparison.ensemble(seen, added, SEARCH_MEMBERS, first)
+    ensemble = search.comparison.ensemble(search.searched, added, SEARCH_MEMBERS, first)
+    return _located(search, search.searched, ensemble, turn, FAMILY_WISE)
+
+
+def with_ranges(search: Search, found: Located) -> Located:
+    """Return what waveforms show, or, where that is nothing, what ranges of all working rows do.
+
+    One device of five that is late is seen by its ranges, and one finding among hundreds by chance.
+    """
+    if found.significant or search.both is None or RANGE not in search.both.recorded.names:
+        return found
+    made = search.comparison.ensemble(search.both, (), SEARCH_MEMBERS, SEARCH_FIRST)
+    if RANGE not in made.names:
+        return found
+    level = FAMILY_WISE / 2  # beside the search of waveforms
+    ranges = _located(search, search.both, kept(made, (RANGE,)), 0, level)
+    least = {**found.detectable, **ranges.detectable}
+    least = {n: min(value, found.detectable.get(n, np.inf)) for n, value in least.items()}
+    return replace(ranges if ranges.significant else found, detectable=least)
+
+
+def _located(
+    search: Search, seen: View, ensemble: Ensemble, turn: int, family_wise: float
+) -> Located:
     own = search.comparison.distinct(seen)
     few = borrows(ensemble, own)
-    level = FAMILY_WISE / 2 if few else FAMILY_WISE  # two searches share the error of one
+    level = family_wise / 2 if few else family_wise  # two searches share the error of one
     crowding, number = search.comparison.crowding(seen), search.seed + turn
     alone = 1.0 if search.comparison.paired(seen) else crowding
     located = locate(

@@ -13,6 +13,7 @@ from bench.discrepancy.joint import turn
 from bench.discrepancy.select import own_scatter, refute
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.own_scatter import beyond_causes
+from bench.discrepancy.select.state import Search
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
@@ -71,8 +72,8 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
     jitter = TimestampJitter()
     found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
     assert found.adequate is named
-    of_waves = turn._scatters_by_itself(search, (beside, jitter), jitter)  # type: ignore[arg-type]
-    assert of_waves is named
+    waves = Search(comparison, work, work, {}, 0, both=work)  # type: ignore[arg-type]
+    assert turn._scatters_by_itself(waves, (beside, jitter), jitter) is named
 
 
 @pytest.mark.parametrize(("note", "strange"), [(own_scatter.OF_MOTION, 0), ("it is no jitter", 1)])
