@@ -23,11 +23,13 @@ from bench.discrepancy.sets.settings import (
     FEWEST_ROWS,
     LAW_M,
     LAW_SCALE,
+    LEAST_LEVEL_DB,
     LEVEL_PASSES,
     LEVELS,
     MOST_DEVICES,
     OFF_BY,
     USUAL_LEVEL_DB,
+    USUAL_SCATTERS,
 )
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
@@ -151,26 +153,26 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
 def usual_levels(rows: View, made: Ensemble | None = None) -> NDArray[np.bool_]:
     """Return which rows [n] have a level as is usual at their distance; all without levels.
 
-    With what was simulated (`made`): as is simulated there, but for a line over the distance.
+    With what was simulated (`made`): as is simulated there, but for a line over the distance, and
+    as near to that as simulated levels scatter.
     What stands in the way only takes: of two levels that are as frequent the stronger is usual.
     """
-    level = numeric(rows.frame, LEVEL)
+    level, width = numeric(rows.frame, LEVEL), USUAL_LEVEL_DB
     if made is not None and LEVEL in made.names:
         simulated = made.simulated_of(LEVEL)
         known = np.isfinite(simulated)
         count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)  # none: not known here
         level = level - np.where(known, simulated, 0.0).sum(axis=0) / count
+        width = float(np.clip(USUAL_SCATTERS * made.scatter_of(LEVEL), LEAST_LEVEL_DB, width))
     usual = np.isfinite(level) & (rows.scene.true_range_m > 0)
     if usual.sum() < FEWEST_ROWS:
         return np.ones(len(level), bool)
     if made is not None and LEVEL in made.names:
-        usual &= (
-            np.abs(np.nan_to_num(level, nan=np.inf) - _strongest(level[usual])) < USUAL_LEVEL_DB
-        )
+        usual &= np.abs(np.nan_to_num(level, nan=np.inf) - _strongest(level[usual])) < width
     far = np.log10(np.maximum(rows.scene.true_range_m, LAW_SAME_PLACE_M))
     for _ in range(LEVEL_PASSES):
         line = np.polynomial.Polynomial.fit(far[usual], level[usual], 1)
-        near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < USUAL_LEVEL_DB
+        near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < width
         usual = near if near.sum() >= FEWEST_ROWS else usual
     return np.asarray(usual)
 

@@ -207,3 +207,19 @@ def test_rows_without_any_simulated_level_are_not_usual_and_warn_of_nothing(
     assert not usual[:5].any()
     assert usual[5:].mean() > 0.9
     assert not recwarn.list
+
+
+def test_what_takes_few_decibels_is_not_usual_where_simulated_levels_scatter_little() -> None:
+    """A wall behind a third of the links takes 4 dB; levels of a row scatter by half a decibel."""
+    recorded, _ = tables(7)
+    frame = recorded.frame.assign(link_number=pd.factorize(recorded.frame["link"])[0])
+    behind = (frame["link_number"] % 3 == 0).to_numpy()
+    level = frame["rx_power_dbm"].to_numpy(np.float64)
+    scatter_db = np.random.default_rng(3).normal(0, 0.5, (4, len(frame)))
+    frame["rx_power_dbm"] = level + scatter_db[0] - 4.0 * behind
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    versions = np.stack([frame["rx_power_dbm"], *(level + scatter_db[1:])])[..., None]
+    made = Ensemble(("rx_power_dbm",), ("dB",), versions, rows.links)
+    usual = usual_levels(rows, made)
+    assert usual[behind].mean() < 0.02
+    assert usual[~behind].mean() > 0.97
