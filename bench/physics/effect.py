@@ -244,6 +244,11 @@ class Effect(ABC):
         return None
 
     @classmethod
+    def logged_ways(cls, rows: Scene) -> tuple[NDArray[np.float64], ...]:  # noqa: ARG003
+        """Return the columns [n, k] in metres that a log says it does; none without such a log."""
+        return ()
+
+    @classmethod
     def possible(cls, rows: Scene, shift_m: NDArray[np.float64]) -> bool:  # noqa: ARG003
         """Return whether physics allows what it is said to do to the ranges [n] of these rows."""
         return True

@@ -43,6 +43,8 @@ class Estimate:
         return self.value - (self.value - self.low) * ONE_SIDED_95 / TWO_SIDED_95 > 0
 
     def __str__(self) -> str:
+        if np.isnan(self.value):  # nothing was compared
+            return "unknown"
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         return f"{self.value:.3g}{unit} [{self.low:.3g}, {self.high:.3g}]"
 

@@ -18,6 +18,7 @@ from bench.discrepancy.select.verdict import Unknown
 from bench.physics.effect import Effect
 
 OF_DETECTORS = "waveforms show what nothing explains, and a detector may make of that the same"
+OF_LOG = "by what is logged: simulate it from that log"
 NOT_ALONE = "it is not borne out as a cause of its own"
 
 
@@ -27,6 +28,9 @@ def form_words(search: Search, found: Selection, law: Proposal, detectors: bool)
     `detectors`: waveforms are not explained.
     """
     kinds = search.kinds.items()
+    logs = [name for name, kind in kinds if has_form(kind, search.discover, law, logged=True)]
+    if logs:
+        return f"{' or '.join(logs)}, {OF_LOG}"
     names = [name for name, kind in kinds if has_form(kind, search.discover, law)]
     if not names:
         return ""
@@ -36,16 +40,18 @@ def form_words(search: Search, found: Selection, law: Proposal, detectors: bool)
     return f"{' or '.join(names)}, which is not named: {why}"
 
 
-def has_form(kind: type[Effect], rows: View, law: Proposal) -> bool:
+def has_form(kind: type[Effect], rows: View, law: Proposal, logged: bool = False) -> bool:
     """Return whether an effect can do to rows what a law does, but for a constant beside it.
 
     Exactly: a law that nearly levels off is no constant, where recordings told it from one.
     Effects on the way of a pulse, and of its level, are free curves that can do anything smooth: of
-    these nothing is said. Nor of faults of the set-up, which have names of their own.
+    these nothing is said. Nor of faults of the set-up, which have names of their own. `logged`: by
+    what a log says of it.
     """
     curve = kind.stage != "ranging" or kind.follows
-    columns = None if curve or law.best.structure.fault else kind.ways(rows.scene)
-    if columns is None:
+    none = curve or law.best.structure.fault
+    columns = None if none else (kind.logged_ways if logged else kind.ways)(rows.scene)
+    if not columns:
         return False
     shift = _shift_m(rows, law)
     ways = np.hstack(columns)

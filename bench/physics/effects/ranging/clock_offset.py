@@ -68,6 +68,13 @@ class ClockOffset(Effect):
         warm = (warm - ROOM_C) / WARMER_C
         return every, own, WARMER_PPM * per_ppm * np.stack([warm, warm**2], axis=1)
 
+    @classmethod
+    def logged_ways(cls, rows: Scene) -> tuple[Floats, ...]:
+        """Return what `clock_offset_ppm` makes of the reply times (see `use_column`)."""
+        ppm, reply_s = (rows.number(name, 0.0) for name in ("clock_offset_ppm", "reply_time_s"))
+        made = (C_M_PER_NS * 1e3 * ppm * reply_s / 2)[:, None]
+        return (np.nan_to_num(made),) if made.any() else ()
+
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of the exchange."""
         offset = self._offset_ppm(batch, draws)

@@ -124,6 +124,7 @@ def test_what_an_estimate_says() -> None:
     assert not Estimate(1.0, -0.20, 2.0).likely_above_zero
     assert str(Estimate(0.12345, -1, 2, "m")) == "0.123 m [-1, 2]"
     assert str(Estimate(0.5, 0.25, 1)) == "0.5 [0.25, 1]"
+    assert str(Estimate(np.nan, -np.inf, np.inf, "m")) == "unknown"
 
 
 def test_a_quantile_and_its_interval_are_those_of_resampled_links_written_out() -> None:

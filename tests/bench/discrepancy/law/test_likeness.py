@@ -73,3 +73,26 @@ def test_a_law_says_why_the_effect_of_its_form_was_refused() -> None:
 @pytest.mark.parametrize(("note", "said"), [(LEFT_OF_WAVES, False), (LEFT_OF_RANGES, True)])
 def test_a_scale_is_no_law_beside_waveforms_that_nothing_explains(note: str, said: bool) -> None:
     assert (words_of(scaled, note) != "None") == said
+
+
+def test_a_law_of_a_logged_clock_names_the_effect_and_its_log():
+    logged: list[np.ndarray] = []
+
+    def clocks(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
+        logged.append(rng.normal(0, 4, len(frame)))
+        return 149.9 * logged[-1] * frame["reply_time_s"].to_numpy()
+
+    recorded, simulated = tables(5, clocks)
+    frame = recorded.frame.assign(clock_offset_ppm=logged[0])
+    other = simulated.frame.assign(clock_offset_ppm=np.random.default_rng(3).permutation(
+        np.resize(logged[0], len(simulated.frame))))  # fmt: skip
+    codes = link_codes(frame)
+    views = [
+        view(frame, codes, np.flatnonzero(codes % 3 == part), Window(), None, False)
+        for part in range(3)
+    ]
+    comparison = TableComparison(other, Window())
+    search = Search(comparison, *views[:2], offered(library()[0], frame, False, False)[0], 0)
+    unknown = Unknown((), Estimate(1.0, 0.9, 1.1), {}, "")
+    law = borne_out(comparison, views[2], weighed(search, Selection((unknown,), (), ())), 0).law
+    assert str(law).startswith("a law of the form of clock-offset, by what is logged")
