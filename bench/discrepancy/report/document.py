@@ -144,8 +144,10 @@ def measured_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what was decided for the user: links cut, columns that were taken as measured."""
     before, after = diagnosis.links
     out = [PLACES.format(before, after)] if after > before else []
-    if diagnosis.measured:
-        out += [f"Measured, so not searched over: {', '.join(diagnosis.measured)} ({RULE})."]
+    said = [name for name in diagnosis.measured if name in diagnosis.options.measured]
+    guessed = [name for name in diagnosis.measured if name not in said]
+    for names, why in ((said, "you said so"), (guessed, RULE)):
+        out += [f"Measured, so not searched over: {', '.join(names)} ({why})."] if names else []
     if diagnosis.options.known:
         why = "you said so, or it explains what was missing and nothing of the scatter"
         out += [f"Known before ranges are measured: {', '.join(diagnosis.options.known)} ({why})."]
@@ -158,7 +160,8 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
         return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
         asked = verdict.removable.high > verdict.removable.low  # else none was tried
-        how = f"A flexible regression removes {verdict.removable} of held-out score."
+        worth = verdict.removable if verdict.removable.value > 0 else "nothing"
+        how = f"A flexible regression over all that is known removes {worth} of held-out score."
         return [
             f"**Something is there that no known effect explains** ({verdict.note}).",
             *([how] if asked else []),
