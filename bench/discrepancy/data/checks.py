@@ -50,8 +50,8 @@ def _check_figures(frame: pd.DataFrame, source: str) -> None:
     for name in frame.columns.difference(["range_m", "true_range_m", "error_m"]):
         if frame[name].dtype.kind not in "fiu":
             continue
-        large = np.abs(numeric(frame, name)) > LARGEST_FIGURE
-        wild = np.flatnonzero(large & np.isfinite(numeric(frame, name)))
+        values = numeric(frame, name)
+        wild = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST_FIGURE))
         if len(wild):
             value, row = frame[name].iloc[wild[0]], int(wild[0])
             raise BenchError(f"{source}: {name} is {value:.4g} at row {row}: no measurement")

@@ -160,7 +160,7 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
         return [f"**{verdict}.**", detectable_line(verdict)]
     if isinstance(verdict, Unknown):
         asked = verdict.removable.high > verdict.removable.low  # else none was tried
-        worth = verdict.removable if verdict.removable.value > 0 else "nothing"
+        worth = "nothing" if verdict.removable.value < 0 else verdict.removable
         how = f"A flexible regression over all that is known removes {worth} of held-out score."
         return [
             f"**Something is there that no known effect explains** ({verdict.note}).",
