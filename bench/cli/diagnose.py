@@ -120,14 +120,12 @@ def _print(diagnosis: Diagnosis) -> None:
     from bench.discrepancy.report.doing import doings
     from bench.discrepancy.report.parameters import skipped_lines
 
-    say(diagnosis.headline)
+    say(named(diagnosis.headline))
     does = doings(diagnosis)
-    for verdict in diagnosis.selection.verdicts:
-        for line in describe(verdict, does):
-            say(line.replace("**", ""))
+    said = [line for one in diagnosis.selection.verdicts for line in describe(one, does)]
     laws = law_lines(diagnosis.law) if diagnosis.law else []
-    for line in (*laws, *nameless_lines(diagnosis)):
-        say(line.replace("**", ""))
+    for line in (*said, *laws, *nameless_lines(diagnosis)):
+        say(named(line.replace("**", "")))
     seen = diagnosis.confirmed
     for line in diagnosis.counted:
         say(line)

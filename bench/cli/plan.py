@@ -51,7 +51,7 @@ def command(diagnosis: str, links: int | None, seed: int, out: Path | None, as_j
         return
     if not made.answers:
         say(f"Nothing is ambiguous or unknown in {named(diagnosis)}: no measurement is needed.")
-        say(made.headline)
+        say(named(made.headline))
         return
     for one in made.answers:
         _print(one)

@@ -240,10 +240,10 @@ def _search(
     asked = rows.asked
     discover = rows.view(rows.split.discover, asked.search_rows)
     fit = rows.view(rows.split.fit, asked.fit_rows)
-    both = rows.view(rows.split.work, asked.search_rows)
-    work = None if asked.waveform else both
-    every = comparison, discover, fit, kinds, asked.seed, progress, work
-    return Search(*every, doubtful=rows.doubtful, both=both)
+    work = None if asked.waveform else rows.view(rows.split.work, asked.search_rows)
+    return Search(
+        comparison, discover, fit, kinds, asked.seed, progress, work, doubtful=rows.doubtful
+    )
 
 
 def select_effects(search: Search, journal: Journal | None = None) -> Selection:

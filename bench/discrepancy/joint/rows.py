@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.view import View, joined
+from bench.discrepancy.compare.view import View
 from bench.discrepancy.joint.settings import ROWS
 from bench.discrepancy.select.state import Search
 
 
 def compared_rows(search: Search) -> View:
     """Return the working rows that sets are judged and sized by, at most `ROWS`."""
-    return fewer(joined(search.fit, search.discover), ROWS)
+    return fewer(search.both, ROWS)
 
 
 def fewer(rows: View, most: int) -> View:

@@ -143,7 +143,7 @@ def _with_scatter(state: State, journal: Journal) -> State:
 
 def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
     """Return whether ranges scatter as that effect does, and not as another cause makes them."""
-    rows = search.both or search.searched
+    rows = search.both
     alike = scatters_alike(search.comparison, rows, added, effect)
     return alike.adequate and beyond_causes(replace(search, work=rows), added, effect).adequate
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -21,17 +20,14 @@ from bench.discrepancy.compare.reuse import widening
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
-from bench.discrepancy.locate.rare_rows import struck_rows
+from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.settings import (
     FAMILY_WISE,
-    LEAST_SCATTER_M,
     MOST_CLUSTERS,
     MOST_FINDINGS,
     PART_SHARE,
     PERMUTATIONS,
     PERMUTED_AT_ONCE,
-    RARE_BEYOND,
-    RARE_FEWEST,
     RARE_P,
     ROWS_P,
     SPREAD_TOLD,
@@ -120,7 +116,7 @@ def locate(
     narrow = [wider_only and c.moment in ("spread", "link") for c in cells] & (z < 0)
     best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
     found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
-    rare = None if found else rare_links(ensemble, seed) or _rare_rows(ensemble, crowding, seed)
+    rare = None if found else rare_links(ensemble, seed) or rare_rows(ensemble, crowding, seed)
     found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
     least = threshold * float(wider[0])  # the first cell is of all rows
@@ -277,50 +273,18 @@ def _smallest_shift(versions: Floats, links: Links, threshold: float) -> float:
 
 
 def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
-    """Return a finding where single links are off by more than any scatter of links explains.
-
-    A few struck links among many hardly move a mean, and with few simulated versions permutations
-    cannot tell them. Scatter is borrowed across links: offsets of all simulated links beside the
-    others' mean. A recorded link must be beyond the widest of them, and beyond a normal quantile.
-    """
-    if RANGE not in ensemble.names or len(ensemble.simulated) < RARE_FEWEST:
-        return None
-    versions = ensemble.versions_of(RANGE)
-    code = np.unique(ensemble.links, return_inverse=True)[1]
-    m = len(versions) - 1
-    offset = _link_offsets(versions[0] - versions[1:].mean(axis=0), code)
-    others = (versions[1:].sum(axis=0) - versions[1:]) / (m - 1)
-    narrower = np.sqrt((1 + 1 / m) / (1 + 1 / (m - 1)))
-    own = np.stack([_link_offsets(row, code) for row in versions[1:] - others]) * narrower
-    scatter = max(float(np.sqrt(np.nanmean(own**2))), LEAST_SCATTER_M)
-    most = float(np.nanmax(np.abs(offset), initial=0.0))
-    p = float(min(1.0, 2 * norm.sf(most / scatter) * len(offset)))
-    if p > RARE_P or most < RARE_BEYOND * float(np.nanmax(np.abs(own), initial=0.0)):
+    """Return a finding where single links are off by more than any scatter of links explains."""
+    beyond, struck = struck_links(ensemble)
+    if not struck:
         return None
     cell = Cell(RANGE, "link", Place())
-    return _finding(ensemble, Covariates({}, {}), cell, most / scatter, RARE_P, seed)
+    return _finding(ensemble, Covariates({}, {}), cell, beyond, RARE_P, seed)
 
 
-def _rare_rows(ensemble: Ensemble, crowding: float, seed: int) -> Finding | None:
+def rare_rows(ensemble: Ensemble, crowding: float, seed: int) -> Finding | None:
     """Return a finding where rows of some links are beyond all simulated rows."""
     p, times = struck_rows(ensemble, crowding)
     if p > ROWS_P:
         return None
     cell = Cell(RANGE, "spread", Place())
     return _finding(ensemble, Covariates({}, {}), cell, times, p, seed)
-
-
-def _link_offsets(values: Floats, code: Links) -> Floats:
-    """Return by how much most rows of each link are off at least, from values [n]: [L].
-
-    Half of an even number is not most: of two rows that which is less off.
-    """
-    order = np.argsort(code, kind="stable")
-    parts = np.split(values[order], np.flatnonzero(np.diff(code[order])) + 1)
-    return np.array([_of_most(part[np.isfinite(part)]) for part in parts])
-
-
-def _of_most(values: Floats) -> float:
-    """Return the median; of an even number the middle one that is nearer to zero."""
-    middle = np.sort(values)[(len(values) - 1) // 2 : len(values) // 2 + 1]
-    return float(middle[np.abs(middle).argmin()]) if len(middle) else float("nan")

@@ -37,7 +37,7 @@ from bench.discrepancy.select.verdict import (
 from bench.files import write_atomically
 from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
-from bench.text import plain
+from bench.text import named, plain
 
 PLACES = (
     "Antennas move under one link name: {} links were cut into {} places of 1 m, the unit that is "
@@ -127,7 +127,8 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     for name, caption in figures:
         lines += [f"![{caption}]({name})", f"*{caption}.*", ""]
     lines += value_table(diagnosis.selection.verdicts)
-    return "\n".join(lines + _method_lines(diagnosis)) + "\n"
+    lines += _method_lines(diagnosis)
+    return "\n".join(map(named, lines)) + "\n"  # names of devices may hold line ends
 
 
 def _base_line(diagnosis: Diagnosis) -> str:

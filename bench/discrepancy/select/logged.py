@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import Added, View, joined
+from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.settings import (
@@ -74,10 +74,7 @@ def read_logs(search: Search) -> Search:
     `logged` are effects that the logs show; a level control that they exclude is not offered.
     Beside waveforms noise is weighed with these: it is seen in samples before the path, too.
     """
-    waves = search.fit.waveform
-    rows = joined(search.fit, search.discover) if waves else search.work
-    if rows is None:
-        return search
+    waves, rows = search.fit.waveform, search.both
     seen = logs(search, rows)
     found: list[Effect] = []
     if LevelControl.name in search.kinds:

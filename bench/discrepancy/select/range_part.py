@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, View, joined, without
+from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLISTED_M
 from bench.discrepancy.select.state import Round, Search, State
@@ -63,7 +63,7 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
         return state
-    rows = joined(search.fit, search.discover)
+    rows = search.both
     aside = _of_waves_alone(rows)
     kinds = {n: kind for n, kind in search.kinds.items() if kind.name not in aside}
     ranged = replace(search, work=rows, kinds=kinds)

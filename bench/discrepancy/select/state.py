@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Comparison, View, joined
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.guard import Guard
@@ -28,7 +28,7 @@ class Search:
     """What every step shares: the comparison, the two working views, the library, the seed.
 
     `work` are the rows of both views, on which the chosen effects are fitted at the end; None
-    where that would cost too much: `both`, beside waveforms, are for ranges alone. `choice`: the
+    where that would cost too much: with waveforms. `choice`: the
     set of causes that ranges speak for. `doubtful`: columns of all recorded rows that were set
     aside as measured by their scatter alone. `untried`: effects that cannot be tried: no table can
     have them, or columns lack. `logged`: effects that logs of the receiver show beside ranges (see
@@ -46,7 +46,11 @@ class Search:
     doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
     untried: Mapping[str, type[Effect]] = field(default_factory=dict)
     logged: Added = ()
-    both: View | None = None
+
+    @property
+    def both(self) -> View:
+        """The rows of both working views."""
+        return joined(self.fit, self.discover) if self.work is None else self.work
 
     @property
     def sharpest(self) -> View:
@@ -65,7 +69,6 @@ class Search:
             discover=self.discover.leaving(found.struck),
             fit=self.fit.leaving(found.struck),
             work=self.work and self.work.leaving(found.struck),
-            both=self.both and self.both.leaving(found.struck),
         )
         return calm.without(found.effect)
 

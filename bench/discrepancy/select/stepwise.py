@@ -54,13 +54,14 @@ def with_ranges(search: Search, found: Located) -> Located:
 
     One device of five that is late is seen by its ranges, and one finding among hundreds by chance.
     """
-    if found.significant or search.both is None or RANGE not in search.both.recorded.names:
+    rows = search.both
+    if found.significant or RANGE not in rows.recorded.names:
         return found
-    made = search.comparison.ensemble(search.both, (), SEARCH_MEMBERS, SEARCH_FIRST)
+    made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
     if RANGE not in made.names:
         return found
     level = FAMILY_WISE / 2  # beside the search of waveforms
-    ranges = _located(search, search.both, kept(made, (RANGE,)), 0, level)
+    ranges = _located(search, rows, kept(made, (RANGE,)), 0, level)
     least = {**found.detectable, **ranges.detectable}
     least = {n: min(value, found.detectable.get(n, np.inf)) for n, value in least.items()}
     return replace(ranges if ranges.significant else found, detectable=least)

@@ -13,7 +13,7 @@ from bench.discrepancy import NoMismatch, Options, diagnose
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.columns import known_columns
 from bench.discrepancy.method import base_of
-from bench.discrepancy.report.document import summary
+from bench.discrepancy.report.document import markdown, summary
 from bench.discrepancy.select.candidates import library, offered
 from bench.errors import BenchError
 from bench.physics.base import Base
@@ -165,6 +165,8 @@ def test_a_time_lag_on_a_drive_is_found_from_positions_and_times():
     assert found.counted[0] == f"recorded: {len(recorded)} rows of {_links(recorded)} links"
     assert found.counted[1] == f"simulated: {len(simulated)} rows of {_links(simulated)} links"
     assert summary(found)["rows"] == list(found.counted)
+    broken = markdown(replace(found, source="a\n# heading of theirs"), [])
+    assert "a\\n# heading of theirs" in broken.splitlines()[0]
 
 
 def test_what_makes_ranges_worse_is_not_recommended():

@@ -12,13 +12,13 @@ from bench.discrepancy.locate.permutation_test import (
     _clusters,
     _detectable,
     _effect_rows,
-    _link_offsets,
     _permuted,
     _smallest_shift,
     cell_weight,
     locate,
     rare_links,
 )
+from bench.discrepancy.locate.rare import _link_offsets
 from bench.discrepancy.settings import RARE_P
 
 LINKS = np.array([0, 0, 1])

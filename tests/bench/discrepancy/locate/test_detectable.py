@@ -8,7 +8,7 @@ import pytest
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.permutation_test import locate, rare_links
-from bench.discrepancy.locate.rare_rows import struck_rows
+from bench.discrepancy.locate.rare import struck_rows
 
 LINKS, ROWS = 40, 5
 

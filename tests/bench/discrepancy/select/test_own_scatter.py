@@ -72,7 +72,7 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
     jitter = TimestampJitter()
     found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
     assert found.adequate is named
-    waves = Search(comparison, work, work, {}, 0, both=work)  # type: ignore[arg-type]
+    waves = Search(comparison, work, work, {}, 0, work=work)  # type: ignore[arg-type]
     assert turn._scatters_by_itself(waves, (beside, jitter), jitter) is named
 
 

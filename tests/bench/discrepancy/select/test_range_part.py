@@ -10,14 +10,14 @@ import pytest
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import Added, view
+from bench.discrepancy.compare.view import Added, joined, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import range_part
 from bench.discrepancy.select.candidates import library, offered
-from bench.discrepancy.select.range_part import chosen_beside, joined, whitening, with_range_part
+from bench.discrepancy.select.range_part import chosen_beside, whitening, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.propagation.path_loss import PathLoss
