@@ -150,9 +150,9 @@ def diagnose(
     earlier, unfinished diagnosis of the same input is not done again.
     """
     keep_freed()
-    check_tables(recorded, simulated)
-    numbers = counted(recorded, simulated)
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
+    check_tables(recorded, simulated, bool(asked.waveform))
+    numbers = counted(recorded, simulated)
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
     if isinstance(simulated, Recordings):
         simulated = replace(simulated, frame=cut_into_places(simulated.frame))

@@ -180,13 +180,18 @@ def answer(
     least = float(np.mean(repeats)) + CHANCE_STD * float(np.std(repeats)) + LEAST_NATS
     worth = [w for w in every_worth if w.nats > least and offered[w.place].knob != REPEAT]
     if not worth:
-        note = "nothing that can be changed here tells them apart: they predict the same"
-        return Answer(question.words, names, note=note)
+        return Answer(question.words, names, note=_same(question))
     counts = chosen(scale, links, [one.place for one in worth])
     progress = float(scale.progress(counts).min())
     return Answer(question.words, names, offered, tuple(worth), _plain(counts), rows,
                   outlook=seen, reference=reference, progress=progress,
                   observables=evidence.names)  # fmt: skip
+
+
+def _same(question: Question) -> str:
+    """Return what is said where no setting tells explanations apart, with what else may."""
+    note = "no setting that this plan can vary tells them apart: they predict the same"
+    return note + (f"; what may: {question.separate}" if question.separate else "")
 
 
 def _plain(counts: Counts) -> tuple[int, ...]:

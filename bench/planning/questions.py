@@ -27,7 +27,8 @@ class Question:
 
     `rest` are the effects that are named beside it; `near` those that did nearly as well.
     `law` is the law that was found for it, drawn within its constants' intervals, and `fault` what
-    was said of the set-up; `seen` are the findings that stay without a name, in words.
+    was said of the set-up; `seen` are the findings that stay without a name, in words; `separate`
+    is what the diagnosis says that tells the options apart.
     """
 
     words: str
@@ -37,6 +38,7 @@ class Question:
     law: tuple[Law, ...] = ()
     fault: str = ""
     seen: tuple[str, ...] = ()
+    separate: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ def _questions(
         rest = tuple(one[0] for one in others if one[0].name not in names)
         if verdict["verdict"] == "ambiguous" and len(options) > 1:
             words = " or ".join(effect.physics for effect in options)
-            out.append(Question(words, options, rest, _near(options, (*rest, *options), tried)))
+            near, apart = _near(options, (*rest, *options), tried), str(verdict.get("separate", ""))
+            out.append(Question(words, options, rest, near, separate=apart))
         elif verdict["verdict"] == "unknown":
             seen = tuple(map(str, verdict.get("findings", ())))
             out.append(Question("what no known effect explains", options, rest, seen=seen))

@@ -20,18 +20,20 @@ from bench.errors import BenchError
 from bench.recordings.table import Recordings
 
 
-def check_tables(recorded: Recordings, simulated: object) -> None:
+def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True) -> None:
     """Raise BenchError where recordings cannot be diagnosed, or not beside this simulated table.
 
     Waveforms of another sample period have other edges, tails and noise: what differs by that
-    alone would be called physics.
+    alone would be called physics. Not so where no `waveforms` are compared.
     """
     check_recorded(recorded)
     if not isinstance(simulated, Recordings):
         return
+    _check_levels(simulated.frame, simulated.source)
     _check_figures(simulated.frame, simulated.source)
     _check_copies(recorded, simulated)
-    if all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated)):
+    both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated))
+    if waveforms and both:
         _check_periods(recorded, simulated)
 
 

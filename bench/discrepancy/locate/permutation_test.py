@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 _MOMENT_WORDS = {
     "mean": "",
     "spread": " (spread)",
-    "link": " (constant offsets per link)",
+    "link": " (offsets that links keep)",
     "slope": "",
 }
 

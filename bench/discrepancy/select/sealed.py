@@ -50,8 +50,15 @@ def unrefused(
     held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
     held |= {e.physics for e in gone if sealed.waveform and _better_waves(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
-    words = {e.physics: str(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
+    words = {e.physics: _why(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
     return replace(said, withheld=words), tuple(e for e in more if e.name in names)
+
+
+def _why(alone: Served | None) -> str:
+    """Return why an effect was not added, from what it does `alone`."""
+    if alone is not None and alone.serves:
+        return "by itself it makes sealed links better, beside the others it makes them worse"
+    return str(alone)
 
 
 def _better_waves(effect: Effect, found: Served | None) -> bool:

@@ -121,8 +121,10 @@ def as_dict(verdict: Verdict) -> dict[str, Any]:
     if isinstance(verdict, Unknown):
         removable = vars(verdict.removable)
         return out | {"findings": list(map(str, verdict.findings)), "removable": removable}
-    options = verdict.options if isinstance(verdict, Ambiguous) else (verdict,)
-    return out | {"options": [_option(option) for option in options]}
+    if isinstance(verdict, Ambiguous):
+        options = [_option(option) for option in verdict.options]
+        return out | {"separate": verdict.separate, "options": options}
+    return out | {"options": [_option(verdict)]}
 
 
 def _option(option: LeftOut) -> dict[str, Any]:

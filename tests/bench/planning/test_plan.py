@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from bench.planning.choose import probability
 from bench.planning.measurements import measurements, reference_row
 from bench.planning.outlook import Outlook, Prediction
 from bench.planning.plan import Answer, answer
-from bench.planning.questions import Question
+from bench.planning.questions import Question, read_questions
 from bench.planning.scatter import Scatter, components, log_likelihood
 from bench.planning.settings import ASSURED_NATS, SURE, SURE_NATS
 from bench.planning.strays import stray_links
@@ -293,3 +294,13 @@ def test_what_shows_in_waveforms_alone_gets_no_plan_over_ranges():
     made = answer(question, evidence(), Simulator(Base()), None, 0)
     assert not made.planned()
     assert made.note.startswith("it shows in profile_db[3.5..6.5ns] as a trend over rx_y_m, not")
+
+
+def test_what_a_diagnosis_says_tells_apart_is_repeated_where_no_setting_does(tmp_path: Path):
+    folder = folder_with(tmp_path, [{**ambiguous(), "separate": "record while no tag sends"}])
+    (asked,) = read_questions(folder).questions
+    assert asked.separate == "record while no tag sends"
+    alike = replace(asked, options=(DELAY, AntennaDelay(delay_ns=0.71)))
+    made = answer(alike, evidence(), Simulator(Base()), None, 0)
+    assert not made.planned()
+    assert made.note.endswith("they predict the same; what may: record while no tag sends")

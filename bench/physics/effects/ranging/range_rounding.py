@@ -17,6 +17,7 @@ from bench.physics.units import Floats
 
 LEANS = (0.0, -0.5, 0.5)
 LOWEST_ORIGIN = -0.49  # of a step: half a step below is the same point as half a step above
+LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
 LEAN_STEPS = 0.1  # off, at most: other causes move the mean as well
@@ -107,6 +108,7 @@ def _rounding(
         return None
     lean = _lean(measured_m - plain_m, links, grid.step_m)
     origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
+    origin_m *= abs(origin_m) > LEAST_ORIGIN * grid.step_m
     return grid.coherence, RangeRounding(grid.step_m, origin_m, lean, early)
 
 

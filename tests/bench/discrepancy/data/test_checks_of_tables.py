@@ -36,6 +36,14 @@ def test_waveforms_of_another_period_are_refused_with_what_to_do() -> None:
 
 def test_a_period_without_waveforms_is_of_no_matter() -> None:
     check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0, cir=False))
+    check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0), waveforms=False)
+
+
+def test_simulated_levels_without_their_sign_are_refused() -> None:
+    unsigned = table("s.parquet", 1.0)
+    unsigned = Recordings(unsigned.frame.assign(rx_power_dbm=82.0), "s.parquet")
+    with pytest.raises(BenchError, match=r"s\.parquet: the median of rx_power_dbm is 82 dBm"):
+        check_tables(table("r.parquet", 1.0), unsigned)
 
 
 def test_a_table_against_itself_is_refused() -> None:

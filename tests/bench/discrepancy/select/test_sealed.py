@@ -233,3 +233,9 @@ def test_what_is_said_to_be_worse_is_worse() -> None:
     assert str(worse).endswith(
         "ranges are worse: median |recorded - simulated| 0.02 -> 0.034 m, on sealed links"
     )
+
+
+@pytest.mark.parametrize(("gain", "said"), [(0.2, "beside the others"), (-0.2, "no better")])
+def test_why_an_effect_was_not_added_goes_by_what_it_does_alone(gain: float, said: str) -> None:
+    alone = Served(Estimate(gain, gain - 0.1, gain + 0.1, "nats"), False, 0.1, 0.1)
+    assert said in sealed._why(alone)
