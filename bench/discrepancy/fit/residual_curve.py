@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import RANGE
@@ -21,22 +22,25 @@ from bench.physics.effects.fitted.unnamed import Unnamed
 def unnamed_effect(
     comparison: Comparison, fit: View, added: Added, findings: tuple[Finding, ...]
 ) -> Unnamed | None:
-    """Return a piecewise-linear discrepancy of the range over the located covariate.
+    """Return a piecewise-linear discrepancy of the range over one covariate.
 
-    Takes the first finding on the range whose covariate is a known number; None where there is
-    none (a mismatch in powers or shape is reported but not modelled).
+    Over a number that findings on the range name, or over the distance: whichever leaves least.
+    None where there is no such finding (a mismatch in powers or shape is reported, not modelled).
     """
-    ours = [f for f in findings if f.cell.observable == RANGE]
-    numbers = fit.covariates.numbers
-    names = [f.cell.place.covariate for f in ours if f.cell.place.covariate in numbers]
-    if not ours:
-        return None
-    column = names[0] if names and names[0] else "true_range_m"
+    ours = [f.cell.place.covariate for f in findings if f.cell.observable == RANGE]
     ensemble = comparison.ensemble(fit, added, CURVE_MEMBERS)
-    if RANGE not in ensemble.names:
+    if not ours or RANGE not in ensemble.names:
         return None
-    residual = ensemble.residual_of(RANGE)
-    value = numeric(fit.frame, column)
+    named = [name for name in ours if name in fit.covariates.numbers]
+    columns = dict.fromkeys((*filter(None, named), "true_range_m"))
+    made = [_over(column, fit, ensemble) for column in columns]
+    able = [one for one in made if one is not None]
+    return min(able, key=lambda one: one.spread_m) if able else None
+
+
+def _over(column: str, fit: View, ensemble: Ensemble) -> Unnamed | None:
+    """Return the discrepancy of the range over a column, None where too few rows know it."""
+    residual, value = ensemble.residual_of(RANGE), numeric(fit.frame, column)
     known = np.isfinite(residual) & np.isfinite(value)
     if known.sum() < UNNAMED_ROWS:
         return None

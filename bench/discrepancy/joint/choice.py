@@ -37,7 +37,17 @@ class WaveChoice:
         return tuple(effect for effect in self.added if effect.name not in doubted)
 
     @property
+    def quiet(self) -> Added:
+        """The effects of the set that are not named: something is there that they stand for."""
+        return tuple(effect for effect in self.added if effect not in self.named)
+
+    @property
+    def unlisted(self) -> bool:
+        """Whether waveforms hold what no effect explains, which may shift ranges too."""
+        return self.unexplained or bool(self.quiet)
+
+    @property
     def likeness(self) -> str:
         """What the set looks most like, of effects that are not named, in words."""
-        quiet = [effect.physics for effect in self.added if effect not in self.named]
+        quiet = [effect.physics for effect in self.quiet]
         return f"looks most like {' and '.join(quiet)}, but " if quiet else ""

@@ -60,7 +60,7 @@ def selected(state: State, journal: Journal) -> Selection:
     state = replace(state, added=choice.added)
     rounds = safely("rounds", kept(rounds_of), ())(search, choice, located)
     state = replace(state, rounds=(*state.rounds, *(rounds or (Round(located, None, None),))))
-    state = with_range_part(state, journal, choice.unexplained)
+    state = with_range_part(state, journal, choice.unlisted)
     if state.search.choice.mistaken:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
     if not choice.unexplained:

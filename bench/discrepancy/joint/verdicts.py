@@ -50,13 +50,13 @@ def wave_verdicts(
     last = rounds[-1]
     if not added and not _more(search, rounds):
         return (NoMismatch(last.located.detectable, last.located.p),)
-    quiet = {effect.name for effect in choice.added} - {effect.name for effect in choice.named}
+    quiet = {effect.name for effect in choice.quiet}
     turns = [turn for turn in rounds if _named(turn) not in {"", *quiet}]
     able = Guard().safely("sizes of waveform effects", sizes_seen, parameter_intervals)
     sizes = able(search) if turns else parameter_intervals
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
-    if choice.unexplained or quiet:
+    if choice.unlisted:
         return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
     if not any(one.names for one in named) or _ranges_left(last):
         named = tuple(one for one in named if one.names)

@@ -91,6 +91,9 @@ def test_what_is_doubted_is_named_only_by_its_mark():
     assert found.likeness == "looks most like pulse-ringing, but "
     assert WaveChoice(both, unexplained=True).named == both
     assert WaveChoice(both).likeness == ""
+    assert found.unlisted  # a doubted name stands for something that nobody listed
+    assert WaveChoice(both, unexplained=True).unlisted
+    assert not WaveChoice(both).unlisted
 
 
 def test_fewer_rows_are_of_all_links():
