@@ -49,7 +49,10 @@ class PowerBias(Effect):
 
     @classmethod
     def possible(cls, rows: Scene, shift_m: Floats) -> bool:
-        """Return whether weak signals are long and strong ones short, near the published curve."""
+        """Return whether weak signals are long and strong ones short, near the published curve.
+
+        But for a constant: antennas are calibrated at some level, where ranges read right then.
+        """
         level = rows.number("rx_power_dbm", np.nan)
         low, high = np.nanquantile(level, TENTHS)
         ends = [level <= low, level >= high]
@@ -58,7 +61,12 @@ class PowerBias(Effect):
         longest, above = (max(_largest(end - LEVELS_OFF_DB), 0) + SLACK_M for end in (low, high))
         shortest = min(_largest(high + LEVELS_OFF_DB), 0) - SLACK_M
         rises = weak > strong or high - low < ALIKE_DB
-        return bool(rises and weak < longest and shortest < strong < above)
+        taken_off = (
+            -max(_largest(low - LEVELS_OFF_DB), 0),
+            -min(_largest(high + LEVELS_OFF_DB), 0),
+        )
+        least = max(weak - longest, strong - above, taken_off[0])
+        return bool(rises and least <= min(strong - shortest, taken_off[1]))
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the bias at each row's true receive level."""

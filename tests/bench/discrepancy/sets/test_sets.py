@@ -108,6 +108,15 @@ def test_a_level_bias_is_long_where_signals_are_weak() -> None:
     assert not PowerBias.possible(rows, usual + 0.5)
 
 
+@pytest.mark.parametrize(("size_m", "possible"), [(0.15, True), (-0.15, False), (0.25, False)])
+def test_ranges_may_be_right_at_the_level_of_their_calibration(
+    size_m: float, possible: bool
+) -> None:
+    level = np.linspace(-60, -76, 60)  # where the published curve is short throughout
+    rows = scene(pd.DataFrame({"true_range_m": np.ones(60), "rx_power_dbm": level}))
+    assert PowerBias.possible(rows, size_m * np.linspace(-1, 1, 60)) is possible
+
+
 def test_widened_intervals_stay_within_the_bounds_of_physics() -> None:
     one = ParameterEstimate("scale", 0.0, -0.02, 0.03, "m/m")
     (made,) = widened((one,), RangeScale(), 2.0)
