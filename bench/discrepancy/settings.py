@@ -280,7 +280,7 @@ FOLLOWING_LEAST: Final = 0.5  # of the response, that the interval must reach [c
 FORMS_OF_MARK: Final = 2.0  # times what a rounding does: rounded by chance, its error is of twice
 # the variance [derived]
 SCATTER_OF_LINKS: Final = 0.5  # of the variance that is missing within links, that may be
-# missing between them: by chance [convention]
+# missing between them: by chance; of what scatter makes, that rows of a link show [convention]
 SCATTER_SHAPE_P: Final = 1e-3  # of a distribution, to be another than scatter's [convention]
 STEADY_P: Final = 0.05  # above which rows of a link scatter as simulated ones do [convention]
 

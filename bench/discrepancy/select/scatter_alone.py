@@ -40,11 +40,12 @@ def scatter_alone(
 ) -> Strike | None:
     """Return independent scatter as what all links are struck by, None where it is not that alone.
 
-    Only where every finding is of the spread of ranges, links keep nothing of it and no other cause
-    makes it.
+    Only where every finding is of how far ranges spread, links keep nothing of it and no other
+    cause makes it. The mean of a link's few rows scatters with them, so links may be off, too.
     """
     kinds = [c.effect for c in explanation.contenders if type(c.effect).independent]
-    only = all((f.cell.observable, f.cell.moment) == (RANGE, "spread") for f in located.findings)
+    seen = {(f.cell.observable, f.cell.moment) for f in located.findings}
+    only = (RANGE, "spread") in seen and seen <= {(RANGE, "spread"), (RANGE, "link")}
     if search.work is None or not kinds or not only:
         return None
     if not beyond_causes(search, (*added, kinds[0]), kinds[0]).adequate:

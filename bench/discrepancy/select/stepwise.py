@@ -21,7 +21,7 @@ from bench.discrepancy.select.link_mixture import Strike, strikable, strike, wit
 from bench.discrepancy.select.own_draws import beyond_own_draws
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.within_links import of_links
+from bench.discrepancy.select.within_links import of_links, within
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     FEW_VERSIONS,
@@ -29,6 +29,7 @@ from bench.discrepancy.settings import (
     ONE_SIDED_95,
     REMOVED_SHARE,
     SCATTER_MARGIN_NATS,
+    SCATTER_OF_LINKS,
     SCORE_FIRST,
     SCORE_MEMBERS,
     SEARCH_FIRST,
@@ -109,15 +110,27 @@ def contradicted(search: Search, added: Added, located: Located) -> Effect | Non
     """Return an added effect whose signature what is left contradicts, None where none is.
 
     Scatter that is independent from row to row leaves no offsets that links keep; where such
-    offsets are found after all, it only stood in for something else. One search in twenty finds
-    some by chance, so a doubtful one needs a witness: that rows of all links have some in common.
+    offsets are found after all, it only stood in for something else, unless rows of one link
+    scatter as it makes them: both are there then. One search in twenty finds offsets by chance, so
+    a doubtful one needs a witness: that rows of all links have some in common.
     """
     effect = next((e for e in added if type(e).independent), None)
     cells = [f for f in located.findings if (f.cell.moment, f.cell.observable) == ("link", RANGE)]
-    if effect is None or not cells:
+    if effect is None or not cells or _scatters_inside(search, added, effect):
         return None
     sure = min(f.p for f in cells) <= SURE_P
     return effect if sure or _kept_by_links(search, without(added, effect)) else None
+
+
+def _scatters_inside(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether most rows of one link scatter by most of what an effect makes them."""
+    whole, rest = (
+        versions(search.comparison, search.searched, some)
+        for some in (added, without(added, effect))
+    )
+    (recorded, bare), (_, made) = within(rest), within(whole)
+    least, most, seen = (float(np.nanmedian(one**2)) for one in (bare, made, recorded))
+    return most > least and seen - least > SCATTER_OF_LINKS * (most - least)
 
 
 def _kept_by_links(search: Search, rest: Added) -> bool:

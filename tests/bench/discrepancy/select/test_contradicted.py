@@ -5,14 +5,17 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import cast
 
+import numpy as np
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import stepwise
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import contradicted
+from bench.physics.effect import Effect
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
@@ -26,10 +29,33 @@ def test_only_offsets_beyond_doubt_contradict_scatter(
     monkeypatch: pytest.MonkeyPatch, p: float, share: float, taken_out: bool
 ) -> None:
     monkeypatch.setattr(stepwise, "versions", lambda *_: None)
+    monkeypatch.setattr(stepwise, "_scatters_inside", lambda *_: False)
     monkeypatch.setattr(stepwise, "of_links", lambda *_: (share, 0.1))
     jitter = TimestampJitter()
     found = Finding(
         Cell("error_m", "link", Place("pair=t1->a2")), Estimate(0.02, 0.01, 0.03), 4.0, p, 9, 3
     )
     located = Located((found,), p, 4.0, 3.0, 1, {})
+    assert (contradicted(SEARCH, (RangeScale(), jitter), located) is jitter) is taken_out
+
+
+@pytest.mark.parametrize(("inside_m", "taken_out"), [(0.05, False), (0.0, True)])
+def test_scatter_that_rows_of_a_link_show_stays_beside_offsets_of_links(
+    monkeypatch: pytest.MonkeyPatch, inside_m: float, taken_out: bool
+) -> None:
+    rng, links = np.random.default_rng(3), np.repeat(np.arange(60), 5)
+    noise = rng.normal(0, 0.02, (5, 300, 1))
+    noise[0, :, 0] += inside_m * rng.normal(size=300) + 0.05 * rng.normal(size=60)[links]
+    jitter = TimestampJitter()
+
+    def versions(_: object, __: object, added: tuple[Effect, ...]) -> Ensemble:
+        made = noise.copy()
+        made[1:] += 0.05 * (jitter in added) * rng.normal(size=(4, 300, 1))
+        return Ensemble(("error_m",), ("m",), made, links)
+
+    monkeypatch.setattr(stepwise, "versions", versions)
+    cell = Cell("error_m", "link", Place())
+    located = Located(
+        (Finding(cell, Estimate(0.02, 0.01, 0.03), 9.0, 0.002, 300, 60),), 0.002, 9.0, 3.0, 1, {}
+    )
     assert (contradicted(SEARCH, (RangeScale(), jitter), located) is jitter) is taken_out

@@ -25,9 +25,7 @@ from bench.physics.units import C_M_PER_NS
 LINK = np.repeat(np.arange(80), 4)
 
 
-def found(
-    of_rows_m: float, of_links_m: float, moment: str = "spread", links: int = 80
-) -> Strike | None:
+def found(of_rows_m: float, of_links_m: float, *moments: str, links: int = 80) -> Strike | None:
     """Return what is said of one simulated row for each recorded one, which scatters more.
 
     Rows of the first `links` links.
@@ -44,8 +42,11 @@ def found(
     made = Contender(TimestampJitter(), tally, Estimate(0, 0, 0))
     told = Explanation((made,), tally, Estimate(0, 0, 0), tally, {}, {})
     search = SimpleNamespace(comparison=TableComparison(simulated, Window()), work=seen, logged=())
-    cell = SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=moment))
-    return scatter_alone(search, (), told, SimpleNamespace(findings=(cell,)))  # type: ignore[arg-type]
+    cells = [
+        SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=one))
+        for one in moments or ("spread",)
+    ]
+    return scatter_alone(search, (), told, SimpleNamespace(findings=cells))  # type: ignore[arg-type]
 
 
 def test_scatter_within_links_is_named_with_its_size() -> None:
@@ -60,6 +61,12 @@ def test_what_links_keep_or_what_moves_is_no_scatter() -> None:
     assert found(0.0, 0.0) is None
     assert found(0.02, 0.06) is None
     assert found(0.02, 0.0, "mean") is None
+    assert found(0.02, 0.0, "link") is None
+    assert found(0.02, 0.06, "spread", "link") is None
+
+
+def test_means_of_few_rows_scatter_with_them() -> None:
+    assert found(0.02, 0.0, "spread", "link") is not None
 
 
 def test_what_a_few_links_make_is_no_scatter_of_all() -> None:
