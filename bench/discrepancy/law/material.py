@@ -34,6 +34,9 @@ _DERIVED = {  # what follows from two positions: words, unit
     "rx_z_m - tx_z_m": ("height of rx over tx", "m"),
 }
 
+_ROUND = ("azimuth_deg", "atan2(")  # how expressions of headings and bearings begin
+_HALF_TURN = {"deg": 180.0, "rad": np.pi}
+
 BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
 SIGHT = "line of sight: "  # those of rows with or without line of sight
 NO_SIGHT = f"{SIGHT}False"
@@ -54,8 +57,10 @@ class Column:
 
     @property
     def angle(self) -> bool:
-        """Whether it goes round."""
-        return self.unit in ("deg", "rad")
+        """Whether it goes round: headings do, of other angles those that span half a turn."""
+        known = self.values[np.isfinite(self.values)]
+        span = float(np.ptp(known)) if len(known) else 0.0
+        return self.text.startswith(_ROUND) or span >= _HALF_TURN.get(self.unit, np.inf)
 
 
 @dataclass(frozen=True)

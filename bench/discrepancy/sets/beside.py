@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.between import constants_of_devices, over_places
 from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.evidence import Columns, Weighed
+from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
 from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
 
 if TYPE_CHECKING:
@@ -72,7 +72,18 @@ def nats_with(contest: Contest, rest: Set, more: Columns) -> float:
 
 def weighed_with(contest: Contest, rest: Set, more: Columns) -> Weighed:
     """Return a set with more blocks, as large as laws may be."""
+    return _with_more(contest, rest, more).of((*rest, *more))
+
+
+def reweighed(contest: Contest, rest: Set, more: Columns) -> Weighed:
+    """Return a set with more blocks, every row weighed by what these leave of it."""
+    other = _with_more(contest, rest, more)
+    other.reweigh((*rest, *more))
+    return other.of((*rest, *more))
+
+
+def _with_more(contest: Contest, rest: Set, more: Columns) -> Evidence:
     blocks = {one: contest.evidence.blocks[one] for one in rest}
     other = contest.evidence.with_blocks({**blocks, **more})
     other.widest = {**contest.evidence.widest, **dict.fromkeys(more, LAW_SIZE)}
-    return other.of((*rest, *more))
+    return other

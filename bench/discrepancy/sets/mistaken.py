@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.material import material
-from bench.discrepancy.sets.beside import nats_with, weighed_with
+from bench.discrepancy.sets.beside import nats_with, reweighed
 from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.formed import Formed, groups_of, laws_of, left_by
 from bench.discrepancy.sets.rivals import CONSTANT
 from bench.discrepancy.sets.settings import (
@@ -94,16 +95,22 @@ class _Asked:
         made = {law.name: law.parts}
         none = nats_with(contest, rest, {CONSTANT: (np.full((len(contest.known), 1), LAW_M),)})
         lead = nats_with(contest, rest, made) - law.pays - max(contest.nats(self.best), none)
-        before = contest.evidence.of(self.best).variance_m2 / self.noise_m2
-        after = weighed_with(contest, rest, made).variance_m2 / self.noise_m2
-        alike = AS_SIMULATED[0] < after < AS_SIMULATED[1] and abs(log(after)) < abs(log(before))
-        return lead > price and alike
+        before = contest.evidence.of(self.best).variance_m2
+        left = reweighed(contest, rest, made)
+        every = (left.variance_m2, _whole(left))
+        return lead > price and any(self._alike(one, before) for one in every)
+
+    def _alike(self, after_m2: float, before_m2: float) -> bool:
+        """Return whether a law leaves what is simulated, nearer to that than before it."""
+        after, before = after_m2 / self.noise_m2, before_m2 / self.noise_m2
+        return AS_SIMULATED[0] < after < AS_SIMULATED[1] and abs(log(after)) < abs(log(before))
 
 
 def _scatter(contest: Contest, ensemble: Ensemble) -> float:
     """Return the variance of simulated rows in the recorded ones' place, weighed as these are.
 
     Each beside the mean of the others, of which there is one less; infinite where there is one.
+    With what links keep: rows of one link may have a simulated row in common.
     """
     versions = ensemble.simulated_of(RANGE)[:, contest.known]
     count, found = len(versions), []
@@ -112,5 +119,10 @@ def _scatter(contest: Contest, ensemble: Ensemble) -> float:
         made = contest.evidence.with_blocks({}).toward(contest.seen(versions[one] - others))
         made.weights = np.ones(len(others))
         made.reweigh(())
-        found.append(made.of(()).variance_m2)
+        found.append(_whole(made.of(())))
     return float(np.mean(found)) * (1 - 1 / count**2) if found else np.inf
+
+
+def _whole(left: Weighed) -> float:
+    """Return the variance that is left, of rows and of their links, in square metres."""
+    return left.variance_m2 * (1 + left.ratio)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import Contest, chosen
@@ -62,6 +63,21 @@ def test_a_constant_that_a_set_lacks_says_nothing_of_a_column() -> None:
     contest = Contest(evidence, {}, 1.0, rows, every, every >= 0)
     doubtful = pd.DataFrame({"load": even(rows.frame, 0.02)})
     assert mistaken(contest, (), doubtful, ensemble) == ()
+
+
+def test_rows_that_share_simulated_ones_scatter_no_less() -> None:
+    """One simulated row for each recorded one, and links near enough to take each other's."""
+    rng, rows = np.random.default_rng(8), search_of(constant, 12).sharpest
+    count, links = len(rows.rows), np.unique(rows.links, return_inverse=True)[1]
+    versions = np.empty((5, count, 1))
+    shared = 2 * links + rng.integers(0, 2, count)  # two simulated rows for all of a link
+    versions[1:, :, 0] = rng.normal(0, 0.015, (4, shared.max() + 1))[:, shared]
+    load = even(rows.frame)
+    versions[0, :, 0] = 0.005 * load + rng.normal(0, 0.015, count)
+    ensemble, every = Ensemble((RANGE,), ("m",), versions, rows.links), np.arange(count)
+    evidence = Evidence(ensemble.residual_of(RANGE), links, {})
+    contest = Contest(evidence, {}, 1.0, rows, every, every >= 0)
+    assert mistaken(contest, (), pd.DataFrame({"load": load}), ensemble) == ("load",)
 
 
 @pytest.mark.parametrize("hidden", [None, constant])
