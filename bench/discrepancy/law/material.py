@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import Covariates, covariates
 from bench.discrepancy.law.settings import (
+    LAW_HALF_TURN,
     LAW_KNOWN_SHARE,
     LAW_LONGEST_NAME,
     LAW_MOST_COLUMNS,
@@ -35,7 +36,6 @@ _DERIVED = {  # what follows from two positions: words, unit
 }
 
 _ROUND = ("azimuth_deg", "atan2(")  # how expressions of headings and bearings begin
-_HALF_TURN = {"deg": 180.0, "rad": np.pi}
 
 BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
 SIGHT = "line of sight: "  # those of rows with or without line of sight
@@ -60,7 +60,7 @@ class Column:
         """Whether it goes round: headings do, of other angles those that span half a turn."""
         known = self.values[np.isfinite(self.values)]
         span = float(np.ptp(known)) if len(known) else 0.0
-        return self.text.startswith(_ROUND) or span >= _HALF_TURN.get(self.unit, np.inf)
+        return self.text.startswith(_ROUND) or span >= LAW_HALF_TURN.get(self.unit, np.inf)
 
 
 @dataclass(frozen=True)

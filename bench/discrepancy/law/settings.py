@@ -37,6 +37,8 @@ LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolu
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
 LAW_NYQUIST: Final = 2.1  # spacings of the places, that a period is longer than [derived]
 LAW_FEW_TURNS: Final = 3.0  # of a period within the span, below which phases are few [convention]
+LAW_HALF_TURN: Final = {"deg": 180.0, "rad": 3.14159265}  # what spans less, as a tilt, does not
+# go round [definition]
 LAW_HARMONICS: Final = (1, 2, 3, 4)  # of an angle [source: antenna patterns are smooth]
 LAW_DESCENT: Final = 14  # evaluations of a place, power or period [cost]
 LAW_RATIOS: Final = {
