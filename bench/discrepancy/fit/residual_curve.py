@@ -28,11 +28,13 @@ def unnamed_effect(
     None where there is no such finding (a mismatch in powers or shape is reported, not modelled).
     """
     ours = [f.cell.place.covariate for f in findings if f.cell.observable == RANGE]
-    ensemble = comparison.ensemble(fit, added, CURVE_MEMBERS)
-    if not ours or RANGE not in ensemble.names:
+    if not ours:
         return None
-    named = [name for name in ours if name in fit.covariates.numbers]
-    columns = dict.fromkeys((*filter(None, named), "true_range_m"))
+    ensemble = comparison.ensemble(fit, added, CURVE_MEMBERS)
+    if RANGE not in ensemble.names:
+        return None
+    numbers = fit.covariates.numbers
+    columns = dict.fromkeys((*(name for name in ours if name in numbers and name), "true_range_m"))
     made = [_over(column, fit, ensemble) for column in columns]
     able = [one for one in made if one is not None]
     return min(able, key=lambda one: one.spread_m) if able else None

@@ -55,8 +55,7 @@ def with_ranges(search: Search, found: Located) -> Located:
 
     One device of five that is late is seen by its ranges, and one finding among hundreds by chance.
     """
-    rows = search.both
-    if found.significant or RANGE not in rows.recorded.names:
+    if found.significant or RANGE not in (rows := search.both).recorded.names:
         return found
     made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
     if RANGE not in made.names:
@@ -129,6 +128,8 @@ def _scatters_inside(search: Search, added: Added, effect: Effect) -> bool:
         for some in (added, without(added, effect))
     )
     (recorded, bare), (_, made) = within(rest), within(whole)
+    if not np.isfinite(recorded).any():  # every link has one row
+        return False
     least, most, seen = (float(np.nanmedian(one**2)) for one in (bare, made, recorded))
     return most > least and seen - least > SCATTER_OF_LINKS * (most - least)
 

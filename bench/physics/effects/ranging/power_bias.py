@@ -58,15 +58,12 @@ class PowerBias(Effect):
         ends = [level <= low, level >= high]
         weak, strong = (float(np.mean(shift_m[those])) for those in ends)
         low, high = (float(np.mean(level[those])) for those in ends)
-        longest, above = (max(_largest(end - LEVELS_OFF_DB), 0) + SLACK_M for end in (low, high))
-        shortest = min(_largest(high + LEVELS_OFF_DB), 0) - SLACK_M
+        longest, above = (max(_largest(end - LEVELS_OFF_DB), 0) for end in (low, high))
+        shortest = min(_largest(high + LEVELS_OFF_DB), 0)
         rises = weak > strong or high - low < ALIKE_DB
-        taken_off = (
-            -max(_largest(low - LEVELS_OFF_DB), 0),
-            -min(_largest(high + LEVELS_OFF_DB), 0),
-        )
-        least = max(weak - longest, strong - above, taken_off[0])
-        return bool(rises and least <= min(strong - shortest, taken_off[1]))
+        least = max(weak - longest - SLACK_M, strong - above - SLACK_M, -longest)
+        most = min(strong - shortest + SLACK_M, -shortest)  # of what calibration may add
+        return bool(rises and least <= most)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the bias at each row's true receive level."""

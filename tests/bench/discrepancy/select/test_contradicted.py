@@ -59,3 +59,12 @@ def test_scatter_that_rows_of_a_link_show_stays_beside_offsets_of_links(
         (Finding(cell, Estimate(0.02, 0.01, 0.03), 9.0, 0.002, 300, 60),), 0.002, 9.0, 3.0, 1, {}
     )
     assert (contradicted(SEARCH, (RangeScale(), jitter), located) is jitter) is taken_out
+
+
+@pytest.mark.filterwarnings("error")
+def test_links_of_one_row_show_no_scatter_and_no_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    noise = np.random.default_rng(3).normal(0, 0.02, (5, 60, 1))
+    alone = Ensemble(("error_m",), ("m",), noise, np.arange(60))
+    monkeypatch.setattr(stepwise, "versions", lambda *_: alone)
+    jitter = TimestampJitter()
+    assert not stepwise._scatters_inside(SEARCH, (RangeScale(), jitter), jitter)
