@@ -7,7 +7,8 @@ straight line between the antennas, so a path of 1 ns excess is 0.30 m longer th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 from bench.physics.scene import Scene
 from bench.physics.shaped import first_edge, shifted, with_pulse
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel
+
+__all__ = ["Batch", "altered"]
 
 NO_PATH, DIRECT, SPECULAR, DIFFRACTED = 0, 1, 2, 3
 REPORTED_LEVELS = ("rx_power_dbm", "first_path_power_dbm")
@@ -96,30 +99,30 @@ class Batch:
         """Return the batch with noise of constant magnitude, of `power` [n], beside the other."""
         whole = None if self.noise_power is None else self.noise_power + power
         steady = power if self.steady_power is None else self.steady_power + power
-        return replace(self, noise_power=whole, steady_power=steady if self.as_given else None)
+        return altered(self, noise_power=whole, steady_power=steady if self.as_given else None)
 
     def louder(self, gain_db: Floats | float) -> Batch:
         """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""
         ratio = np.asarray(10 ** (np.asarray(gain_db, np.float32) / 20), np.float32)
         ratio = np.broadcast_to(ratio, (len(self),))[:, None]
         free = None if self.free_gain is None else self.free_gain * ratio[:, 0]
-        return replace(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
+        return altered(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
 
     def told_louder(self, by_db: Floats) -> Batch:
         """Return the batch whose levels will be reported larger by `by_db` [n] than they arrive."""
         before = 0.0 if self.reported_db is None else self.reported_db
-        return replace(self, reported_db=before + by_db)
+        return altered(self, reported_db=before + by_db)
 
     def reported_louder(self, gain_db: Floats) -> Batch:
         """Return the batch with the levels that are reported so far larger by `gain_db` [n]."""
         known = {name: getattr(self, name) for name in REPORTED_LEVELS}
-        return replace(self, **{n: v + gain_db for n, v in known.items() if v is not None})
+        return altered(self, **{n: v + gain_db for n, v in known.items() if v is not None})
 
     def postponed(self, by_ns: Floats) -> Batch:
         """Return the batch with every path and the tail later by `by_ns` [n]."""
         later = np.asarray(by_ns, np.float32)
         excess = self.excess_ns + later[:, None]
-        return replace(self, excess_ns=excess, tail_start_ns=self.tail_start_ns + later)
+        return altered(self, excess_ns=excess, tail_start_ns=self.tail_start_ns + later)
 
     def direct_changed(self, loss_db: Floats, delay_ns: Floats) -> Batch:
         """Return the batch with the straight path weaker by `loss_db` [n], later by `delay_ns`."""
@@ -128,7 +131,7 @@ class Batch:
         gain = np.where(self.direct, self.gain * ratio, self.gain)
         excess = np.where(self.direct, self.excess_ns + later, self.excess_ns)
         tail = self._first_changed(ratio, later[:, 0]) if self.tail_fwhm else self.tail
-        return replace(self, gain=gain, excess_ns=excess, tail=tail)
+        return altered(self, gain=gain, excess_ns=excess, tail=tail)
 
     def _first_changed(self, ratio: Reals, later_ns: Reals) -> Complexes:
         """Return the tail, a CIR as given, with its first path weaker and later."""
@@ -143,7 +146,7 @@ class Batch:
     def with_paths(self, excess_ns: Floats | Reals, gain: Complexes, kind: int) -> Batch:
         """Return the batch with more paths, [n, Q] each; those of zero gain become padding."""
         fresh = np.where(gain == 0, NO_PATH, kind).astype(np.int8)
-        return replace(
+        return altered(
             self,
             excess_ns=np.concatenate([self.excess_ns, excess_ns.astype(np.float32)], axis=1),
             gain=np.concatenate([self.gain, gain.astype(np.complex64)], axis=1),
@@ -158,7 +161,7 @@ class Batch:
         if self.tail_fwhm:
             taps = with_pulse(taps, self.tail_fwhm)
         if not self.tail.shape[1]:
-            return replace(self, tail=taps, tail_start_ns=np.asarray(start_ns, np.float32))
+            return altered(self, tail=taps, tail_start_ns=np.asarray(start_ns, np.float32))
         columns = self.tail.shape[1]  # a CIR as given keeps its samples, a bare tail may grow
         columns = columns if self.tail_fwhm else max(columns, taps.shape[1])
         whole = np.zeros((len(self), columns), np.complex64)
@@ -167,7 +170,7 @@ class Batch:
         column = np.arange(whole.shape[1]) - lag[:, None]
         inside = (column >= 0) & (column < taps.shape[1])
         picked = np.take_along_axis(taps, np.clip(column, 0, taps.shape[1] - 1), axis=1)
-        return replace(self, tail=whole + np.where(inside, picked, np.complex64(0)))
+        return altered(self, tail=whole + np.where(inside, picked, np.complex64(0)))
 
     def silenced(self, before_ns: Floats, direct: bool = True) -> Batch:
         """Return the batch with no path and no tap earlier than `before_ns` [n].
@@ -180,16 +183,30 @@ class Batch:
         kind = np.where(gone, np.int8(NO_PATH), self.kind)
         grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
         early = self.tail_start_ns[:, None] + grid < limit
-        return replace(self, gain=gain, kind=kind, tail=np.where(early, 0, self.tail))
+        return altered(self, gain=gain, kind=kind, tail=np.where(early, 0, self.tail))
 
     def longer(self, by_m: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""
         if self.range_m is None:
             raise ValueError("ranges exist only at the ranging stage")
-        made = object.__new__(type(self))  # `replace` costs more than adding to some hundred rows
-        made.__dict__.update(self.__dict__, range_m=self.range_m + by_m)
-        return made
+        return altered(self, range_m=self.range_m + by_m)
 
     def later(self, by_ns: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_ns` nanoseconds of one-way delay."""
         return self.longer(np.asarray(by_ns, np.float64) * C_M_PER_NS)
+
+
+if TYPE_CHECKING:
+    from dataclasses import replace as altered  # so that fields and their types are checked
+else:
+
+    def altered(batch: Batch, **fields: Any) -> Batch:
+        """Return the batch with other values in some fields.
+
+        As `dataclasses.replace`, which costs more than the arithmetic on some hundred rows.
+        """
+        if not fields.keys() <= batch.__dict__.keys():
+            raise TypeError(f"a batch has no {', '.join(fields.keys() - batch.__dict__.keys())}")
+        made = object.__new__(type(batch))
+        made.__dict__.update(batch.__dict__, **fields)
+        return made
