@@ -331,6 +331,9 @@ WIDE_LEVELS_DB: Final = 8.0  # that rows must spread over to say so: half the S-
 EVIDENCE_ROWS: Final = 400  # of the working links [cost]
 EVIDENCE_MEMBERS: Final = 8  # whose mean stands for the simulator [cost]
 
+STACKED_ROWS: Final = 2048  # of several replicates that are simulated as one batch, at most:
+# enough to pay for the calls, few enough to stay near the processor (changes nothing but time)
+
 # --- Memory (changes nothing but time) -----------------------------------------------------------
 KEPT_REPLICATES: Final = 24  # detected replicates that are remembered
 KEPT_PATH_REPLICATES: Final = 256  # of those from paths alone, which are small

@@ -7,7 +7,7 @@ Sources: Friis for the link budget, -41.3 dBm/MHz over 500 MHz for the transmit 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.special import ive
 
 from bench.errors import BenchError
-from bench.physics.batch import DIRECT, NO_PATH, Batch
+from bench.physics.batch import DIRECT, NO_PATH, Batch, altered
 from bench.physics.detection import edge_offset, first_path
 from bench.physics.effect import check_bounds, parameter
 from bench.physics.loops import compiled, crop_rows, magnitude_rows, parts
@@ -102,7 +102,7 @@ class Base:
         recorded = batch.rows.number("preamble_count", np.nan)
         kept = np.isfinite(recorded) & bool(self.keep_count)
         symbols = np.where(kept, recorded, nominal)
-        return replace(
+        return altered(
             batch,
             symbols=symbols,
             nominal_symbols=nominal,
@@ -121,7 +121,7 @@ class Base:
         signal *= per_root_mw.astype(np.float32)[:, None]
         noise = draws.complex_normal(len(batch), self.samples)
         noise *= np.sqrt(there(batch.noise_power)).astype(np.float32)[:, None]
-        return replace(batch, waveform=signal, noise=noise, start_ns=start)
+        return altered(batch, waveform=signal, noise=noise, start_ns=start)
 
     def noise_power(self, symbols: Floats) -> Floats:
         """Return mean |noise|^2 [n] in counts^2; the noise grows as the root of the count."""
@@ -141,7 +141,7 @@ class Base:
         symbols = there(batch.symbols)
         energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)
         more_db = 0.0 if batch.reported_db is None else batch.reported_db
-        return replace(
+        return altered(
             batch,
             magnitude=magnitude,
             first_path=found,
@@ -171,7 +171,7 @@ class Base:
         at_first = seen & (batch.excess_ns <= excess[:, None] + 1.0)
         agc_db = np.zeros(len(batch)) if batch.agc_db is None else batch.agc_db
         first = np.sum(np.where(at_first, np.abs(batch.gain), 0) ** 2, axis=1, dtype=np.float64)
-        return replace(
+        return altered(
             batch,
             noise_std=noise_std,
             range_m=batch.rows.true_range_m + C_M_PER_NS * excess,

@@ -117,6 +117,9 @@ class Effect(ABC):
     `independent`: it scatters every row by itself, so it leaves no offset that a link keeps.
     `by_rows`: what it does to a waveform is drawn anew for every row, so scatter tells more of it
     than means do.
+    `stackable`: what it does to a row follows from that row and its draws alone, all drawn by the
+    methods of `draws`, so that several replicates may be given it as one batch (see
+    `bench.physics.stacked`); said by every class for itself, not inherited.
     `marked`: it is fitted only where recordings bear a mark that no scatter can leave.
     `without_cir`: it also acts on rows simulated without a waveform; `on_tables`: it also acts
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
@@ -168,6 +171,7 @@ class Effect(ABC):
     logged_as: ClassVar[str] = ""
     adds: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
+    stackable: ClassVar[bool] = False
     without_cir: ClassVar[bool] = True
     on_tables: ClassVar[bool] = True
     with_phases: ClassVar[bool] = False

@@ -16,7 +16,7 @@ else noise would add up like a pulse. Without a CIR, effects act on a single pat
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
@@ -24,7 +24,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.physics.base import RAYLEIGH_STD, Base, there
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
@@ -140,7 +140,7 @@ class ForeignTable:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
         batch = self.base.counted(self.base.paths(self.rows.slice(part.start, part.stop)))
         excess = ((self.range_m[part] - batch.rows.true_range_m) / C_M_PER_NS).astype(np.float32)
-        batch = replace(batch, excess_ns=excess[:, None])
+        batch = altered(batch, excess_ns=excess[:, None])
         if self.cir is None:
             given = batch.rows.number("first_path_power_dbm", np.nan)
             return batch.louder(np.nan_to_num(given - batch.level()))
@@ -177,7 +177,7 @@ class ForeignTable:
         column = np.clip(np.rint(centre).astype(np.intp), 0, taps.shape[1] - 1)
         edge = absolute(taps)[np.arange(len(taps)), column] / peak(width)
         start = batch.excess_ns[:, 0] - centre * self.base.sample_period_ns
-        return replace(
+        return altered(
             batch,
             gain=np.zeros_like(batch.gain),
             free_gain=edge.astype(np.complex64),
@@ -199,11 +199,11 @@ class ForeignTable:
         `peaks` [n] its highest magnitude.
         """
         batch = self.base.counted(batch)
-        batch = replace(batch, level_dbm=batch.level() + offset_db)
+        batch = altered(batch, level_dbm=batch.level() + offset_db)
         recorded = batch.rows.number("noise_std", np.nan)
         power = 2 * (recorded / RAYLEIGH_STD) ** 2
         power = np.where(np.isfinite(power), power, there(batch.noise_power))
-        batch = replace(batch, noise_power=power, as_given=True)
+        batch = altered(batch, noise_power=power, as_given=True)
         if not batch.tail_fwhm:
             return batch
         scale = (amplitude(self.base.power_offset_db) * there(batch.symbols)).astype(np.float32)
@@ -212,7 +212,7 @@ class ForeignTable:
         if not self._scaled.held or self._scaled.with_noise:
             waveform = with_own_noise(waveform, _louder_by(batch, edge), power)
         noise = np.zeros_like(waveform)
-        batch = replace(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
+        batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch
 
     def _outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:

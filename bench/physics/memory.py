@@ -16,11 +16,15 @@ _TRIMMED = 512 << 20  # bytes of free memory at the end of the heap, that go bac
 
 
 class Memory(Generic[T]):
-    """Values by key, the `most` lately used of them; threads may share it."""
+    """Values by key, the `most` lately used of them; threads may share it.
+
+    A value that stands for several counts as so many.
+    """
 
     def __init__(self, most: int) -> None:
         self.most = most
-        self._kept: OrderedDict[Hashable, T] = OrderedDict()
+        self._kept: OrderedDict[Hashable, tuple[T, int]] = OrderedDict()
+        self._many = 0
         self._lock = Lock()
 
     def __getstate__(self) -> int:
@@ -34,22 +38,26 @@ class Memory(Generic[T]):
         """Return what is remembered, None where nothing is."""
         with self._lock:
             found = self._kept.get(key)
-            if found is not None:
-                self._kept.move_to_end(key)
-            return found
+            if found is None:
+                return None
+            self._kept.move_to_end(key)
+            return found[0]
 
-    def keep(self, key: Hashable, value: T) -> T:
-        """Remember a value and return it."""
+    def keep(self, key: Hashable, value: T, many: int = 1) -> T:
+        """Remember a value and return it; it stands for `many`."""
         with self._lock:
-            self._kept[key] = value
-            while len(self._kept) > self.most:
-                self._kept.popitem(last=False)
+            _, before = self._kept.pop(key, (None, 0))
+            self._kept[key] = value, many
+            self._many += many - before
+            while self._many > self.most:
+                _, (_, gone) = self._kept.popitem(last=False)
+                self._many -= gone
         return value
 
-    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+    def get(self, key: Hashable, make: Callable[[], T], many: int = 1) -> T:
         """Return what is remembered, else what `make` gives, remembered from now on."""
         found = self.find(key)
-        return self.keep(key, make()) if found is None else found
+        return self.keep(key, make(), many) if found is None else found
 
 
 @cache

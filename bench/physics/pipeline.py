@@ -15,6 +15,7 @@ from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, Stage
 from bench.physics.randomness import Draws
+from bench.physics.stacked import applied
 from bench.text import reason
 
 Change = Callable[[Batch], Batch]
@@ -103,7 +104,7 @@ def _checked(effect: Effect, batch: Batch, draws: Draws) -> Batch:
     """Return the batch with one effect. Raises EffectError naming an effect that fails."""
     try:
         with np.errstate(all="ignore"):
-            made = effect.apply(batch, draws)
+            made = applied(effect, batch, draws)
     except BenchError as problem:  # rows that the effect cannot do, said by itself
         raise EffectError(f"effect {effect.name!r}: {problem}") from problem
     except (Exception, SystemExit) as problem:  # a plug-in must not end the program

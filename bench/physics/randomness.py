@@ -51,6 +51,15 @@ class Draws:
         pairs *= np.float32(np.sqrt(0.5))
         return pairs.view(np.complex64)
 
+    def gamma(self, shape: float, *size: int) -> Reals:
+        """Return draws of Gamma(`shape`, 1), float32, independent for every element."""
+        return self.generator.standard_gamma(shape, size, np.float32)
+
+    def groups(self, hashes: NDArray[np.uint64]) -> tuple[NDArray[np.uint64], NDArray[np.intp]]:
+        """Return the hashes of groups, and which of them each row [n] belongs to."""
+        groups, place = np.unique(hashes, return_inverse=True)
+        return groups, np.asarray(place, np.intp)
+
     def group_uniform(self, hashes: NDArray[np.uint64], draw: int = 0) -> Floats:
         """Return draws on (0, 1), equal for rows of equal hash (a link, a device), in any block.
 
@@ -71,7 +80,7 @@ class Draws:
 
     def group_complex(self, hashes: NDArray[np.uint64], columns: int) -> Complexes:
         """Return circular complex normal draws [n, columns], rows of equal hash the same."""
-        groups, place = np.unique(hashes, return_inverse=True)
+        groups, place = self.groups(hashes)
         counter = np.arange(2 * columns, dtype=np.uint64) * _GOLDEN
         parts = self.group_normal(groups[:, None] ^ _splitmix(counter)[None, :], -1)
         both = parts[:, :columns] + 1j * parts[:, columns:]

@@ -7,12 +7,12 @@ fall.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from bench.physics.base import there
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.units import Floats, absolute
 
 ALIKE = 0.02  # standard deviation of peaks over their mean, up to which they were scaled
@@ -55,5 +55,5 @@ class ScaledPeaks:
         ratio = np.where(np.abs(ratio - 1) < 1e-6, 1.0, ratio)  # nothing was changed
         power = there(batch.noise_power) * (ratio**2 if self.with_noise else 1.0)
         scaled = waveform * ratio.astype(np.float32)[:, None]
-        held = replace(batch, waveform=scaled, noise_power=power, peak_held=True)
+        held = altered(batch, waveform=scaled, noise_power=power, peak_held=True)
         return held.told_louder(-20 * np.log10(ratio))

@@ -74,6 +74,24 @@ class Scene:
             self.true_range_m[part],
         )
 
+    def repeated(self, times: int) -> Scene:
+        """Return the rows several times, one after the other; the same object while remembered."""
+        if times == 1:
+            return self
+        found: Scene = self.parts.get(("repeated", times), lambda: self._repeated(times))
+        return found
+
+    def _repeated(self, times: int) -> Scene:
+        """Return `repeated`, made."""
+        return Scene(
+            {name: np.tile(column, times) for name, column in self.numbers.items()},
+            {name: np.tile(column, (times, 1)) for name, column in self.lists.items()},
+            np.tile(self.kinds, (times, 1)),
+            self.kind_names,
+            {name: np.tile(column, times) for name, column in self.hashes.items()},
+            np.tile(self.true_range_m, times),
+        )
+
     def has(self, name: str) -> bool:
         """Return whether a numeric column is there at all."""
         return name in self.numbers

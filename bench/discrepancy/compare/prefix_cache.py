@@ -19,16 +19,21 @@ class Prefixes:
     def __init__(self, most: int) -> None:
         self._kept: Memory[Batch] = Memory(most)
 
-    def run(self, key: Hashable, start: Callable[[], Batch], steps: Sequence[Step]) -> Batch:
-        """Return the batch after all steps; `key` says what `start` gives, as a step's key does."""
+    def run(
+        self, key: Hashable, start: Callable[[], Batch], steps: Sequence[Step], many: int = 1
+    ) -> Batch:
+        """Return the batch after all steps; `key` says what `start` gives, as a step's key does.
+
+        The batch is of `many` replicates, which counts.
+        """
         keys: list[Hashable] = [key]
         for name, _ in steps:
             keys.append((keys[-1], name))
         done, batch = self._latest(keys)
         if batch is None:
-            batch = self._kept.keep(key, start())
+            batch = self._kept.keep(key, start(), many)
         for number in range(done, len(steps)):
-            batch = self._kept.keep(keys[number + 1], steps[number][1](batch))
+            batch = self._kept.keep(keys[number + 1], steps[number][1](batch), many)
         return batch
 
     def _latest(self, keys: list[Hashable]) -> tuple[int, Batch | None]:

@@ -36,8 +36,7 @@ class Resimulation:
         """Return recorded rows beside `members` x `view.rich` simulated versions."""
         simulator = self._cropped(self.with_effects(added), view)
         numbers = range(view.rich * first, view.rich * (first + members))
-        see = self.stages.observables
-        replicas = [see(simulator, view.scene, number, view.waveform) for number in numbers]
+        replicas = self.stages.ensemble(simulator, view.scene, numbers, view.waveform)
         return stack(view.recorded, replicas, view.links)
 
     def distinct(self, view: View) -> int:

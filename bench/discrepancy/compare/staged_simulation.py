@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
@@ -26,20 +26,27 @@ from bench.discrepancy.settings import (
     KEPT_REPLICATES,
     KEPT_ROWS,
     KEPT_STEPS,
+    STACKED_ROWS,
 )
 from bench.errors import BenchError
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.memory import Memory, keep_freed
 from bench.physics.pipeline import EffectError, Pipeline
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
+from bench.physics.stacked import StackedDraws
+
+Numbers = tuple[int, ...]  # of replicates
 
 
 @dataclass(frozen=True)
 class Detected:
-    """One replicate after detection: a batch per block without its waveform, and CIR figures."""
+    """Replicates after detection: a batch per block without its waveform, and CIR figures.
+
+    Of one replicate, or of several that stand under each other in one block.
+    """
 
     blocks: tuple[Batch, ...]
     shape: dict[str, Floats]
@@ -67,34 +74,63 @@ class Stages:
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool
     ) -> Observables:
         """Return what the simulator gives for `rows` in one replicate."""
-        early = tuple(e for e in simulator.effects if e.stage != "ranging")
-        key = (self._place(rows), simulator.base, early, simulator.seed, replicate, cir)
+        return self.ensemble(simulator, rows, (replicate,), cir)[0]
+
+    def ensemble(
+        self, simulator: Simulator, rows: Scene, replicates: Sequence[int], cir: bool
+    ) -> list[Observables]:
+        """Return what the simulator gives for `rows` in each of some replicates."""
+        most = max(1, STACKED_ROWS // max(len(rows), 1))
+        parts = [tuple(replicates[at : at + most]) for at in range(0, len(replicates), most)]
+        return [one for part in parts for one in self._stacked(simulator, rows, part, cir)]
+
+    def _stacked(
+        self, simulator: Simulator, rows: Scene, numbers: Numbers, cir: bool
+    ) -> list[Observables]:
+        """Return what the simulator gives in some replicates, simulated at once.
+
+        Where that fails, one by one: so the first that fails is blamed.
+        """
         try:
-            found = self._detections[cir].get(
-                key, lambda: self._detected(simulator, rows, replicate, cir)
-            )
-            batches = [_ranged(simulator, b, replicate, i) for i, b in enumerate(found.blocks)]
+            found = self._found(simulator, rows, numbers, cir)
+            blocks = [self._ranged(simulator, b, rows, numbers) for b in enumerate(found.blocks)]
         except Exception as problem:
+            if len(numbers) > 1:
+                return [self.observables(simulator, rows, number, cir) for number in numbers]
             if isinstance(problem, BenchError) and not isinstance(problem, EffectError):
                 raise
-            raise self._blamed(simulator, rows, replicate, cir, problem) from problem
-        columns = [{name: _column(batch, name) for name in SCALARS} for batch in batches]
-        scalars = {name: np.concatenate([part[name] for part in columns]) for name in SCALARS}
-        return collect(scalars, found.shape)
+            raise self._blamed(simulator, rows, numbers[0], cir, problem) from problem
+        scalars = {n: np.concatenate([_column(block, n) for block in blocks]) for n in SCALARS}
+        parts = zip(_parts(scalars, len(numbers)), _parts(found.shape, len(numbers)), strict=True)
+        return [collect(*part) for part in parts]
 
-    def _detected(self, simulator: Simulator, rows: Scene, replicate: int, cir: bool) -> Detected:
+    def _found(self, simulator: Simulator, rows: Scene, numbers: Numbers, cir: bool) -> Detected:
+        """Return some replicates up to detection, remembered."""
+        early = tuple(e for e in simulator.effects if e.stage != "ranging")
+        key = (self._place(rows), simulator.base, early, simulator.seed, numbers, cir)
+        made = partial(self._detected, simulator, rows, numbers, cir)
+        return self._detections[cir].get(key, made, len(numbers))
+
+    def _detected(self, simulator: Simulator, rows: Scene, numbers: Numbers, cir: bool) -> Detected:
         """Simulate up to detection; the waveform is reduced to its figures and dropped."""
         blocks, shapes = [], []
         for start in range(0, len(rows), BLOCK):
-            key = (simulator.seed, replicate, "base", start // BLOCK)
-            draws = RememberedDraws(*key, self._drawn)
             part = rows.slice(start, start + BLOCK)
-            batch = self._received(simulator, part, draws, cir, self._place(rows))
+            draws = self._draws(simulator.seed, part, numbers, start // BLOCK)
+            place = (self._place(rows), numbers)
+            batch = self._received(simulator, part.repeated(len(numbers)), draws, cir, place)
             shapes.append(self._shape(simulator, batch))
-            blocks.append(replace(batch, waveform=None, noise=None, magnitude=None))
+            blocks.append(altered(batch, waveform=None, noise=None, magnitude=None))
         names = shapes[0]
         shape = {name: np.concatenate([part[name] for part in shapes]) for name in names}
         return Detected(tuple(blocks), shape)
+
+    def _draws(self, seed: int, rows: Scene, numbers: Numbers, block: int) -> Draws:
+        """Return the draws of a block of rows in some replicates."""
+        key = (seed, numbers[0], "base", block)
+        if len(numbers) == 1:
+            return RememberedDraws(*key, self._drawn)
+        return StackedDraws(*key, rows, numbers, self._drawn)
 
     def _place(self, rows: Scene) -> Hashable:
         """Return a number for these rows, theirs for good: forgotten rows come back as new ones.
@@ -124,27 +160,43 @@ class Stages:
         """Return whether a simulator cannot simulate some rows."""
         try:
             draws = Draws(simulator.seed, replicate, "base", 0)
-            _ranged(simulator, self._received(simulator, rows, draws, cir), replicate, 0)
+            _after_ranging(simulator, self._received(simulator, rows, draws, cir), draws)
         except Exception:
             return True
         return False
 
     def _received(
-        self, simulator: Simulator, rows: Scene, draws: Draws, cir: bool, place: Hashable = None
+        self,
+        simulator: Simulator,
+        rows: Scene,
+        draws: Draws,
+        cir: bool,
+        place: tuple[Hashable, Numbers] | None = None,
     ) -> Batch:
         """Return a block of rows after detection, before the ranging stage.
 
-        `place` says which rows they are, so that the same beginnings are not simulated again.
+        `place` says which rows they are, and of which replicates, so that the same beginnings are
+        not simulated again.
         """
         base = simulator.base
 
         def received(batch: Batch) -> Batch:
             return base.received(batch, draws) if cir else base.counted(batch)
 
-        key = (place, base, draws.seed, draws.replicate, draws.block, cir)
-        run = self._prefixes.run if place is not None else Prefixes(1).run
         pipeline = Pipeline(simulator.effects, received, base.detected)
-        return pipeline.detected(lambda: base.paths(rows), draws, partial(run, key))
+        if place is None:
+            return pipeline.detected(lambda: base.paths(rows), draws)
+        key = (place, base, draws.seed, draws.block, cir)
+        run = partial(self._prefixes.run, key, many=len(place[1]))
+        return pipeline.detected(lambda: base.paths(rows), draws, run)
+
+    def _ranged(
+        self, simulator: Simulator, numbered: tuple[int, Batch], rows: Scene, numbers: Numbers
+    ) -> Batch:
+        """Return a detected block, with its number, after the ranging stage."""
+        block, batch = numbered
+        part = rows.slice(block * BLOCK, (block + 1) * BLOCK)
+        return _after_ranging(simulator, batch, self._draws(simulator.seed, part, numbers, block))
 
     def _shape(self, simulator: Simulator, batch: Batch) -> dict[str, Floats]:
         """Return the CIR figures of a detected batch, none without a waveform."""
@@ -156,11 +208,16 @@ class Stages:
         return shape_of(whole, index, batch.sample_period_ns, self.window, told)
 
 
-def _ranged(simulator: Simulator, batch: Batch, replicate: int, block: int) -> Batch:
-    """Return a detected block after the ranging stage."""
+def _after_ranging(simulator: Simulator, batch: Batch, draws: Draws) -> Batch:
+    """Return a detected batch after the ranging stage."""
     base = simulator.base
-    draws = Draws(simulator.seed, replicate, "base", block)
     return Pipeline(simulator.effects, base.counted, base.detected).ranged(batch, draws)
+
+
+def _parts(columns: dict[str, Floats], count: int) -> list[dict[str, Floats]]:
+    """Return the columns [count n] of every replicate [n]."""
+    each = {name: np.split(column, count) for name, column in columns.items()}
+    return [{name: parts[i] for name, parts in each.items()} for i in range(count)]
 
 
 def _column(batch: Batch, name: str) -> Floats:

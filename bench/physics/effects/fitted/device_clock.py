@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.fitted.device_values import (
     Curves,
@@ -44,6 +44,7 @@ class DeviceClock(Effect):
     values_unit: ClassVar[str] = "ppm"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
     needs = (("tx", "rx", "reply_time_s"),)
@@ -75,7 +76,7 @@ class DeviceClock(Effect):
         """Lengthen ranges by the clock error of each row's two devices."""
         offset = self.offset_ppm(batch.rows) + self._scatter_ppm(batch.rows, draws)
         reply = batch.rows.number("reply_time_s", self.reply_time_s)
-        return replace(batch.later(offset * 1e-6 * reply / 2 * 1e9), clock_offset_ppm=offset)
+        return altered(batch.later(offset * 1e-6 * reply / 2 * 1e9), clock_offset_ppm=offset)
 
     def offset_ppm(self, rows: Scene) -> Floats:
         """Return offset of tx minus offset of rx at each row's time [n]."""

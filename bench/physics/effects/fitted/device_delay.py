@@ -21,6 +21,7 @@ class DeviceDelay(Effect):
     values_unit: ClassVar[str] = "ns"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "Decawave application note APS014; delays fitted to recordings"
     signature = (
         "constant in distance, power and line of sight; of each pair only the sum is seen, so "

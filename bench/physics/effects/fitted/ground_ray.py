@@ -43,6 +43,7 @@ class GroundRay(Effect):
     values_unit: ClassVar[str] = "1"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "two-ray model: group delay and sum of two phasors; fitted to recordings"
     signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
     needs = (("tx_z_m", "rx_z_m"),)

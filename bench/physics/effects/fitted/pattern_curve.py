@@ -30,6 +30,7 @@ class PatternCurve(Effect):
     values_unit: ClassVar[str] = "m"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); curve fitted to recordings"
     signature = "periodic in the heading or the bearing from rx to tx, the same at all distances"
     needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))

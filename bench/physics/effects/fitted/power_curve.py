@@ -48,6 +48,7 @@ class PowerCurve(Effect):
     values_unit: ClassVar[str] = "m"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "Decawave application note APS011, version 1.0; curve fitted to recordings"
     signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
     follows = "rx_power_dbm"

@@ -24,6 +24,7 @@ class Unnamed(Effect):
     name = "unnamed"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "fitted to recordings by bench diagnose; no physics is claimed"
     signature = "whatever was left after every known effect"
 

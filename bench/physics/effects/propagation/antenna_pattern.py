@@ -33,6 +33,7 @@ class AntennaPattern(Effect):
     name = "antenna-pattern"
     number = 5
     stage = "propagation"
+    stackable = True
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); up to 10-20 cm over direction"
     signature = "periodic in the heading or the bearing from rx to tx, the same at all distances"
     control = "rows without a known heading"

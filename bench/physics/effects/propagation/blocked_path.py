@@ -25,6 +25,7 @@ class BlockedPath(Effect):
     name = "blocked-path"
     number = 9
     stage = "propagation"
+    stackable = True
     source = "Kolakowski, Zenodo 10.5281/zenodo.4742391 (its NDP NLOS class)"
     signature = "errors of metres, one-sided, no energy before the detected path"
     control = "rows with line of sight"

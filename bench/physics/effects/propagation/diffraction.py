@@ -45,6 +45,7 @@ class Diffraction(Effect):
     name = "diffraction"
     number = 10
     stage = "propagation"
+    stackable = True
     source = "ITU-R P.526-15, section 4.1, equations (26) and (31)"
     signature = "large loss with a small delay: mid-link body 13-19 dB, 2-4 cm"
     needs = (("obstacles",),)

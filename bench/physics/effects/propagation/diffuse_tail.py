@@ -38,6 +38,7 @@ class DiffuseTail(Effect):
     name = "diffuse-tail"
     number = 13
     stage = "propagation"
+    stackable = True
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004); room scaling: "
     source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27; distance: Greenstein et "
     source += "al., IEEE Trans. Veh. Technol. 46 (1997) 477"
@@ -91,7 +92,7 @@ class DiffuseTail(Effect):
 
     def _amplitudes(self, batch: Batch, draws: Draws, taps: int, scale: Floats) -> Reals:
         """Return the root of each tap's mean share of the power [n, taps]; alike within a link."""
-        links, place = np.unique(batch.rows.group("link"), return_inverse=True)
+        links, place = draws.groups(batch.rows.group("link"))
         first = np.zeros(len(links), np.intp)
         first[place[::-1]] = np.arange(len(place))[::-1]
         period = batch.sample_period_ns

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import polygamma
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.units import Reals, amplitude
@@ -27,6 +27,7 @@ class SmallScaleFading(Effect):
     name = "small-scale-fading"
     number = 15
     stage = "propagation"
+    stackable = True
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2.5"
     signature = "spread of each tap's amplitude from row to row; mean profile unchanged"
     essential_with_cir = ("direct_m",)  # reflections that fade alone are another form of these
@@ -46,7 +47,7 @@ class SmallScaleFading(Effect):
         other = _faded(draws, self.path_m, batch.gain.shape)
         gain = batch.gain * np.where(batch.direct, straight, other)
         tail = batch.tail * _faded(draws, self.tail_m, batch.tail.shape)
-        return replace(batch, gain=gain, tail=tail)
+        return altered(batch, gain=gain, tail=tail)
 
 
 def scatter_db(m: float) -> float:
@@ -58,5 +59,5 @@ def _faded(draws: Draws, m: float, shape: tuple[int, ...]) -> Reals:
     """Return amplitudes whose squares are Gamma(m, 1/m); ones from m = 1000 on."""
     if m >= 1000 or 0 in shape:
         return np.ones(shape, np.float32)
-    power = draws.generator.standard_gamma(m, shape, np.float32) / np.float32(m)
+    power = draws.gamma(m, *shape) / np.float32(m)
     return np.asarray(np.sqrt(power), np.float32)

@@ -29,6 +29,7 @@ class GroundBounce(Effect):
     name = "ground-bounce"
     number = 12
     stage = "propagation"
+    stackable = True
     source = "two-ray model; Fresnel coefficient with the permittivity of ITU-R P.2040-3"
     signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
     needs = (("tx_z_m", "rx_z_m"),)

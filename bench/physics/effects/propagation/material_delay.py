@@ -32,6 +32,7 @@ class MaterialDelay(Effect):
     name = "material-delay"
     number = 7
     stage = "propagation"
+    stackable = True
     source = "ITU-R P.2040-3 (2023), section 2.2.2 and table 3"
     signature = "a positive step per wall, the same at all distances; the first path weaker"
     needs = (("obstacles",), ("los",))

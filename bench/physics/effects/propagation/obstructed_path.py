@@ -26,6 +26,7 @@ class ObstructedPath(Effect):
 
     name = "obstructed-path"
     stage = "propagation"
+    stackable = True
     source = "losses and delays of walls (ITU-R P.2040-3), bodies (ITU-R P.526-15) and missed "
     source += "straight paths (Zenodo 10.5281/zenodo.4742391), drawn per link"
     signature = "in some links a weak first path, less power, a positive error of 0.1 m to metres"

@@ -23,6 +23,7 @@ class PathLoss(Effect):
     name = "path-loss"
     number = 14
     stage = "propagation"
+    stackable = True
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2"
     signature = "receive level over log distance has another slope; scatter per position"
     per_link = True  # the shadowing

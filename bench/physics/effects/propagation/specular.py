@@ -55,6 +55,7 @@ class SpecularReflections(Effect):
     name = "specular-reflections"
     number = 11
     stage = "propagation"
+    stackable = True
     source = "Allen and Berkley 1979; Fresnel coefficients with ITU-R P.2040-3 permittivities"
     signature = "separate paths whose delay moves with the geometry"
     needs = (("room_x_m", "room_y_m", "tx_x_m", "rx_x_m"),)

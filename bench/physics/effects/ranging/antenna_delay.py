@@ -27,6 +27,7 @@ class AntennaDelay(Effect):
     name = "antenna-delay"
     number = 1
     stage = "ranging"
+    stackable = True
     source = "Decawave application note APS014 on antenna delay calibration"
     signature = "a constant over distance, power and line of sight; separable per pair of devices"
     everywhere = True

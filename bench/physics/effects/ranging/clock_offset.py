@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
@@ -32,6 +32,7 @@ class ClockOffset(Effect):
     name = "clock-offset"
     number = 3
     stage = "ranging"
+    stackable = True
     source = "Neirynck, Luk and McLaughlin, WPNC 2016; Decawave APS011, section 2"
     signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
     everywhere = True
@@ -81,7 +82,7 @@ class ClockOffset(Effect):
         flight_s = batch.rows.true_range_m / C_M_PER_NS * 1e-9
         reply = batch.rows.number("reply_time_s", self.reply_time_s)
         time_s = flight_s if self.double_sided else reply / 2
-        return replace(batch.later(offset * 1e-6 * time_s * 1e9), clock_offset_ppm=offset)
+        return altered(batch.later(offset * 1e-6 * time_s * 1e9), clock_offset_ppm=offset)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Rows with zero reply time."""

@@ -27,6 +27,7 @@ class ExchangeMotion(Effect):
     name = "exchange-motion"
     number = 21
     stage = "ranging"
+    stackable = True
     source = "kinematics of two-way ranging: mean of the ranges at the first and the last message"
     signature = "error proportional to radial speed x reply time; zero at rest; CIR unchanged"
     everywhere = True

@@ -33,6 +33,7 @@ class Law(Effect):
     name = "law"
     fitted: ClassVar[bool] = False
     stage = "ranging"
+    stackable = True
     source = "found in recordings by bench diagnose, or written down by a user"
     signature = "error by an expression over known columns; CIR unchanged"
     last = True

@@ -32,6 +32,7 @@ class PowerBias(Effect):
     name = "power-bias"
     number = 2
     stage = "ranging"
+    stackable = True
     source = "Decawave application note APS011, version 1.0, table 2"
     signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
     follows = "rx_power_dbm"

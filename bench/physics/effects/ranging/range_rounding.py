@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.comb import Comb, comb
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
@@ -37,6 +37,7 @@ class RangeRounding(Effect):
     name = "range-rounding"
     number = 23
     stage = "ranging"
+    stackable = True
     source = "uniform quantisation: Widrow and Kollar, Quantization Noise, Cambridge 2008, ch. 5"
     signature = "ranges are points of a grid; error uniform within half a step; CIR unchanged"
     fitted: ClassVar[bool] = False
@@ -63,7 +64,7 @@ class RangeRounding(Effect):
         if self.step_m == 0 or batch.range_m is None:
             return batch
         grid = Comb(self.step_m, self.origin_m, 1.0)
-        return replace(batch, range_m=grid.nearest(np.asarray(batch.range_m), self.lean))
+        return altered(batch, range_m=grid.nearest(np.asarray(batch.range_m), self.lean))
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it to the nearest, down and up: they differ by a constant alone."""

@@ -24,6 +24,7 @@ class RangeScale(Effect):
     name = "range-scale"
     number = 22
     stage = "ranging"
+    stackable = True
     source = "time of flight x an assumed speed of light and clock rate"
     signature = "error proportional to the true range, without bound; CIR unchanged"
 

@@ -30,6 +30,7 @@ class TemperatureDrift(Effect):
     name = "temperature-drift"
     number = 4
     stage = "ranging"
+    stackable = True
     source = "DW1000 User Manual 2.11, section 8.3 on calibration (2.15 mm per degree Celsius)"
     signature = "slow; exponential in time after switching on, the same at all distances"
     everywhere = True

@@ -28,6 +28,7 @@ class TimeLag(Effect):
     name = "time-lag"
     number = 21
     stage = "ranging"
+    stackable = True
     source = "kinematics: range(t + lag) - range(t) = lag x d(range)/dt to first order"
     signature = "error proportional to radial speed; sign flips with the direction; CIR unchanged"
     everywhere = True

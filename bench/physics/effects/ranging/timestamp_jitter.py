@@ -23,6 +23,7 @@ class TimestampJitter(Effect):
     name = "timestamp-jitter"
     number = 6
     stage = "ranging"
+    stackable = True
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     signature = "independent scatter of every range, the same everywhere"
     independent = True

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.receiver.noise_floor import NOISE_TOLD_BY
 from bench.physics.randomness import Draws
@@ -26,6 +26,7 @@ class NarrowbandInterference(Effect):
     name = "narrowband-interference"
     number = 19
     stage = "receiver"
+    stackable = True
     source = "a tone through the receiver's linear chain; level and offset are free parameters"
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
     needs = (("cir",),)
@@ -47,7 +48,7 @@ class NarrowbandInterference(Effect):
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
         tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
         noise = (batch.noise + size[:, None] * tone).astype(np.complex64)
-        return replace(batch, noise=noise).steadier(size**2)
+        return altered(batch, noise=noise).steadier(size**2)
 
     def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
         return np.asarray(draws.uniform(rows) < self.share)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.units import amplitude
@@ -24,6 +24,7 @@ class LateDetection(Effect):
     name = "late-detection"
     number = 8
     stage = "receiver"
+    stackable = True
     source = "DW1000 User Manual 2.11, 7.2.47 (LDE_CFG1: NTM, PMULT); APS006 part 1"
     signature = "positive, jumps from frame to frame; energy before the detected first path"
     jumps = True
@@ -37,4 +38,4 @@ class LateDetection(Effect):
             return batch
         threshold = batch.threshold * amplitude(self.rise_db)
         fraction = max(batch.peak_fraction, self.peak_fraction)
-        return replace(batch, threshold=threshold, peak_fraction=fraction)
+        return altered(batch, threshold=threshold, peak_fraction=fraction)

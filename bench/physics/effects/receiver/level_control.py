@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats, amplitude, squared
@@ -28,6 +28,7 @@ class LevelControl(Effect):
     name = "level-control"
     number = 18
     stage = "receiver"
+    stackable = True
     source = "DW1000 User Manual 2.11, figure 22; counts measured on Zenodo 10.5281/zenodo.4742391"
     signature = "reported level flattens near -78 dBm as the distance falls; the count falls too"
     needs = (("preamble_count",),)  # a level alone is shifted by many things
@@ -50,18 +51,18 @@ class LevelControl(Effect):
         symbols = np.maximum(np.rint(batch.nominal_symbols * np.clip(share, 0.05, 1)), 1.0)
         longer = symbols / batch.symbols
         power = None if batch.noise_power is None else batch.noise_power * longer
-        made = replace(batch, symbols=symbols, agc_db=read - level, noise_power=power)
+        made = altered(batch, symbols=symbols, agc_db=read - level, noise_power=power)
         if batch.waveform is None or batch.noise is None:
             return made
         if batch.peak_held:  # samples show nothing of a gain
             return made.told_louder(read - level)
         seen_db, told_db = np.multiply.outer([self.in_samples, 1 - self.in_samples], read - level)
-        made = replace(made, reported_db=told_db if self.in_samples < 1 else batch.reported_db)
+        made = altered(made, reported_db=told_db if self.in_samples < 1 else batch.reported_db)
         signal = (longer * amplitude(seen_db)).astype(np.float32)
         peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
         noise = np.sqrt(longer).astype(np.float32)[:, None]
-        return replace(made, waveform=batch.waveform * signal[:, None], noise=batch.noise * noise)
+        return altered(made, waveform=batch.waveform * signal[:, None], noise=batch.noise * noise)
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it as seen in the samples, in half, and in the reported level alone."""

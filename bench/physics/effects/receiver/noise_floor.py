@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import coloured
 from bench.physics.randomness import Draws
@@ -28,6 +28,7 @@ class NoiseFloor(Effect):
     name = "noise-floor"
     number = 17
     stage = "receiver"
+    stackable = True
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     by_device = True
     told_by = NOISE_TOLD_BY
@@ -50,14 +51,14 @@ class NoiseFloor(Effect):
         ratio = amplitude(self.level_db + self._spread(batch, draws))
         if batch.as_given:  # a table's own noise cannot be taken away: neither from its samples
             ratio = np.maximum(ratio, 1.0)  # nor from what is reported of them
-        made = replace(batch, noise_power=batch.noise_power * ratio**2)
+        made = altered(batch, noise_power=batch.noise_power * ratio**2)
         if batch.noise is None:
             return made
         if batch.as_given:
-            return replace(made, noise=batch.noise + self._missing(batch, ratio, draws))
+            return altered(made, noise=batch.noise + self._missing(batch, ratio, draws))
         noise = self._coloured(batch.noise)
         noise *= ratio.astype(np.float32)[:, None]
-        return replace(made, noise=noise)
+        return altered(made, noise=noise)
 
     def _spread(self, batch: Batch, draws: Draws) -> Floats:
         """Return how much louder each row's device is than others [n] in dB."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import convolved, decaying, echo_taps, filtered
 from bench.physics.randomness import Draws
@@ -27,6 +27,7 @@ class PulseRinging(Effect):
     name = "pulse-ringing"
     number = 16
     stage = "receiver"
+    stackable = True
     source = "measured on Zenodo 10.5281/zenodo.4742391"
     signature = "all paths widened alike, an echo at a delay that no geometry moves"
     needs = (("cir",),)
@@ -53,7 +54,7 @@ class PulseRinging(Effect):
         kept = kept ** np.float32(1 - self.on_top)
         waveform = waveform.copy() if waveform is batch.waveform else waveform
         waveform *= kept[:, None]
-        return replace(batch, waveform=waveform)
+        return altered(batch, waveform=waveform)
 
     def _widened(self, waveform: Complexes) -> Complexes:
         """Convolve with the Gaussian that makes the pulse `widening` times as wide."""

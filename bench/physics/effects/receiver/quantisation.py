@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.physics.base import there
-from bench.physics.batch import Batch
+from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.loops import compiled, parts, quantise_rows
 from bench.physics.randomness import Draws
@@ -37,6 +37,7 @@ class Quantisation(Effect):
     name = "quantisation"
     number = 20
     stage = "receiver"
+    stackable = True
     source = "DW1000 User Manual 2.11, 7.2.38 (ACC_MEM); offsets measured on zenodo.4742391"
     signature = "whole numbers; a constant added to every complex sample"
     needs = (("cir",),)
@@ -77,15 +78,15 @@ class Quantisation(Effect):
         if batch.as_given:  # else the samples tell
             batch = self._as_reported(batch)
         if self.step_counts == 0:
-            return replace(batch, noise=added)
+            return altered(batch, noise=added)
         signal, noise = np.empty_like(waveform), np.empty_like(added)
         settings = (np.float32(v) for v in (self.step_counts, self.limit_counts, self.dropped))
         arrays = (parts(each) for each in (signal, noise, waveform, added))
         compiled(quantise_rows)(*arrays, *settings)
         if self.read_out == 0:
-            return replace(batch, waveform=signal, noise=noise)
+            return altered(batch, waveform=signal, noise=noise)
         unseen = np.complex64(self.read_out) * (added - noise)
-        return replace(batch, waveform=signal - unseen, noise=noise + unseen)
+        return altered(batch, waveform=signal - unseen, noise=noise + unseen)
 
     def _offset(self, batch: Batch, draws: Draws) -> Complexes:
         angle = 2 * np.pi * draws.group_uniform(batch.rows.group("rx"))
@@ -94,7 +95,7 @@ class Quantisation(Effect):
     def _as_reported(self, batch: Batch) -> Batch:
         """Return a batch of given samples with the noise that is reported of them rounded."""
         ratio = 1 + (1 - self.read_out) * (self._rounded_noise(there(batch.noise_power)) - 1)
-        batch = replace(batch, noise_power=there(batch.noise_power) * ratio**2)
+        batch = altered(batch, noise_power=there(batch.noise_power) * ratio**2)
         return batch.steadier(np.full(len(batch), float(self.offset_counts) ** 2))
 
     def _rounded_noise(self, power: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -11,12 +11,16 @@ import pytest
 from bench.discrepancy.compare.prefix_cache import Prefixes
 from bench.discrepancy.compare.staged_simulation import KEPT_ROWS, Stages
 from bench.discrepancy.data.observables import Window
+from bench.errors import BenchError
 from bench.parallel import in_threads, threads
 from bench.physics.base import Base
+from bench.physics.batch import Batch
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.randomness import Draws
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -40,6 +44,42 @@ def test_shared_beginnings_give_the_numbers_of_fresh_ones():
             kept = shared.observables(simulator, ROWS, replicate, True)
             assert kept.names == fresh.names
             assert np.array_equal(kept.values, fresh.values, equal_nan=True)
+
+
+@pytest.mark.parametrize("rows", [1, 18, 60, 2048], ids="at most {} stacked".format)
+@pytest.mark.parametrize("cir", [True, False], ids=["cir", "paths"])
+def test_replicates_simulated_at_once_are_those_simulated_one_by_one(monkeypatch, rows, cir):
+    monkeypatch.setattr("bench.discrepancy.compare.staged_simulation.STACKED_ROWS", rows)
+    shared = Stages(WINDOW)
+    for simulator in _simulators():
+        for numbers in (range(5), range(3, 5), range(1)):
+            made = shared.ensemble(simulator, ROWS, numbers, cir)
+            alone = [Stages(WINDOW).observables(simulator, ROWS, n, cir) for n in numbers]
+            for ours, theirs in zip(made, alone, strict=True):
+                assert (ours.names, ours.units) == (theirs.names, theirs.units)
+                assert np.array_equal(ours.values, theirs.values, equal_nan=True)
+
+
+@dataclass(frozen=True)
+class Choosy(Effect):
+    """Fails on one row of one replicate."""
+
+    name = "choosy"
+    stage = "receiver"
+    source = "a test"
+
+    def apply(self, batch: Batch, draws: Draws) -> Batch:
+        if draws.replicate == 2 and (batch.rows.true_range_m > 19.9).any():
+            raise ValueError("too far")
+        return batch
+
+
+def test_the_first_row_and_replicate_that_fail_are_blamed_among_many():
+    stages, simulator = Stages(WINDOW), Simulator(BASE, (Choosy(),), 5)
+    assert len(stages.ensemble(simulator, ROWS, range(2), True)) == 2
+    for numbers in (range(5), (2,)):
+        with pytest.raises(BenchError, match=r"fails on row 17 of the 18 .*too far"):
+            stages.ensemble(simulator, ROWS, numbers, True)
 
 
 def test_rows_that_were_forgotten_are_simulated_again_and_no_others_take_their_place():
@@ -75,6 +115,10 @@ def test_only_steps_that_changed_are_run():
     small.run("rows", lambda: start, [step("x"), step("y")])
     small.run("rows", lambda: start, [step("x"), step("z")])
     assert ran[4:] == ["x", "y", "x", "z"]
+    several = Prefixes(10)
+    for last in ("q", "r", "q"):  # a batch of five replicates counts as five
+        several.run("rows", lambda: start, [step("p"), step(last)], many=5)
+    assert ran[8:] == ["p", "q", "r", "q"]
 
 
 def test_work_in_threads_keeps_its_order_and_its_errors(monkeypatch):

@@ -1,0 +1,130 @@
+"""Several replicates of the same rows as one batch: to the last bit what each gives alone.
+
+A few hundred rows cost more in calls than in arithmetic. So replicates stand one under the other,
+and every number is drawn by the draws of its own replicate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.batch import Batch, altered
+from bench.physics.effect import Effect
+from bench.physics.randomness import Draws
+from bench.physics.remembered import DrawMemory, RememberedDraws
+from bench.physics.scene import Scene
+from bench.physics.units import Complexes, Floats, Reals
+
+Hashes = NDArray[np.uint64]
+
+
+@dataclass(frozen=True)
+class StackedDraws(Draws):
+    """Draws of `replicates` of the same `rows`, whose batches stand one under the other.
+
+    First axes of shapes, and hashes, are those of all replicates together. `replicate` is the
+    first of them.
+    """
+
+    rows: Scene | None = None
+    replicates: tuple[int, ...] = ()
+    memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
+
+    @cached_property
+    def parts(self) -> tuple[Draws, ...]:
+        """The draws of each replicate."""
+        key = (self.name, self.block, self.memory)
+        return tuple(RememberedDraws(self.seed, number, *key) for number in self.replicates)
+
+    @cached_property
+    def generator(self) -> np.random.Generator:
+        """Raise AttributeError: every replicate has a generator of its own."""
+        raise AttributeError("stacked replicates have a generator each")
+
+    def normal(self, *shape: int) -> Reals:
+        """Return what each replicate's draws return."""
+        return self._each(lambda draws, rows: draws.normal(rows, *shape[1:]), shape[0])
+
+    def uniform(self, *shape: int) -> Reals:
+        """Return what each replicate's draws return."""
+        return self._each(lambda draws, rows: draws.uniform(rows, *shape[1:]), shape[0])
+
+    def complex_normal(self, *shape: int) -> Complexes:
+        """Return what each replicate's draws return."""
+        return self._each(lambda draws, rows: draws.complex_normal(rows, *shape[1:]), shape[0])
+
+    def gamma(self, shape: float, *size: int) -> Reals:
+        """Return what each replicate's draws return."""
+        return self._each(lambda draws, rows: draws.gamma(shape, rows, *size[1:]), size[0])
+
+    def groups(self, hashes: Hashes) -> tuple[Hashes, NDArray[np.intp]]:
+        """Return the groups of each replicate, one replicate's behind the other's."""
+        count = len(self.parts)
+        groups, place = Draws.groups(self, hashes[: len(hashes) // count])
+        behind = len(groups) * np.arange(count)[:, None]
+        return np.tile(groups, count), (behind + place).ravel()
+
+    def group_uniforms(self, hashes: Hashes, draws: Sequence[int]) -> Floats:
+        """Return what each replicate's draws return for its part of the hashes."""
+        parts = zip(self.parts, np.split(hashes, len(self.parts)), strict=True)
+        made = [part.group_uniforms(own, draws) for part, own in parts]
+        return np.concatenate(made, axis=1)
+
+    def group_complex(self, hashes: Hashes, columns: int) -> Complexes:
+        """Return what each replicate's draws return for its part of the hashes."""
+        parts = zip(self.parts, np.split(hashes, len(self.parts)), strict=True)
+        return np.concatenate([part.group_complex(own, columns) for part, own in parts])
+
+    def _each(self, drawn: Callable[[Draws, int], NDArray[Any]], rows: int) -> NDArray[Any]:
+        """Return what is drawn for the rows of each replicate, one under the other."""
+        own = rows // len(self.parts)
+        return np.concatenate([drawn(part, own) for part in self.parts])
+
+
+def applied(effect: Effect, batch: Batch, draws: Draws) -> Batch:
+    """Return the batch with an effect: on stacked replicates at once where that is the same."""
+    if not isinstance(draws, StackedDraws) or is_stackable(effect):
+        return effect.apply(batch, draws)
+    assert draws.rows is not None
+    parts = zip(split(batch, draws.rows, len(draws.parts)), draws.parts, strict=True)
+    return joined([effect.apply(*part) for part in parts], batch.rows)
+
+
+def is_stackable(effect: Effect) -> bool:
+    """Return whether the class of an effect itself says so: one derived from it may do more."""
+    return bool(vars(type(effect)).get("stackable", False))
+
+
+def split(batch: Batch, rows: Scene, count: int) -> list[Batch]:
+    """Return the batches of `count` replicates of the same `rows`."""
+    size = len(rows)
+    arrays: dict[str, Any] = {
+        name: value for name, value in vars(batch).items() if isinstance(value, np.ndarray)
+    }
+
+    def part(number: int) -> Batch:
+        own = slice(number * size, (number + 1) * size)
+        return altered(batch, rows=rows, **{name: value[own] for name, value in arrays.items()})
+
+    return [part(number) for number in range(count)]
+
+
+def joined(batches: Sequence[Batch], rows: Scene) -> Batch:
+    """Return the batches of replicates as one of all their `rows`.
+
+    Raises ValueError where they differ in more than the values of arrays.
+    """
+    made: dict[str, Any] = {}
+    for name in vars(batches[0]).keys() - {"rows"}:
+        values = [getattr(batch, name) for batch in batches]
+        if all(isinstance(value, np.ndarray) for value in values):
+            made[name] = np.concatenate(values)
+        elif any(value != values[0] for value in values):
+            raise ValueError(f"replicates of which each has a {name} of its own")
+    return altered(batches[0], rows=rows, **made)
