@@ -57,6 +57,21 @@ class Weighed:
     ratio: float
 
 
+@dataclass(frozen=True)
+class Form:
+    """What a set of `causes` is made of: columns `places` [k], in parts of one size each.
+
+    `owner` [k]: the part of every column; `begin` [m]: where each begins; `most` [m]: the largest
+    variance of its factors.
+    """
+
+    causes: tuple[str, ...]
+    places: NDArray[np.intp]
+    owner: NDArray[np.intp]
+    begin: NDArray[np.intp]
+    most: Floats
+
+
 class Evidence:
     """Residual ranges `left_m` [n] of rows of `links` [n], and parts [n, k] of causes by name.
 
@@ -136,7 +151,7 @@ class Evidence:
         """
         other = self.with_blocks({one: self.blocks[one] for one in causes})
         other.mean_ratio = ANY_MEAN
-        made, none = other.of(tuple(causes)), other._at(tuple(causes), 0.0)
+        made, none = other.of(tuple(causes)), other._at(other._form(tuple(causes)), 0.0)
         least = LARGE_OFFSETS * min(made.variance_m2, self.scatter_m2)
         sure = made.nats - none.nats > NAME_NATS  # loud rows leave links offsets by chance
         return made.ratio if sure and made.ratio * made.variance_m2 >= least else 0.0
@@ -158,11 +173,11 @@ class Evidence:
 
         At that of another set, offsets that links keep would count as evidence for a cause.
         """
-        key, place = tuple(causes), self.nearby
-        best = self._at(key, OFFSET_RATIOS[place])
+        form, place = self._form(tuple(causes)), self.nearby
+        best = self._at(form, OFFSET_RATIOS[place])
         for step in (-1, 1):
             while 0 <= place + step < len(OFFSET_RATIOS):
-                other = self._at(key, OFFSET_RATIOS[place + step])
+                other = self._at(form, OFFSET_RATIOS[place + step])
                 if other.nats <= best.nats:
                     break
                 best, place = other, place + step
@@ -206,49 +221,68 @@ class Evidence:
         far = float(product[-1, -1] - factors[best] * right[best])
         return far / 2, np.asarray(self.columns[:, places[best]] * factors[best])
 
-    def _at(self, causes: tuple[str, ...], ratio: float) -> Weighed:
-        product, log = self._product(ratio)
+    def _form(self, causes: tuple[str, ...]) -> Form:
+        """Return what a set of causes is made of."""
         places = np.concatenate([np.empty(0, np.intp), *(self.places[c] for c in causes)])
-        places = places.astype(np.intp)
         widths = [(c, width) for c in causes for width in self.widths[c]]
         owner = np.repeat(np.arange(len(widths)), [width for _, width in widths])
-        begin = np.flatnonzero(np.diff(owner, prepend=-1))
-        inner = product[np.ix_(places, places)]
-        right, square = product[places, -1], float(product[-1, -1])
-        count = max(float(np.count_nonzero(self.weights > LEAST_WEIGHT)), 2.0)
         most = np.array([self.widest.get(c, SIZE_BOUNDS[1]) for c, _ in widths])
-        sizes, variance = np.ones(len(widths)), max(square / count, LEAST_VARIANCE_M2)
-        for _ in range(EM_STEPS if causes else 0):
-            prior = (1 / sizes)[owner]
-            root = inverse_root(inner / variance, prior)
-            factors = root.T @ (root @ right) / variance
-            known = 1 - np.einsum("ij,ij->j", root, root) * prior
-            told = np.maximum(np.add.reduceat(known, begin), 1e-3)
-            power = factors * factors
-            sizes = np.add.reduceat(power, begin) / told
-            sizes = np.minimum(np.maximum(sizes, SIZE_BOUNDS[0]), most)
-            left = square - factors @ right - variance * float(power @ prior)
-            variance = max(float(left / max(count - told.sum(), 1.0)), LEAST_VARIANCE_M2)
-        root = inverse_root(inner / variance, (1 / sizes)[owner])
+        begin = np.flatnonzero(np.diff(owner, prepend=-1))
+        return Form(causes, places.astype(np.intp), owner, begin, most)
+
+    def _at(self, form: Form, ratio: float) -> Weighed:
+        """Return a set with its evidence at one ratio of link offsets."""
+        product, log = self._product(ratio)
+        inner = np.asfortranarray(product[np.ix_(form.places, form.places)])
+        right, square = product[form.places, -1], float(product[-1, -1])
+        count = max(float(np.count_nonzero(self.weights > LEAST_WEIGHT)), 2.0)
+        sizes, variance = likeliest(inner, right, square, count, form)
+        root = inverse_root(inner / variance, (1 / sizes).take(form.owner))
         covariance = root.T @ root
         factors = covariance @ right / variance
         quadratic = (square - factors @ right) / variance
-        volume = float(np.log(sizes[owner]).sum() - 2 * np.log(root.diagonal()).sum())
+        volume = float(np.log(sizes[form.owner]).sum() - 2 * np.log(root.diagonal()).sum())
         nats = -0.5 * (count * np.log(2 * np.pi * variance) + log + volume + quadratic)
-        nats -= SMALLEST_STEP_NATS * len(causes)
-        return Weighed(causes, float(nats), places, factors, covariance, variance, ratio)
+        nats -= SMALLEST_STEP_NATS * len(form.causes)
+        return Weighed(form.causes, float(nats), form.places, factors, covariance, variance, ratio)
+
+
+def likeliest(
+    inner: Floats, right: Floats, square: float, count: float, form: Form
+) -> tuple[Floats, float]:
+    """Return the sizes [m] of the parts of a set, and the variance of rows, of most evidence.
+
+    By expectation and maximisation: `inner` [k, k] in columns, `right` [k] and `square` are the
+    products of its columns and the residual, of `count` rows. Thousands of sets are asked about,
+    so `dot` and `take` are used: `@` and an index take as long as the arithmetic.
+    """
+    sizes, variance = np.ones(len(form.most)), max(square / count, LEAST_VARIANCE_M2)
+    for _ in range(EM_STEPS if form.causes else 0):
+        prior = (1 / sizes).take(form.owner)
+        root = inverse_root(inner / variance, prior)
+        factors = root.T.dot(root.dot(right)) / variance
+        known = 1 - np.einsum("ij,ij->j", root, root) * prior
+        told = np.maximum(np.add.reduceat(known, form.begin), 1e-3)
+        power = factors * factors
+        sizes = np.add.reduceat(power, form.begin) / told
+        sizes = np.minimum(np.maximum(sizes, SIZE_BOUNDS[0]), form.most)
+        left = square - float(factors.dot(right)) - variance * float(power.dot(prior))
+        variance = max(left / max(count - float(told.sum()), 1.0), LEAST_VARIANCE_M2)
+    return sizes, variance
 
 
 def inverse_root(matrix: Floats, more: Floats) -> Floats:
     """Return R [n, n], lower, with R' R the inverse of a matrix, `more` [n] on its diagonal.
 
     By Cholesky: a third of the work of an inverse by elimination. Raises LinAlgError where the sum
-    is not positive. `matrix` is written over.
+    is not positive. `matrix` stands in columns, as LAPACK has it, and is written over.
     """
-    matrix.flat[:: len(more) + 1] += more
     if not len(more):
         return matrix
-    lower, wrong = dpotrf(matrix, lower=1, clean=1)
+    assert matrix.flags.f_contiguous
+    diagonal = matrix.T.ravel()[:: len(more) + 1]  # a view
+    diagonal += more
+    lower, wrong = dpotrf(matrix, lower=1, clean=1, overwrite_a=1)
     if wrong:
         raise np.linalg.LinAlgError("a precision that is not positive")
-    return np.asarray(dtrtri(lower, lower=1)[0])
+    return np.asarray(dtrtri(lower, lower=1, overwrite_c=1)[0])
