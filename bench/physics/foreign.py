@@ -16,6 +16,7 @@ else noise would add up like a pulse. Without a CIR, effects act on a single pat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
@@ -29,7 +30,7 @@ from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
 from bench.physics.own_noise import with_own_noise
-from bench.physics.pipeline import Pipeline
+from bench.physics.pipeline import Change, Pipeline
 from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
@@ -93,19 +94,17 @@ class ForeignTable:
         Without `cir` the outcome has none. Raises BenchError naming an effect that cannot act on a
         table.
         """
-        for effect in effects:
-            if not effect.on_tables:
-                raise BenchError(f"effect {effect.name!r} needs the simulator, not its table")
+        check_on_tables(effects)
         starts = range(0, len(self.rows), BLOCK)
         keys = [(seed, replicate, "base", start // BLOCK) for start in starts]
         draws = [RememberedDraws(*key, self.memory) for key in keys]
-        pairs = zip(starts, draws, self._plain, strict=True)
+        pairs = zip(starts, draws, self.plain, strict=True)
         return joined(
-            [self._outcome(at, self._run(effects, at, key), plain, cir) for at, key, plain in pairs]
+            [self.outcome(at, self._run(effects, at, key), plain, cir) for at, key, plain in pairs]
         )
 
     @cached_property
-    def _plain(self) -> list[Batch]:
+    def plain(self) -> list[Batch]:
         """The blocks of the table run through the receiver without any effect."""
         starts = range(0, len(self.rows), BLOCK)
         return [self._run((), start, Draws(0, 0, "base", 0)) for start in starts]
@@ -129,14 +128,19 @@ class ForeignTable:
     def _detect(self, early: tuple[Effect, ...], start: int, draws: Draws) -> Batch:
         """Return one block up to detection."""
         phased = any(effect.with_phases for effect in early)
-        arriving = self._arriving(slice(start, start + BLOCK), phased)
+        part = slice(start, start + BLOCK)
+        arriving = self.arriving(part, phased)
+        pipeline = Pipeline(early, self.receiver(part, arriving), self.base.detected)
+        return pipeline.detected(lambda: arriving, draws)
+
+    def receiver(self, part: slice, arriving: Batch) -> Change:
+        """Return what receives rows of which this arrives without effects."""
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        peaks, edge = self._peaks[start : start + BLOCK], arriving.free_gain
-        receive = partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks)
-        return Pipeline(early, receive, self.base.detected).detected(lambda: arriving, draws)
+        peaks, edge = self._peaks[part], arriving.free_gain
+        return partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks)
 
-    def _arriving(self, part: slice, phased: bool = False) -> Batch:
+    def arriving(self, part: slice, phased: bool = False) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
         batch = self.base.counted(self.base.paths(self.rows.slice(part.start, part.stop)))
         excess = ((self.range_m[part] - batch.rows.true_range_m) / C_M_PER_NS).astype(np.float32)
@@ -215,7 +219,7 @@ class ForeignTable:
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch
 
-    def _outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
+    def outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
         """Return the table's values plus what the effects changed in one block.
 
         A noise or a count that the table does not tell stays unknown: its samples are not scaled by
@@ -252,6 +256,13 @@ class ForeignTable:
         if changed.first_path is None or plain.first_path is None:
             return None
         return self._index(changed.rows) + changed.first_path - plain.first_path
+
+
+def check_on_tables(effects: Sequence[Effect]) -> None:
+    """Raise BenchError naming an effect that cannot act on a table."""
+    for effect in effects:
+        if not effect.on_tables:
+            raise BenchError(f"effect {effect.name!r} needs the simulator, not its table")
 
 
 def _louder_by(batch: Batch, edge: Complexes | None) -> Floats:

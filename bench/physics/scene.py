@@ -78,19 +78,8 @@ class Scene:
         """Return the rows several times, one after the other; the same object while remembered."""
         if times == 1:
             return self
-        found: Scene = self.parts.get(("repeated", times), lambda: self._repeated(times))
+        found: Scene = self.parts.get(("repeated", times), lambda: stacked([self] * times))
         return found
-
-    def _repeated(self, times: int) -> Scene:
-        """Return `repeated`, made."""
-        return Scene(
-            {name: np.tile(column, times) for name, column in self.numbers.items()},
-            {name: np.tile(column, (times, 1)) for name, column in self.lists.items()},
-            np.tile(self.kinds, (times, 1)),
-            self.kind_names,
-            {name: np.tile(column, times) for name, column in self.hashes.items()},
-            np.tile(self.true_range_m, times),
-        )
 
     def has(self, name: str) -> bool:
         """Return whether a numeric column is there at all."""
@@ -129,6 +118,29 @@ class Scene:
         """Return which rows [n] have no line of sight: by `los` where known, else by obstacles."""
         sight = self.numbers.get("los", np.full(len(self), np.nan))
         return np.where(np.isnan(sight), self.obstacle_count() > 0, sight == 0)
+
+
+def stacked(scenes: Sequence[Scene]) -> Scene:
+    """Return the rows of scenes of the same columns, one scene's under the other's.
+
+    Raises ValueError where their columns are not the same.
+    """
+    first = scenes[0]
+    if any(one.kind_names != first.kind_names for one in scenes):
+        raise ValueError("scenes with other kinds of obstacles")
+    numbers, lists, hashes = (
+        _under([getattr(one, name) for one in scenes]) for name in ("numbers", "lists", "hashes")
+    )
+    kinds = np.concatenate([one.kinds for one in scenes])
+    truth = np.concatenate([one.true_range_m for one in scenes])
+    return Scene(numbers, lists, kinds, first.kind_names, hashes, truth)
+
+
+def _under(columns: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    """Return columns of the same names, one scene's under the other's."""
+    if any(one.keys() != columns[0].keys() for one in columns):
+        raise ValueError("scenes with other columns")
+    return {name: np.concatenate([one[name] for one in columns]) for name in columns[0]}
 
 
 def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:

@@ -1,4 +1,4 @@
-"""Several replicates of the same rows as one batch: to the last bit what each gives alone.
+"""Several replicates of some rows as one batch: to the last bit what each gives alone.
 
 A few hundred rows cost more in calls than in arithmetic. So replicates stand one under the other,
 and every number is drawn by the draws of its own replicate.
@@ -7,6 +7,7 @@ and every number is drawn by the draws of its own replicate.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -24,16 +25,20 @@ from bench.physics.units import Complexes, Floats, Reals
 Hashes = NDArray[np.uint64]
 
 
+class OtherGroupsError(Exception):
+    """Replicates have groups of rows that are not the same in each: take them one by one."""
+
+
 @dataclass(frozen=True)
 class StackedDraws(Draws):
-    """Draws of `replicates` of the same `rows`, whose batches stand one under the other.
+    """Draws of `replicates`, each of rows of its own, as many: their batches stand stacked.
 
-    First axes of shapes, and hashes, are those of all replicates together. `replicate` is the
-    first of them.
+    First axes of shapes, and hashes, are those of all replicates together; `replicate` is the first
+    of them. `scenes` are the rows of each.
     """
 
-    rows: Scene | None = None
     replicates: tuple[int, ...] = ()
+    scenes: tuple[Scene, ...] = ()
     memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
 
     @cached_property
@@ -64,9 +69,15 @@ class StackedDraws(Draws):
         return self._each(lambda draws, rows: draws.gamma(shape, rows, *size[1:]), size[0])
 
     def groups(self, hashes: Hashes) -> tuple[Hashes, NDArray[np.intp]]:
-        """Return the groups of each replicate, one replicate's behind the other's."""
+        """Return the groups of each replicate, one replicate's behind the other's.
+
+        Raises OtherGroupsError where replicates have other groups each.
+        """
         count = len(self.parts)
-        groups, place = Draws.groups(self, hashes[: len(hashes) // count])
+        each = hashes.reshape(count, -1)
+        if not (each == each[0]).all():
+            raise OtherGroupsError
+        groups, place = Draws.groups(self, each[0])
         behind = len(groups) * np.arange(count)[:, None]
         return np.tile(groups, count), (behind + place).ravel()
 
@@ -89,10 +100,12 @@ class StackedDraws(Draws):
 
 def applied(effect: Effect, batch: Batch, draws: Draws) -> Batch:
     """Return the batch with an effect: on stacked replicates at once where that is the same."""
-    if not isinstance(draws, StackedDraws) or is_stackable(effect):
+    if not isinstance(draws, StackedDraws):
         return effect.apply(batch, draws)
-    assert draws.rows is not None
-    parts = zip(split(batch, draws.rows, len(draws.parts)), draws.parts, strict=True)
+    if is_stackable(effect):
+        with suppress(OtherGroupsError):
+            return effect.apply(batch, draws)
+    parts = zip(split(batch, draws.scenes), draws.parts, strict=True)
     return joined([effect.apply(*part) for part in parts], batch.rows)
 
 
@@ -101,22 +114,22 @@ def is_stackable(effect: Effect) -> bool:
     return bool(vars(type(effect)).get("stackable", False))
 
 
-def split(batch: Batch, rows: Scene, count: int) -> list[Batch]:
-    """Return the batches of `count` replicates of the same `rows`."""
-    size = len(rows)
-    arrays: dict[str, Any] = {
-        name: value for name, value in vars(batch).items() if isinstance(value, np.ndarray)
-    }
+def split(batch: Batch, scenes: Sequence[Scene]) -> list[Batch]:
+    """Return the batches of replicates, each of as many rows: its scene."""
+    arrays = {name: value for name, value in vars(batch).items() if isinstance(value, np.ndarray)}
+    size = len(scenes[0])
 
-    def part(number: int) -> Batch:
-        own = slice(number * size, (number + 1) * size)
-        return altered(batch, rows=rows, **{name: value[own] for name, value in arrays.items()})
+    def part(number: int, rows: Scene) -> Batch:
+        own: dict[str, Any] = {
+            name: value[number * size : (number + 1) * size] for name, value in arrays.items()
+        }
+        return altered(batch, rows=rows, **own)
 
-    return [part(number) for number in range(count)]
+    return [part(number, rows) for number, rows in enumerate(scenes)]
 
 
 def joined(batches: Sequence[Batch], rows: Scene) -> Batch:
-    """Return the batches of replicates as one of all their `rows`.
+    """Return the batches of replicates as one of all their rows.
 
     Raises ValueError where they differ in more than the values of arrays.
     """

@@ -130,7 +130,7 @@ class Stages:
         key = (seed, numbers[0], "base", block)
         if len(numbers) == 1:
             return RememberedDraws(*key, self._drawn)
-        return StackedDraws(*key, rows, numbers, self._drawn)
+        return StackedDraws(*key, numbers, (rows,) * len(numbers), self._drawn)
 
     def _place(self, rows: Scene) -> Hashable:
         """Return a number for these rows, theirs for good: forgotten rows come back as new ones.

@@ -35,33 +35,24 @@ from bench.discrepancy.compare.settings import (
 )
 from bench.discrepancy.compare.shared import NUMBERS, no_overlap, shared, shared_with_categories
 from bench.discrepancy.compare.staged_simulation import Stages
+from bench.discrepancy.compare.table_waveforms import TableWaveforms
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.data.covariates import MEASURED
 from bench.discrepancy.data.observables import (
     RANGE,
-    SCALARS,
     Floats,
     Observables,
     Window,
-    collect,
     observe,
-    shape_of,
 )
 from bench.discrepancy.data.split import Rows, link_codes
 from bench.discrepancy.settings import (
     KEPT_MATCHES,
-    KEPT_NOISE,
     KEPT_PATH_REPLICATES,
-    KEPT_SHAPES,
-    KEPT_TABLES,
 )
 from bench.errors import BenchError
 from bench.physics.base import Base
-from bench.physics.foreign import ForeignTable
 from bench.physics.memory import Memory
-from bench.physics.outcome import Outcome
-from bench.physics.remembered import DrawMemory
 from bench.physics.simulator import Simulator
 
 CHANGED = ("error_m", "rx_power_dbm")
@@ -102,7 +93,10 @@ class TableComparison:
         first, picks = view.rich * first, self._matches(view, count)
         if added and any(name.startswith("profile_db") for name in seen.names):
             numbers = range(first, first + count)
-            made = [self._with_cir(view, p, added, n) for p, n in zip(picks, numbers, strict=True)]
+            made = self.waveforms.changed(view, picks, added, numbers)
+            near = [self._nearer(one, view, p) for one, p in zip(made, picks, strict=True)]
+            pairs = zip(made, near, strict=True)
+            made = [replace(one, values=one.values + more) for one, more in pairs]
             return stack(view.recorded, made, view.links)
         whole = any(effect.last or effect.first for effect in added)
         changes = (
@@ -122,11 +116,11 @@ class TableComparison:
         What draws nothing changes all replicates alike: two that are equal stand for the rest,
         unless the effects strike so rarely that two may be equal by chance.
         """
-        made = [self._change(seen, view, added, number) for number in numbers[:2]]
+        made = self._change(seen, view, added, numbers[:2])
         rare = any(type(e).per_link or type(e).strikes for e in added)
         if len(made) > 1 and not rare and np.array_equal(made[0], made[1], equal_nan=True):
             return made + made[:1] * (len(numbers) - 2)
-        return made + [self._change(seen, view, added, number) for number in numbers[2:]]
+        return made + self._change(seen, view, added, numbers[2:])
 
     def _of_whole(
         self, seen: Observables, view: View, added: Added, replicate: int, pick: Rows
@@ -135,76 +129,33 @@ class TableComparison:
 
         Rounding depends on what is rounded: the matched row's own error is in the range.
         """
+        numbers = range(replicate, replicate + 1)
         if RANGE not in seen.names:
-            return self._change(seen, view, added, replicate)
+            return self._change(seen, view, added, numbers)[0]
         given = np.nan_to_num(seen.column(RANGE)[pick])
-        change = self._change(seen, view, (AsSimulated(given), *added), replicate)
+        change = self._change(seen, view, (AsSimulated(given), *added), numbers)[0]
         change[:, seen.names.index(RANGE)] -= given
         return change
 
-    def _with_cir(
-        self, view: View, pick: NDArray[np.intp], added: Added, replicate: int
-    ) -> Observables:
-        """Return matched rows with effects on their CIRs too, at the recorded rows' settings."""
-        key = (view.number, pick.tobytes())
-        table = self._tables.get(key, lambda: self._table(view, pick))
-        early = tuple(effect for effect in added if effect.stage != "ranging")
-        whole = (*key, early, replicate)
-        shape = self._shapes.find(whole)
-        made = table.observe(added, self.seed, replicate, cir=shape is None)
-        scalars = {name: np.asarray(getattr(made, name), np.float64) for name in SCALARS}
-        if shape is None:
-            shape = self._shapes.keep(whole, self._shape(made, scalars))
-        seen = collect(scalars, shape)
-        return replace(seen, values=seen.values + self._nearer(seen, view, pick))
-
-    def _table(self, view: View, pick: NDArray[np.intp]) -> ForeignTable:
-        """Return matched rows, ready for effects to act on."""
-        return ForeignTable(self._rows_at(view, pick), memory=self._drawn)
-
     @cached_property
-    def _drawn(self) -> DrawMemory:
-        """Random numbers that are remembered."""
-        return DrawMemory(KEPT_NOISE)
+    def waveforms(self) -> TableWaveforms:
+        """Changes the waveforms of matched rows."""
+        return TableWaveforms(self.frame, self.observed.column(RANGE), self.window, self.seed)
 
-    def _shape(self, made: Outcome, scalars: dict[str, Floats]) -> dict[str, Floats]:
-        """Return the figures of the CIRs of changed rows: effects on the range change none."""
-        assert made.cir is not None
-        assert made.first_path_index is not None
-        first, period_ns = made.first_path_index, made.sample_period_ns
-        return shape_of(made.cir, first, period_ns, self.window, scalars)
-
-    @cached_property
-    def _shapes(self) -> Memory[dict[str, Floats]]:
-        """Figures of CIRs that are remembered."""
-        return Memory(KEPT_SHAPES)
-
-    @cached_property
-    def _tables(self) -> Memory[ForeignTable]:
-        """Matched tables that are remembered."""
-        return Memory(KEPT_TABLES)
-
-    def _rows_at(self, view: View, pick: NDArray[np.intp]) -> pd.DataFrame:
-        """Return matched rows: what was measured from the table, all else as recorded."""
-        theirs = self.frame.iloc[pick].reset_index(drop=True)
-        known = [name for name in view.frame if name not in MEASURED]
-        error = self.observed.column("error_m")[pick]
-        kept = theirs[[name for name in theirs if name in MEASURED]]
-        out = pd.concat([view.frame[known].reset_index(drop=True), kept], axis=1)
-        return out.assign(error_m=error, range_m=view.scene.true_range_m + error)
-
-    def _change(self, seen: Observables, view: View, added: Added, replicate: int) -> Floats:
-        """Return what the effects change, [n, p]; zero for observables of the waveform."""
-        change = np.zeros((len(view.rows), len(seen.names)))
+    def _change(self, seen: Observables, view: View, added: Added, numbers: range) -> list[Floats]:
+        """Return what the effects change in replicates, [n, p]; 0 for what waveforms show."""
+        changes = [np.zeros((len(view.rows), len(seen.names))) for _ in numbers]
         if not added:
-            return change
-        see = self.stages.observables
-        without = self._bare(view, replicate)
-        within = see(Simulator(self.base, added, self.seed), view.scene, replicate, False)
-        for name in CHANGED:
-            if name in seen.names and name in within.names and name in without.names:
-                change[:, seen.names.index(name)] = within.column(name) - without.column(name)
-        return change
+            return changes
+        with_them = Simulator(self.base, added, self.seed)
+        every = self.stages.ensemble(with_them, view.scene, numbers, False)
+        for change, number, within in zip(changes, numbers, every, strict=True):
+            without = self._bare(view, number)
+            for name in CHANGED:
+                if name in seen.names and name in within.names and name in without.names:
+                    made = within.column(name) - without.column(name)
+                    change[:, seen.names.index(name)] = made
+        return changes
 
     def _bare(self, view: View, replicate: int) -> Observables:
         """Return what the bare base gives for the rows in one replicate; remembered."""
@@ -323,14 +274,18 @@ class TableComparison:
 
     def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:
         """Return by how much observables [n, p] change from the matched rows' distances to ours."""
-        theirs = numeric(self.frame, "true_range_m")[pick]
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        return nearer(seen.names, self._over_distance, ours, theirs)
+        return nearer(seen.names, self._over_distance, ours, self._true_range_m[pick])
+
+    @cached_property
+    def _true_range_m(self) -> Floats:
+        """The true ranges of the simulated rows, NaN where unknown."""
+        return numeric(self.frame, "true_range_m")
 
     @cached_property
     def _over_distance(self) -> dict[str, float]:
         """What the simulated observables do over the distance."""
-        return slopes(self.observed, numeric(self.frame, "true_range_m"), self.links)
+        return slopes(self.observed, self._true_range_m, self.links)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).

@@ -105,9 +105,9 @@ def _alone(effects: tuple[Effect, ...], cir: bool) -> list[Batch]:
 
 
 def _together(effects: tuple[Effect, ...], cir: bool) -> list[Batch]:
-    draws = StackedDraws(3, NUMBERS[0], "base", 0, ROWS, NUMBERS, DrawMemory(4))
+    draws = StackedDraws(3, NUMBERS[0], "base", 0, NUMBERS, (ROWS,) * 3, DrawMemory(4))
     whole = _simulated(effects, ROWS.repeated(len(NUMBERS)), draws, cir)
-    return split(whole, ROWS, len(NUMBERS))
+    return split(whole, draws.scenes)
 
 
 def _assert_same(effects: tuple[Effect, ...], cir: bool) -> None:
@@ -178,7 +178,7 @@ def test_replicates_of_other_shapes_cannot_be_stacked() -> None:
 
 
 def test_stacked_replicates_have_no_generator_in_common() -> None:
-    draws = StackedDraws(3, 4, "base", 0, ROWS, NUMBERS, DrawMemory(4))
+    draws = StackedDraws(3, 4, "base", 0, NUMBERS, (ROWS,) * 3, DrawMemory(4))
     with pytest.raises(AttributeError, match="generator each"):
         _ = draws.generator
 
