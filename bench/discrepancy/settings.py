@@ -110,6 +110,7 @@ TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]
 MOST_CLUSTERS: Final = 80  # more links are grouped at random: still exchangeable [cost]
 PART_SHARE: Final = 0.3  # of the rows, in which a shift may be seen better than in all [convention]
+LARGER_HERE: Final = 1.5  # times what is found over all rows: then some rows are told [convention]
 SPREAD_TOLD: Final = 0.6  # a spread is told after a mean unless it is this much louder [convention]
 
 # --- Fitting one effect (fit/search) -------------------------------------------------------------
@@ -189,6 +190,7 @@ LEAST_HALF: Final = 1e-6  # of an interval, in m or ns: a grid is known to the l
 MOST_PATTERN_BIAS_M: Final = 0.3  # [source] Ledergerber 2018: 10-20 cm over direction; more of it
 # is no antenna
 UNNAMED_KNOTS: Final = 9  # of the curve of what has no name [convention]
+UNNAMED_LINKS: Final = 3  # links to a knot of it, or it follows single links [convention]
 UNNAMED_ROWS: Final = 20  # below which there is no curve [convention]
 UNNAMED_RIDGE: Final = 1e-3  # keeps empty knots at zero [derived]
 UNNAMED_WIDEST_M: Final = 100.0  # [derived] the bound of the effect

@@ -10,9 +10,13 @@ from bench.discrepancy.settings import UNNAMED_KNOTS
 Floats = NDArray[np.float64]
 
 
-def knots_of(values: Floats) -> Floats:
-    """Return the knots [k] of a curve over known values [n]: as many rows between any two."""
-    return np.unique(np.quantile(values, np.linspace(0, 1, UNNAMED_KNOTS)))
+def knots_of(values: Floats, most: int = UNNAMED_KNOTS) -> Floats:
+    """Return the knots [k] of a curve over known values [n]: as many rows between any two.
+
+    `most` of them; a single one, of a constant, is in the middle.
+    """
+    ends = np.linspace(0, 1, most) if most > 1 else np.array([0.5])
+    return np.unique(np.quantile(values, ends))
 
 
 def hats(values: Floats, knots: Floats) -> Floats:

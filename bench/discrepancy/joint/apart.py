@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.joint.form import variances
 from bench.discrepancy.joint.likelihood import evidence, left_free, white, whitener
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import ACTS, LEFT_NATS, NAME_NATS, SCATTERS
+from bench.discrepancy.joint.settings import ACTS, LEFT_NATS, NAME_NATS, NAME_SHARE, SCATTERS
 from bench.discrepancy.joint.statistics import Moments, Statistics
 
 Floats = NDArray[np.float64]
@@ -28,13 +28,14 @@ def brought_alone(given: Statistics, fit: Fit, rest: Fit, name: str) -> float:
     return _gain(given, fit, rest, untouched(given, fit, name))
 
 
-def refuted(given: Statistics, fit: Fit, name: str, alone: float) -> bool:
+def refuted(given: Statistics, fit: Fit, name: str, alone: float, brings: float) -> bool:
     """Return whether a member is not seen where it alone would show, and would be plain to see.
 
     So a noise floor that makes up for another's form in the profile, where noise is logged.
-    `alone`: what it brings there (see `brought_alone`).
+    `alone`: what it brings there (see `brought_alone`); a small loss beside all that it `brings` is
+    a matter of its form.
     """
-    if alone >= 0 or len(fit.names) == 1:
+    if alone >= min(0.0, -NAME_SHARE * brings) or len(fit.names) == 1:
         return False
     return _plain(given, fit, name, untouched(given, fit, name))
 
@@ -107,13 +108,14 @@ def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
     """Return some of the statistics; how rows scatter within links is not told by statistic."""
     some = {n: one[np.ix_(places, places)] for n, one in moments.covariances.items()}
     own, uneven = (None if one is None else one[:, places] for one in (moments.own, moments.uneven))
-    spread = moments.spread_left[:, places]
+    spread, rows = moments.spread_left[:, places], moments.rows_left[:, places]
     return replace(
         moments,
         left=moments.left[:, places],
         mean=moments.mean[:, places],
         covariances=some,
         spread_left=spread,
+        rows_left=rows,
         within=0.0,
         own=own,
         uneven=uneven,

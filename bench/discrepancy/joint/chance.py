@@ -18,19 +18,27 @@ from scipy.stats import t
 
 from bench.discrepancy.joint.likelihood import evidence_of, misfit
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import MISFIT, PREDICTED_P
+from bench.discrepancy.joint.settings import MISFIT, MISFIT_SHARE, PREDICTED_P
 from bench.discrepancy.joint.statistics import Moments, Statistics
 from bench.discrepancy.settings import FEW_VERSIONS
 
 Floats = NDArray[np.float64]
 
 
-def off(given: Statistics, fit: Fit) -> bool:
-    """Return whether recordings are farther from a set than its simulated links are."""
+def off(given: Statistics, fit: Fit, none: Fit) -> bool:
+    """Return whether recordings are farther from a set than its simulated links are.
+
+    And by more than a small share of how far they are from `none`: no form is exactly right.
+    """
     moments, responses = fit.moments, fit.responses
     others = given.others(fit.effects)
     usual = [misfit(given, replace(moments, left=one), responses) for one in others]
-    return misfit(given, moments, responses) > max(MISFIT, highest(usual))
+    return left_of(given, fit) > max(MISFIT, highest(usual), MISFIT_SHARE * left_of(given, none))
+
+
+def left_of(given: Statistics, fit: Fit) -> float:
+    """Return the mean square of what a set leaves, in scatters of its links (see `misfit`)."""
+    return misfit(given, fit.moments, fit.responses)
 
 
 def by_chance(given: Statistics, fit: Fit, rest: Fit) -> float:

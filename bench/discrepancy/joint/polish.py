@@ -1,7 +1,8 @@
 """Fitting the parameters of all effects of a set at once, by Gauss and Newton.
 
 Differences are taken on common random numbers, so they are smooth. Means are fitted as they weigh
-in the likelihood; squared deviations beside them, by which scatter is fitted.
+in the likelihood; squared deviations beside them, of links and of rows about their link's mean, by
+which scatter is fitted.
 """
 
 from __future__ import annotations
@@ -99,50 +100,91 @@ def _own(varied: Sequence[tuple[Floats, Floats]]) -> Floats | None:
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
     """Return a set of effects fitted from where they are, None where they cannot be simulated."""
     best = fitted(given, effects)
-    slopes = slopes_of(given, best) if best and len(shares(effects)) else None
-    for _ in range(steps if slopes is not None else 0):
-        assert best is not None
-        assert slopes is not None
+    if best is None or not len(shares(effects)):
+        return best
+    slopes = Slopes.at(given, best)
+    for _ in range(steps):
         better = _step(given, best, slopes)
         if better is None:
             break
         gained, before, best = better.nats - best.nats, best, better
         if gained < DONE_NATS:
             break
-        slopes = _corrected(slopes, before, best)
+        slopes = slopes.corrected(before, best)
     return best
 
 
+@dataclass(frozen=True)
+class Slopes:
+    """How a fit changes with every share: what is fitted [L, 3 p, k], and the likelihood.
+
+    `beyond` [k]: how the log likelihood rises beyond what the squares of what is fitted say of it:
+    they know nothing of how scatter widens its volume, nor how it is correlated.
+    """
+
+    ways: Floats
+    beyond: Floats
+
+    @classmethod
+    def at(cls, given: Statistics, now: Fit) -> Slopes:
+        """Return the slopes where a fit is."""
+        ways = slopes_of(given, now)
+        here, each = at_work(given, now, ways)
+        squares = -each.reshape(len(each), -1) @ here.ravel()
+        return cls(ways, _rises(given, now) - squares)
+
+    def corrected(self, before: Fit, after: Fit) -> Slopes:
+        """Return slopes that agree with a step (Broyden 1965): cheaper than new differences."""
+        way = shares(after.effects) - shares(before.effects)
+        came = _statistics(after.moments) - _statistics(before.moments)
+        more = (came - self.ways @ way)[..., None] * way / max(float(way @ way), 1e-12)
+        return replace(self, ways=self.ways + more)
+
+
+def _rises(given: Statistics, now: Fit) -> Floats:
+    """Return how the log likelihood rises with every share [k], as links count without sharing."""
+    out = np.zeros(len(shares(now.effects)))
+    for place in range(len(out)):
+        way, moved = _moved(given, now, place, STEP)
+        if moved is not None:
+            moved = replace(moved, uneven=now.moments.uneven)
+            nats = fitness(given, moved, moved.left, now.responses, now.parameters)
+            out[place] = given.crowding * (nats - now.nats) / way
+    return out
+
+
+def _moved(given: Statistics, now: Fit, place: int, step: float) -> tuple[float, Moments | None]:
+    """Return how far one share is moved, `step` of the bounds up or down, and the moments there."""
+    at = shares(now.effects)
+    way = step if 0 <= at[place] + step <= 1 else -step
+    return way, given.moments(with_shares(now.effects, at + way * (np.arange(len(at)) == place)))
+
+
 def _statistics(moments: Moments) -> Floats:
-    """Return all that is fitted [L, 2 p]: means, then squared deviations."""
-    return np.hstack([moments.left, moments.spread_left])
+    """Return all that is fitted [L, 3 p]: means, then squared deviations, then those of rows."""
+    return np.hstack([moments.left, moments.spread_left, moments.rows_left])
 
 
 def slopes_of(given: Statistics, now: Fit, step: float = STEP) -> Floats:
-    """Return how what is fitted changes with every share [L, 2 p, k], `step` of the bounds on."""
-    here, at = _statistics(now.moments), shares(now.effects)
-    slopes = np.zeros((*here.shape, len(at)))
-    for place, share in enumerate(at):
-        way = step if 0 <= share + step <= 1 else -step
-        moved = given.moments(with_shares(now.effects, at + way * (np.arange(len(at)) == place)))
+    """Return how what is fitted changes with every share [L, 3 p, k], `step` of the bounds on."""
+    here, count = _statistics(now.moments), len(shares(now.effects))
+    slopes = np.zeros((*here.shape, count))
+    for place in range(count):
+        way, moved = _moved(given, now, place, step)
         if moved is not None:
             slopes[..., place] = (_statistics(moved) - here) / way
     return slopes
 
 
-def _corrected(slopes: Floats, before: Fit, after: Fit) -> Floats:
-    """Return slopes that agree with the last step (Broyden 1965): cheaper than new differences."""
-    way = shares(after.effects) - shares(before.effects)
-    came = _statistics(after.moments) - _statistics(before.moments)
-    return slopes + (came - slopes @ way)[..., None] * way / max(float(way @ way), 1e-12)
-
-
-def _step(given: Statistics, now: Fit, slopes: Floats) -> Fit | None:
+def _step(given: Statistics, now: Fit, slopes: Slopes) -> Fit | None:
     """Return a likelier set one step on, None where none is found."""
-    here, each = at_work(given, now, slopes)
-    at, ways = shares(now.effects), each.reshape(len(each), -1)
-    inner, right = ways @ ways.T, ways @ here.ravel()
-    for damping in DAMPING:
+    here, each = at_work(given, now, slopes.ways)
+    ways = each.reshape(len(each), -1)
+    inner, squares = ways @ ways.T, ways @ here.ravel()
+    at = shares(now.effects)
+    # By squares alone, whose slopes reach farthest, then by all that the likelihood is of.
+    for damping, beyond in zip(DAMPING, (0.0, slopes.beyond, slopes.beyond), strict=True):
+        right = squares - beyond
         ridge = damping * np.diag(inner) + 1e-3 * np.trace(inner) / len(at) + 1e-9
         way = -np.linalg.solve(inner + np.diag(ridge), right)
         there = np.clip(at + np.clip(way, -LONGEST_STEP, LONGEST_STEP), 0, 1)
@@ -166,18 +208,19 @@ def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:
 
 
 def at_work(given: Statistics, now: Fit, slopes: Floats) -> tuple[Floats, Floats]:
-    """Return what is fitted [L, 2 p] and its slopes [k, L, 2 p], as they weigh in the fit."""
+    """Return what is fitted [L, 3 p] and its slopes [k, L, 3 p], as they weigh in the fit."""
     matrices, _ = whitener(given, now.moments, now.responses)
     square = (white(matrices, now.moments.left) ** 2).sum(axis=1)
     weights = np.sqrt((TAIL + matrices.shape[1]) / (TAIL + square))[:, None]
-    here = _weighed(matrices, weights, _statistics(now.moments))
-    return here, np.stack([_weighed(matrices, weights, one) for one in np.moveaxis(slopes, 2, 0)])
+    often = np.sqrt(np.maximum(given.count - 1, 0))[:, None]
 
+    def weighed(values: Floats) -> Floats:
+        means, spreads, rows = np.hsplit(values, 3)
+        wide = SPREAD_WEIGHT * spreads, SPREAD_WEIGHT * often * rows
+        return np.hstack([weights * white(matrices, means), *wide])
 
-def _weighed(matrices: Floats, weights: Floats, values: Floats) -> Floats:
-    """Return what is fitted [L, 2 p] as it weighs."""
-    means, spreads = np.hsplit(values, 2)
-    return np.hstack([weights * white(matrices, means), SPREAD_WEIGHT * spreads])
+    here = weighed(_statistics(now.moments))
+    return here, np.stack([weighed(one) for one in np.moveaxis(slopes, 2, 0)])
 
 
 def shares(effects: Added) -> Floats:

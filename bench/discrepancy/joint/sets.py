@@ -87,7 +87,7 @@ class Sets:
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         least = max(LEFT_NATS, SCATTERED_SHARE * explained)
         much = much or (self._scatters(best, self.none) and free[1] > least)
-        much = much or (best.names != marked and off(self.given, best))
+        much = much or (best.names != marked and off(self.given, best, self.none))
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
@@ -151,7 +151,7 @@ class Sets:
         return self._plains.get(fit.effects, lambda: plainer(self.given, fit, self.evidence))
 
     def _grow(self) -> None:
-        """Fit the likeliest sets of one, two and three effects more."""
+        """Fit the likeliest sets of one, two, three ... effects more."""
         first = [one.effect for one in self.screen.singly()[:POLISHED]]
         beam = self._fit([(*self.start.effects, effect) for effect in first])
         for width in BEAM[: MOST - 1]:
@@ -211,7 +211,8 @@ class Sets:
         """
         rest = self._without(fit, name)
         alone = brought_alone(self.given, fit, rest, name)
-        if refuted(self.given, fit, name, alone) or unlogged(self.given, fit, rest, name):
+        brings = self._brings(fit, name)
+        if refuted(self.given, fit, name, alone, brings) or unlogged(self.given, fit, rest, name):
             return float("inf")
         if beside_own_curve(self.given, fit, rest, name) < NAME_NATS:
             return float("inf")

@@ -26,7 +26,7 @@ DECIBELS: Final = {
 # observables that are compared by their logarithm, and how many decibels a decade is [convention]
 KEPT: Final = 200  # statistics of sets that are remembered (changes nothing but time)
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
-TAIL: Final = 10.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
+TAIL: Final = 30.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]
 FORM_ALONE: Final = 0.1  # of a response, that each link may differ by [convention]
 FORMS: Final = (0.1, 0.2, 0.3)  # of a response, that another form of it may differ by: one of these
@@ -45,14 +45,14 @@ TOUCHES: Final = 4.0  # squared scatters over all links, that an effect must mov
 TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
 REFITTED: Final = 2  # steps of a fit that others began [cost]
 POLISHED: Final = 8  # single effects that are fitted in full [cost]
-BEAM: Final = (5, 4)  # sets of one, of two effects that are added to [cost]
+BEAM: Final = (5, 4, 2)  # sets of one, of two, ... effects that are added to [cost]
 GROWN: Final = 2  # sets with one effect more that are fitted in full, of each [cost]
-MOST: Final = 3  # effects in a set [cost]
+MOST: Final = 4  # effects in a set [cost]
 SETTLED: Final = 6  # times that another set may take the place of the likeliest [cost]
 STEPS: Final = 5  # of a fit [cost]
 STEP: Final = 0.03  # of the bounds, for differences [convention]
 LONGEST_STEP: Final = 0.3  # of the bounds, in one step of a fit [convention]
-DAMPING: Final = (0.1, 1.0, 10.0)  # tried one after the other [convention]
+DAMPING: Final = (0.1, 0.1, 10.0)  # tried one after the other [convention]
 UNSURE_NATS: Final = 20.0  # that other responses may make of a difference [convention]
 DONE_NATS: Final = 0.5  # a step that gains less is the last [cost]
 SPREAD_WEIGHT: Final = 0.4  # of squared deviations in a fit, beside the means [convention]
@@ -68,6 +68,8 @@ SCATTERED_SHARE: Final = 0.01  # the same over one covariate, of a set that scat
 # hides much of what goes with a covariate, but no form is right to a thousandth [convention]
 MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulated links, up to which
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]
+MISFIT_SHARE: Final = 0.02  # of the mean square that is there without any effect, that a set may
+# leave: forms of effects are right to a seventh at best [convention]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 DB_PER_NEPER: Final = 8.686  # of an amplitude [derived]
@@ -81,8 +83,11 @@ SIZE_WIDER: Final = 3.0  # times what slopes say: valleys bend, and fits end bef
 # Measured on recordings of known effects, seeds 52960 and 73311: 86 % hold the truth so, 61 % at 1
 
 STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45)  # of the bounds, of a strike [cost]
+STRIKE_TURNS: Final = 3  # of fitting effects to spared links, and asking which are struck [cost]
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
-CALM_FEWEST: Final = 8  # links that were not; and more than struck ones [convention]
+MOST_STRUCK: Final = 0.75  # of the links: what strikes nearly all has no calm ones to show it
+CALM_FEWEST: Final = 4  # links that were not [convention]
+CALM_SHARE: Final = 0.33  # of the struck ones, as many as were not at least [convention]
 STRIKE_ALIKE: Final = 0.3  # of what a strike brings, from where another may do as well [convention]
 LONGER_ODDS: Final = (
     0.75  # that a struck link reads longer than a spared one, at least [convention]

@@ -92,7 +92,7 @@ def reaches(given: Statistics, now: Fit) -> Floats:
 
 
 def both_ways(given: Statistics, now: Fit) -> Floats:
-    """Return the slopes [L, 2 p, k] as means of both ways, far enough that noise is little."""
+    """Return the slopes [L, 3 p, k] as means of both ways, far enough that noise is little."""
     return (slopes_of(given, now, SIZE_STEP) + slopes_of(given, now, -SIZE_STEP)) / 2
 
 

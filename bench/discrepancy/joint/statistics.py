@@ -48,17 +48,19 @@ class Moments:
 
     `left` [L, p]: recorded minus simulated mean; `mean` [L, p]: the simulated mean; `covariances`
     maps numbers of rows of a link to the covariance of `left` [p, p]; `spread_left` [L, p]: how
-    much larger the logarithm of squared deviations is. `within`: the log likelihood of how rows
-    of a link scatter about its mean, in nats. `own` [L, p, r]: what devices may have of their own
-    of the effects, at normal factors of one; `uneven` [L, p, k]: by how much links have more or
-    less of them, each by itself, in all statistics at once; None where that is nothing. `rows`
-    [p, p]: the covariance of rows of a link about its mean.
+    much larger the logarithm of squared deviations is; `rows_left` [L, p]: the same of rows about
+    the mean of their link, 0 where that takes no part in the likelihood. `within`: the log
+    likelihood of how rows of a link scatter about its mean, in nats. `own` [L, p, r]: what devices
+    may have of their own of the effects, at normal factors of one; `uneven` [L, p, k]: by how much
+    links have more or less of them, each by itself, in all statistics at once; None where that is
+    nothing. `rows` [p, p]: the covariance of rows of a link about its mean.
     """
 
     left: Floats
     mean: Floats
     covariances: Mapping[int, Floats]
     spread_left: Floats
+    rows_left: Floats
     within: float = 0.0
     own: Floats | None = None
     uneven: Floats | None = None
@@ -247,12 +249,14 @@ class Statistics:
         wide = np.log(NOISE_LEAST + left**2 / scatter)
         alike = own**2 / np.maximum(np.diag(between), 1e-9)
         usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
-        rows = self._of_rows(own - of_links[:, self.code], members)
+        about = own - of_links[:, self.code]
+        rows = self._of_rows(about, members)
         return Moments(
             self.of_links(left),
             self.of_links(mean),
             self._covariances(rows, between, members),
             self.of_links(wide - usual),
+            self._rows_left(left, about * np.sqrt(1 + 1 / members), rows),
             self.within(left, rows),
             rows=rows,
         )
@@ -263,14 +267,36 @@ class Statistics:
         rows = np.einsum("mni,mnj->ij", within, within) / max(loose * members, 1)
         return np.asarray(rows if loose else np.zeros_like(rows))
 
+    def _rows_left(self, left: Floats, about: Floats, rows: Floats) -> Floats:
+        """Return how much more rows scatter about their link's mean than simulated ones [L, p].
+
+        Of what rows leave [n, p], beside simulated rows `about` the mean of theirs [m, n, p] with
+        covariance `rows`, in logarithms of squares.
+        """
+        if not self.told_within:
+            return np.zeros((self.links, len(self.names)))
+        share = np.maximum(1 - 1 / self.count, 1e-9)[self.code][:, None]
+        scale = share * (np.diag(rows) + self.floor)
+        recorded = np.log(NOISE_LEAST + (left - self.of_links(left)[self.code]) ** 2 / scale)
+        usual = np.log(NOISE_LEAST + about**2 / scale).mean(axis=0)
+        return self.of_links(recorded - usual)
+
+    @property
+    def told_within(self) -> bool:
+        """Whether how rows of a link scatter about its mean takes part in the likelihood.
+
+        Not where links have one row each, or stand in a table.
+        """
+        return self.by_rows and len(self.code) > self.links
+
     def within(self, left: Floats, rows: Floats) -> float:
         """Return the log likelihood of how rows of a link scatter about its mean, in nats.
 
-        Of what rows leave [n, p], by the covariance of simulated ones `rows` [p, p]; 0 where links
-        have one row each, or stand in a table. What draws every row anew is told by this from what
-        links keep, which means alone hide.
+        Of what rows leave [n, p], by the covariance of simulated ones `rows` [p, p]; 0 where that
+        takes no part. What draws every row anew is told by this from what links keep, which means
+        alone hide.
         """
-        if not self.by_rows or len(self.code) == self.links:
+        if not self.told_within:
             return 0.0
         about = left - self.of_links(left)[self.code]
         shrunk = min(len(self.names) / (self.members * (len(self.code) - self.links)), 1.0)

@@ -12,7 +12,7 @@ so these are no part of the likelihood but an independent witness: struck links 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,12 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.fit.search import valued
-from bench.discrepancy.fit.starts import between, free_parameters
-from bench.discrepancy.joint.chance import highest
+from bench.discrepancy.fit.starts import between
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import link_nats
+from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_turns, worth
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
-    CALM_FEWEST,
     CLASS_NATS,
     LONGER_M,
     LONGER_ODDS,
@@ -38,9 +37,8 @@ from bench.discrepancy.joint.settings import (
     PREDICTED_P,
     STRIKE_ALIKE,
     STRIKE_POINTS,
-    STRUCK_FEWEST,
 )
-from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
@@ -49,134 +47,10 @@ from bench.discrepancy.settings import (
     ROWS_STRUCK_SHARE,
     SCORE_FIRST,
     SCORE_MEMBERS,
-    STRUCK_SHARES,
 )
-from bench.physics.base import Base
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
-Values = dict[str, float]
-SHARES: Floats = np.array(STRUCK_SHARES)
-
-
-@dataclass(frozen=True)
-class Mixed:
-    """A mixture of spared and struck links: at which parameters, and how likely it is.
-
-    `nats`: the log likelihood of all links with every share of `SHARES`. `odds` [L]: the log odds
-    of every link at the likeliest share.
-    """
-
-    values: Values
-    nats: Floats
-    odds: Floats
-
-    @property
-    def best(self) -> float:
-        """The log likelihood at the likeliest share, in nats."""
-        return float(self.nats.max())
-
-    @property
-    def share(self) -> float:
-        """The likeliest share."""
-        return float(SHARES[self.nats.argmax()])
-
-
-class Mixture:
-    """Links beside effects that are in place, each struck by a kind of effect or not.
-
-    Raises BenchError where nothing can be simulated.
-    """
-
-    def __init__(self, given: Statistics, beside: Added, kind: type[Effect]) -> None:
-        self.given, self.beside, self.kind = given, beside, kind
-        assert kind.strikes is not None
-        self.free = [p for p in free_parameters(kind) if p.name != kind.strikes[0]]
-        inert = kind().inert(Base().paths(given.rows.scene))
-        self.inert = np.bincount(given.code, inert) == given.count
-        self.bare = given.needed(beside)
-        self.spared = link_nats(given, self.bare, ())
-        self.tried: list[Mixed] = []
-        self.begun = self._at({p.name: p.default for p in self.free})
-
-    def fitted(self) -> Mixed | None:
-        """Return the likeliest mixture of a search along one parameter after the other.
-
-        None where the effect as it is by default strikes no link.
-        """
-        best = self.begun
-        if best is None or best.best < self.spared.sum():
-            return None
-        for item in self.free:
-            for share in STRIKE_POINTS:
-                value = between(item, item.low, item.high, share)
-                made = self._at({**best.values, item.name: value})
-                best = made if made and made.best > best.best else best
-        return best
-
-    def _at(self, values: Values) -> Mixed | None:
-        """Return the mixture with these parameters of the effect, None where it has none."""
-        moments = self._struck(values)
-        if moments is None:
-            return None
-        self.tried.append(mixed(values, self.spared, self._more(moments, self.bare, self.spared)))
-        return self.tried[-1]
-
-    def _struck(self, values: Values) -> Moments | None:
-        """Return the statistics where every link is struck, None where there are none."""
-        assert self.kind.strikes is not None
-        effect = valued(self.kind, {**values, self.kind.strikes[0]: 1.0})
-        return self.given.moments((*self.beside, effect))
-
-    def _more(self, moments: Moments, bare: Moments, spared: Floats) -> Floats:
-        """Return how much likelier every link [L] is if struck, in nats."""
-        found = link_nats(self.given, moments, (moments.mean - bare.mean,))
-        return np.where(self.inert, -np.inf, found - spared)
-
-    def by_chance(self, best: Mixed) -> float:
-        """Return what the mixture may bring on simulated links that nothing struck, in nats."""
-        struck, bare, brought = self._struck(best.values), self.bare, []
-        assert struck is not None  # the best was made of it
-        for left in self.given.others(self.beside):
-            alike = replace(bare, left=left)
-            hit = replace(struck, left=left + bare.mean - struck.mean)
-            spared = link_nats(self.given, alike, ())
-            more = self._more(hit, alike, spared)
-            brought.append(mixed(best.values, spared, more).best - float(spared.sum()))
-        return max(0.0, highest(brought)) / self.given.crowding
-
-    def near(self, best: Mixed) -> list[Mixed]:
-        """Return what was tried that is about as likely as the best."""
-        return [one for one in self.tried if one.best > best.best - PROFILE_90_NATS]
-
-
-def mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
-    """Return the mixture of links, likely by `spared` [L], and by `more` [L] likelier if struck."""
-    each = np.logaddexp(np.log1p(-SHARES)[:, None], np.log(SHARES)[:, None] + more)
-    nats = (spared + each).sum(axis=1)
-    share = SHARES[nats.argmax()]
-    return Mixed(values, nats, np.asarray(more + np.log(share) - np.log1p(-share)))
-
-
-@dataclass(frozen=True)
-class Found:
-    """The likeliest mixture of a kind of effect, beside which effects, and what it is worth."""
-
-    mixture: Mixture
-    best: Mixed
-    nats: float
-
-    @property
-    def struck(self) -> NDArray[np.bool_]:
-        """Which links [L] are likelier struck than not."""
-        return np.asarray(self.best.odds > 0)
-
-    @property
-    def effect(self) -> Effect:
-        """The effect at its likeliest."""
-        kind = self.mixture.kind
-        assert kind.strikes is not None
-        return valued(kind, {**self.best.values, kind.strikes[0]: self.best.share})
 
 
 def struck_by(search: Search, choice: WaveChoice) -> Strike | None:
@@ -203,7 +77,9 @@ def strike_beside(
     common = max(shared)
     least = max(NAME_NATS, NAME_SHARE * (common - shared[0]))  # less may only mend a form
     found = [one for kind in able if (one := _found(given, bases, kind))]
-    found.sort(key=lambda one: -one.nats)
+    found.sort(key=_nats, reverse=True)
+    if found and found[0].nats - common > NAME_NATS and found[0].mixture.beside:
+        found = sorted(_refitted(found, able), key=_nats, reverse=True)
     if not found or found[0].nats - common < least or not _witnessed(comparison, found[0]):
         return None
     if found[0].nats - common < least + found[0].mixture.by_chance(found[0].best):
@@ -236,10 +112,26 @@ def _found(given: Statistics, bases: Sequence[Added], kind: type[Effect]) -> Fou
     if not begun:
         return None
     mixture = max(begun, key=lambda one: given.worth(one[1].best, one[0].beside))[0]
-    best = mixture.fitted()
-    if best is None:
-        return None
-    return Found(mixture, best, given.worth(best.best, (*mixture.beside, kind())))
+    return worth(mixture, mixture.fitted())
+
+
+def _refitted(found: Sequence[Found], able: Sequence[type[Effect]]) -> list[Found]:
+    """Return the mixtures of every kind beside effects that are fitted to spared links alone.
+
+    What fits all links in the mean, struck or not, fits neither, and hides that there are two
+    sorts. So both are fitted in turns, from the links that are likelier struck and from the half
+    that has most of the effect.
+    """
+    begun = [replace(one, begin=struck) for one in found for struck in (one.struck, one.half)]
+    turned = [end for one in begun if (end := in_turns(one))]
+    best = max((one for one in (*turned, *found) if one.divides), key=_nats, default=found[0])
+    given, beside = best.mixture.given, best.mixture.beside
+    others = [_found(given, [beside], kind) for kind in able if kind is not best.mixture.kind]
+    return [best, *(one for one in others if one)]
+
+
+def _nats(found: Found) -> float:
+    return found.nats
 
 
 def _alike(found: Sequence[Found], common: float) -> list[Found]:
@@ -259,7 +151,7 @@ def _witnessed(comparison: Comparison, found: Found) -> bool:
     those of all their rows.
     """
     struck, able = found.struck, ~found.mixture.inert
-    if struck.sum() < STRUCK_FEWEST or (able & ~struck).sum() < max(CALM_FEWEST, struck.sum()):
+    if not found.divides:
         return False
     given = found.mixture.given
     made = comparison.ensemble(given.rows, found.mixture.beside, SCORE_MEMBERS, SCORE_FIRST)
@@ -267,7 +159,7 @@ def _witnessed(comparison: Comparison, found: Found) -> bool:
         return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
     known = np.isfinite(offset_m)
-    longer = is_longer(offset_m[known & able], struck[known & able])
+    longer = is_longer(offset_m[known], struck[known])
     return longer and not predicted(given.known[able], struck[able])
 
 

@@ -8,7 +8,6 @@ from itertools import product
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.skill import tally
 from bench.discrepancy.compare.view import Added, without
-from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
@@ -17,8 +16,8 @@ from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
-from bench.discrepancy.joint.verdicts import left_by, wave_verdicts
-from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts
+from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
 from bench.discrepancy.select.link_mixture import Strike
@@ -127,7 +126,7 @@ def _with_scatter(state: State, journal: Journal) -> State:
     if any(type(effect).jumps for effect in state.added):
         return state
     left = journal.kept(locate_left)(search, state.added, len(state.rounds))
-    if not any(map(_of_range, left.findings)):
+    if not any(map(of_range, left.findings)):
         return state
     kinds = {n: k for n, k in search.kinds.items() if k.independent or k.marked}
     found = journal.kept(explain_left)(replace(search, kinds=kinds), state.added, left)
@@ -148,16 +147,12 @@ def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
     return alike.adequate and beyond_causes(replace(search, work=rows), added, effect).adequate
 
 
-def _of_range(found: Finding) -> bool:
-    return found.cell.observable == RANGE
-
-
 def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
     search, added = state.search, state.added
     left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
     last = Round(left, None, None)
-    if left.significant and (not added or any(_of_range(found) for found in left.findings)):
+    if left.significant and (not added or any(of_range(found) for found in left.findings)):
         last = replace(last, explanation=journal.kept(left_by)(search, added, left))
     old = tuple(turn for turn in state.rounds if turn.added is not None)
     first = state.rounds[0].located

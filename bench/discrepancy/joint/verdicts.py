@@ -13,7 +13,7 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.joint.sizes import sizes_seen
 from bench.discrepancy.joint.tone_or_noise import counterparts
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, of_class, real, untold
@@ -104,9 +104,14 @@ def _stands(name: str, refused: list[str], choice: WaveChoice) -> bool:
     return name in choice.marked or bool(loud)
 
 
+def of_range(found: Finding) -> bool:
+    """Return whether a finding is of the ranges."""
+    return found.cell.observable == RANGE
+
+
 def _ranges_left(last: Round) -> bool:
     """Return whether a regression removes something of what is left of the ranges."""
-    if last.explanation is None or last.located.findings[0].cell.observable != RANGE:
+    if last.explanation is None or not any(map(of_range, last.located.findings)):
         return False
     removable = last.explanation.removable
     return removable.above_zero and removable.value > MARGIN_NATS

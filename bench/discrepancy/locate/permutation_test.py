@@ -9,7 +9,7 @@ hold for the whole search (Westfall and Young 1993).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.settings import (
     FAMILY_WISE,
+    LARGER_HERE,
     MOST_CLUSTERS,
     MOST_FINDINGS,
     PART_SHARE,
@@ -49,6 +50,8 @@ class Finding:
     `effect` is recorded minus simulated in the observable's unit: the mean over the cell; for a
     trend, per standard deviation of the covariate; for a spread or link offsets, of the mean
     |deviation from the ensemble mean|. `z` is the search statistic, `p` its family-wise p value.
+    `whole` is the same over all rows, where it is found there too: what is far off everywhere has
+    its largest `z` where it is most even, which says nothing of where it is.
     """
 
     cell: Cell
@@ -57,6 +60,13 @@ class Finding:
     p: float
     rows: int
     links: int
+    whole: Finding | None = None
+
+    @property
+    def told(self) -> Finding:
+        """The finding as it is told: over all rows, unless it is clearly larger in its place."""
+        large = self.whole and abs(self.effect.value) > LARGER_HERE * abs(self.whole.effect.value)
+        return self if self.whole is None or large else self.whole
 
     def __str__(self) -> str:
         what = self.cell.observable + _MOMENT_WORDS[self.cell.moment]
@@ -115,7 +125,12 @@ def locate(
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
     narrow = [wider_only and c.moment in ("spread", "link") for c in cells] & (z < 0)
     best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
-    found = [_finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed) for i in best]
+    wholes = _found_everywhere(cells, p, alpha)
+    at = {
+        i: _finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
+        for i in {*best, *(wholes[i] for i in best if i in wholes)}
+    }
+    found = [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
     rare = None if found else rare_links(ensemble, seed) or rare_rows(ensemble, crowding, seed)
     found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
@@ -147,6 +162,17 @@ def _wider(
 
 def _of_links(code: Links, weight: Floats) -> Floats:
     return np.asarray(np.bincount(code, weight), np.float64)
+
+
+def _found_everywhere(cells: list[Cell], p: Floats, alpha: float) -> dict[int, int]:
+    """Return the place of the cell of all rows by that of one of some rows, where it is found too.
+
+    Not for trends, which are of all rows.
+    """
+    every = {(c.observable, c.moment): i for i, c in enumerate(cells) if c.place == Place()}
+    found = {what: i for what, i in every.items() if p[i] <= alpha}
+    what = ((i, (cell.observable, cell.moment)) for i, cell in enumerate(cells))
+    return {i: found[one] for i, one in what if one in found and found[one] != i}
 
 
 def _clusters(links: int, rng: np.random.Generator) -> list[Links] | None:

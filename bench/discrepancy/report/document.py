@@ -178,7 +178,7 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
 def _findings(findings: Sequence[Finding], most: int) -> list[str]:
     """Return the first findings, each once: of some of the rows what holds in others is no news."""
     told: list[Finding] = []
-    for one in findings:
+    for one in (finding.told for finding in findings):
         if not any(_alike(one, other) for other in told):
             told.append(one)
     return [f"- {finding}" for finding in told[:most]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.confirm import improves
-from bench.discrepancy.fit.residual_curve import unnamed_effect
+from bench.discrepancy.fit.residual_curve import unnamed_effects
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.settings import SMALLEST_BEND_M
 from bench.discrepancy.select.state import Search, Selection
@@ -13,17 +13,19 @@ from bench.physics.effects.fitted.unnamed import Unnamed
 
 
 def unnamed(search: Search, found: Selection) -> Added:
-    """Return a curve for a mismatch without a name, if it predicts links it was not fitted on."""
+    """Return a curve for a mismatch without a name, if it predicts links it was not fitted on.
+
+    The richest that does: a constant, where a curve of few links does not.
+    """
     rest = tuple(v for v in found.verdicts if isinstance(v, Unknown))
     if not rest or rest[0].cause:  # no curve of what a recorder did
         return ()
-    curve = Guard().safely("unnamed curve", unnamed_effect, None)
-    extra = curve(search.comparison, search.fit, found.added, rest[0].findings)
-    if extra is None:
-        return ()
-    both = (*found.added, extra)
-    helps = improves(search.comparison, search.discover, found.added, both, search.seed)
-    return (extra,) if helps else ()
+    curves = Guard().safely("unnamed curve", unnamed_effects, ())
+    for extra in curves(search.comparison, search.fit, found.added, rest[0].findings):
+        both = (*found.added, extra)
+        if improves(search.comparison, search.discover, found.added, both, search.seed):
+            return (extra,)
+    return ()
 
 
 def curve_words(added: Added) -> str:

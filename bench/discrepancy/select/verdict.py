@@ -78,7 +78,7 @@ class Unknown:
     names: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        what = self.cause or (self.findings[0] if self.findings else "the held-out score")
+        what = self.cause or (self.findings[0].told if self.findings else "the held-out score")
         return f"something is there that no known effect explains: {what}"
 
 
@@ -120,7 +120,10 @@ def as_dict(verdict: Verdict) -> dict[str, Any]:
         return out | {"detectable": verdict.detectable, "p": verdict.p}
     if isinstance(verdict, Unknown):
         removable = vars(verdict.removable)
-        return out | {"findings": list(map(str, verdict.findings)), "removable": removable}
+        return out | {
+            "findings": [str(one.told) for one in verdict.findings],
+            "removable": removable,
+        }
     if isinstance(verdict, Ambiguous):
         options = [_option(option) for option in verdict.options]
         return out | {"separate": verdict.separate, "options": options}

@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.fit.residual_curve import unnamed_effect
+from bench.discrepancy.fit.residual_curve import unnamed_effects
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding
 
@@ -36,8 +36,21 @@ def test_the_curve_goes_over_what_the_error_follows(follows: str) -> None:
     covariates = SimpleNamespace(numbers={name: FRAME[name].to_numpy() for name in FRAME})
     fit = SimpleNamespace(frame=FRAME, covariates=covariates)
     told = (found("noise_std", None), found("error_m", "tx_z_m"))
-    curve = unnamed_effect(comparison, fit, (), told)  # type: ignore[arg-type]
-    assert curve is not None
+    curve, flat = unnamed_effects(comparison, fit, (), told)  # type: ignore[arg-type]
+    assert len(flat.shifts_m) == 1
+    assert flat.shifts_m[0] == pytest.approx(0.1, abs=0.05)
     assert curve.column == follows
     assert np.ptp(curve.shifts_m) == pytest.approx(0.2, abs=0.05)
-    assert unnamed_effect(comparison, fit, (), told[:1]) is None  # type: ignore[arg-type]
+    assert unnamed_effects(comparison, fit, (), told[:1]) == ()  # type: ignore[arg-type]
+
+
+def test_a_curve_of_few_links_has_few_knots() -> None:
+    versions = RNG.normal(0, 0.02, (9, ROWS, 1))
+    versions[0] += 0.2
+    made = Ensemble(("error_m",), ("m",), versions, np.arange(ROWS) * 10 // ROWS)
+    comparison = SimpleNamespace(ensemble=lambda *_: made)
+    covariates = SimpleNamespace(numbers={name: FRAME[name].to_numpy() for name in FRAME})
+    fit = SimpleNamespace(frame=FRAME, covariates=covariates)
+    told = (found("error_m", None),)
+    curve, _ = unnamed_effects(comparison, fit, (), told)  # type: ignore[arg-type]
+    assert len(curve.knots) == 3

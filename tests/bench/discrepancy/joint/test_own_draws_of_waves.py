@@ -110,4 +110,4 @@ def test_simulated_links_may_be_as_far_off_as_recorded_ones() -> None:
     fit = fitted(given, ())
     assert fit is not None
     assert len(given.others(())) >= 3
-    assert not off(given, fit)
+    assert not off(given, fit, fit)

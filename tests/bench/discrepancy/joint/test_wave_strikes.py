@@ -10,15 +10,10 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.mixture import Mixture, mixed
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.strikes import (
-    Mixture,
-    is_longer,
-    mixed,
-    predicted,
-    strike_beside,
-)
+from bench.discrepancy.joint.strikes import is_longer, predicted, strike_beside
 from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.base import Base
 from bench.physics.effect import Effect
