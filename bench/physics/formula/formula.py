@@ -10,16 +10,9 @@ import numpy as np
 import sympy
 
 from bench.errors import BenchError
-from bench.physics.formula.algebras import (
-    Columns,
-    Constant,
-    Floats,
-    Numbers,
-    Symbols,
-    Units,
-    constant,
-)
+from bench.physics.formula.algebras import Columns, Constant, Floats, Numbers, constant
 from bench.physics.formula.parse import tree, walk
+from bench.physics.formula.symbolic import Symbols, Units
 from bench.physics.formula.units import kind_words, unit
 
 MOST_CONSTANTS = 40

@@ -6,13 +6,13 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
-
-import sympy
-from sympy import Expr
+from typing import TYPE_CHECKING
 
 from bench.errors import unknown_name
 
-_BASES = {name: sympy.Symbol(name, positive=True) for name in ("m", "s", "dB", "K", "V")}
+if TYPE_CHECKING:
+    from sympy import Expr
+
 _SIZES: dict[str, tuple[float, str]] = {
     "m": (1.0, "m"), "km": (1e3, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "ft": (0.3048, "m"),
     "s": (1.0, "s"), "h": (3600.0, "s"), "ms": (1e-3, "s"), "us": (1e-6, "s"), "ns": (1e-9, "s"),
@@ -42,6 +42,8 @@ def unit(text: str) -> Unit:
 
     Raises BenchError on a name that is no unit.
     """
+    import sympy  # half a second, that a diagnosis without laws does not have to wait
+
     factor, kind, sign = 1.0, sympy.Integer(1), 1
     for part in re.split(r"((?<!\*)\*(?!\*)|/)", text.replace(" ", "") or "1"):
         if part in ("*", "/"):
@@ -51,7 +53,7 @@ def unit(text: str) -> Unit:
         name, power = (found[1], int(found[2])) if found else (part, 1)
         size, base = _size(name, text)
         factor *= size ** (sign * power)
-        kind *= _BASES[base] ** (sign * power) if base else 1
+        kind *= sympy.Symbol(base, positive=True) ** (sign * power) if base else 1
     return Unit(factor, kind)
 
 

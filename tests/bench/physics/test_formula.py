@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 
 import numpy as np
@@ -182,3 +183,12 @@ def test_it_is_shown_with_its_numbers_and_units() -> None:
     assert "(0.004123 m/m)" in shown
     assert "true_range_m" in shown
     assert Law("a / true_range_m ** 2", ("a = 1 m*m*m",)).formula.shown.endswith("true_range_m^2")
+
+
+def test_only_laws_need_sympy() -> None:
+    code = (
+        "import sys, bench.discrepancy.method, bench.physics.effects.ranging.law as law; "
+        "before = 'sympy' in sys.modules; law.Law(); print(before, 'sympy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,9 +13,11 @@ from bench.errors import BenchError, unknown_name
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_values import as_tuples, name_hash
-from bench.physics.formula.formula import Formula
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats
+
+if TYPE_CHECKING:
+    from bench.physics.formula.formula import Formula
 
 MEASURED = ("range_m", "rx_power_dbm", "first_path_power_dbm")
 
@@ -66,6 +68,8 @@ class Law(Effect):
 
 @lru_cache(maxsize=256)
 def _formula(expression: str, constants: tuple[str, ...]) -> Formula:
+    from bench.physics.formula.formula import Formula  # needs sympy, half a second to import
+
     return Formula(expression, constants)
 
 
