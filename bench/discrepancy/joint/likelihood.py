@@ -8,6 +8,7 @@ it, every statistic by its own factors (a discrepancy allowance: Kennedy and O'H
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,8 @@ NONE: Free = 0.0, np.zeros((0, 0))
 
 def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple[Floats, float]:
     """Return the matrices [L, p, p] that whiten every link, and the log volume of its scatter."""
-    covariance = np.stack([moments.covariances[int(n)] for n in given.count])
+    numbers, place = np.unique(given.count, return_inverse=True)
+    covariance = np.stack([moments.covariances[int(n)] for n in numbers])[place]
     places = np.arange(covariance.shape[1])
     for response in responses:
         covariance[:, places, places] += (FORM_ALONE * response) ** 2
@@ -97,14 +99,17 @@ def evidence(
 
     With `free`, beside something that has no form: sizes, each with the ways [L, w] that it goes.
     """
-    return max(_evidence(given, moments, responses, parameters, form, free) for form in FORMS)
+    seen = _whitened(given, moments, responses)
+    every = (_evidence(given, seen, moments, responses, form, free) for form in FORMS)
+    return max(paid(given, nats, parameters) for nats in every)
 
 
 def evidence_of(
     given: Statistics, moments: Moments, responses: Responses, parameters: int
 ) -> float:
     """Return the log evidence of a set, for one allowance of its forms, in nats."""
-    return _evidence(given, moments, responses, parameters, FORMS[1], NONE)
+    seen = _whitened(given, moments, responses)
+    return paid(given, _evidence(given, seen, moments, responses, FORMS[1], NONE), parameters)
 
 
 def left_free(
@@ -119,29 +124,47 @@ def left_free(
     plain = max(
         evidence(given, moments, responses, parameters, (size, given.ways)) for size in FREE_SIZES
     )
-    over = [
-        _evidence(given, moments, responses, parameters, FORMS[1], (KNOWN_SIZE, way[:, None]))
-        for way in given.known.T
-    ]
+    seen = _whitened(given, moments, responses)
+    free: list[Free] = [(KNOWN_SIZE, way[:, None]) for way in given.known.T]
+    alone = [_evidence(given, seen, moments, responses, FORMS[1], one) for one in free]
+    over = [paid(given, nats, parameters) for nats in alone]
     choice = float(np.log(max(len(over), 1)))
     return plain - whole, max(over, default=whole) - choice - whole
 
 
+@dataclass(frozen=True)
+class _Whitened:
+    """What links leave, whitened: the `matrices` [L, p, p] that do so, and their log `volume`.
+
+    `flat` [L, p]: what is left; `owns`: see the function.
+    """
+
+    matrices: Floats
+    volume: float
+    flat: Floats
+    owns: tuple[Floats, ...]
+
+
+def _whitened(given: Statistics, moments: Moments, responses: Responses) -> _Whitened:
+    """Return what links leave beside a set, whitened: the same for all forms of it."""
+    matrices, volume = whitener(given, moments, responses)
+    return _Whitened(matrices, volume, white(matrices, moments.left), owns(matrices, moments))
+
+
 def _evidence(
     given: Statistics,
+    seen: _Whitened,
     moments: Moments,
     responses: Responses,
-    parameters: int,
     form: float,
     free: Free,
 ) -> float:
-    matrices, volume = whitener(given, moments, responses)
-    flat = white(matrices, moments.left)
-    columns = [columns_of(matrices, form * response, given.ways) for response in responses]
-    columns.append(columns_of(matrices, np.full_like(moments.left, free[0]), free[1]))
-    ways = (np.concatenate([*columns, own], axis=2) for own in owns(matrices, moments))
-    nats = max(integrated(flat, each) for each in ways) - 0.5 * volume
-    return paid(given, nats + moments.within, parameters)
+    """Return the log evidence of a set for one allowance of its forms, not yet `paid`."""
+    columns = [columns_of(seen.matrices, form * response, given.ways) for response in responses]
+    columns.append(columns_of(seen.matrices, np.full_like(moments.left, free[0]), free[1]))
+    ways = (np.concatenate([*columns, own], axis=2) for own in seen.owns)
+    nats = max(integrated(seen.flat, each) for each in ways) - 0.5 * seen.volume
+    return nats + moments.within
 
 
 def integrated(flat: Floats, columns: Floats) -> float:

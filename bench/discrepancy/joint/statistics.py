@@ -19,15 +19,16 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
+from bench.discrepancy.joint.covariances import Covariances, shrunk
 from bench.discrepancy.joint.settings import (
     DECIBELS,
     FEWEST_ALIKE,
     FLOOR,
     KEPT,
     KNOWN_SHARE,
-    LEAST_EIGENVALUE,
     MEMBERS,
     NOISE_LEAST,
     OTHERS,
@@ -299,8 +300,8 @@ class Statistics:
         if not self.told_within:
             return 0.0
         about = left - self.of_links(left)[self.code]
-        shrunk = min(len(self.names) / (self.members * (len(self.code) - self.links)), 1.0)
-        wide = self._shrunk(rows, shrunk) * (1 + 1 / self.members) + np.diag(self.floor)
+        few = min(len(self.names) / (self.members * (len(self.code) - self.links)), 1.0)
+        wide = shrunk(rows, few) * (1 + 1 / self.members) + np.diag(self.floor)
         root = np.linalg.cholesky(wide)
         square = (np.linalg.solve(root, about.T) ** 2).sum(axis=0)
         share = (1 - 1 / self.count)[self.code]  # of a row, that its link's mean leaves
@@ -310,29 +311,17 @@ class Statistics:
         nats += float(np.log(np.diag(root)).sum())
         return -float((nats * share[told]).sum())
 
-    def _covariances(self, rows: Floats, between: Floats, members: int) -> dict[int, Floats]:
+    def _covariances(self, rows: Floats, between: Floats, members: int) -> Covariances:
         """Return the covariance of means over so many rows of a link, by their number."""
         link = between - rows * float(np.mean(1 / self.count))
-        shrunk = min(len(self.names) / max(members * self.links, 1), 1.0)
-        return {
-            int(n): self._shrunk(link + rows / n, shrunk) * (1 + 1 / members)
-            + self.apart
-            + np.diag(self.floor)
-            for n in np.unique(self.count)
-        }
-
-    def _shrunk(self, covariance: Floats, share: float) -> Floats:
-        """Return a covariance that is shrunk to its diagonal, without negative directions."""
-        sizes, ways = np.linalg.eigh((covariance + covariance.T) / 2)
-        least = LEAST_EIGENVALUE * max(float(np.median(sizes)), 1e-6)
-        whole = (ways * np.maximum(sizes, least)) @ ways.T
-        return np.asarray((1 - share) * whole + share * np.diag(np.diag(whole)))
+        share = min(len(self.names) / max(members * self.links, 1), 1.0)
+        counts = tuple(int(n) for n in np.unique(self.count))
+        wider = 1 + 1 / members
+        return Covariances(counts, link, rows, share, wider, self.apart, np.diag(self.floor))
 
     def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
-        out = np.zeros((self.links, values.shape[1]))
-        np.add.at(out, self.code, values)
-        return out / self.count[:, None]
+        return group_sums(values, self.code, self.links) / self.count[:, None]
 
 
 def _filled(values: Floats) -> Floats:

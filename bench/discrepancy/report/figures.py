@@ -47,14 +47,15 @@ def draw(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
 
 def _save(path: Path, figure: Any, diagnosis: Diagnosis, caption: str) -> None:
     """Draw one figure without a display and write it atomically."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    canvas = Figure(figsize=(7, 4), layout="constrained")
-    axes = canvas.add_subplot()
+    canvas: Any = FigureCanvasAgg(Figure(figsize=(7, 4), dpi=110, layout="constrained"))
+    axes = canvas.figure.add_subplot()
     figure(axes, diagnosis)
     axes.set_title(unmarked(caption), fontsize=10)
     with atomic_path(path) as scratch:
-        canvas.savefig(scratch, dpi=110, format="png")
+        canvas.print_png(scratch)  # `savefig` draws everything twice
 
 
 def profile_figure(axes: Axes, diagnosis: Diagnosis) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
@@ -63,8 +64,6 @@ def levelled(ensemble: Ensemble) -> Ensemble:
 def _of_links(values: Floats, ensemble: Ensemble) -> Floats:
     """Return the mean [n, p] over the rows of the link of each row, of values [n, p]."""
     code = np.unique(ensemble.links, return_inverse=True)[1]
-    sums = np.zeros((code.max() + 1, values.shape[1]))
-    np.add.at(sums, code, np.nan_to_num(values))
-    count = np.zeros_like(sums)
-    np.add.at(count, code, np.isfinite(values))
+    parts = np.nan_to_num(values), np.isfinite(values).astype(np.float64)
+    sums, count = (group_sums(part, code, int(code.max()) + 1) for part in parts)
     return np.asarray((sums / np.maximum(count, 1))[code])

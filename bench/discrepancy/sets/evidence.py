@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dtrtri
 
+from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.settings import (
     ANY_MEAN,
@@ -197,8 +198,7 @@ class Evidence:
             every = np.column_stack([self.columns, self.left_m, ones])
             weighed = every * self.weights[:, None]
             weight = np.bincount(self.links, self.weights)
-            sums = np.zeros((len(weight), every.shape[1]))
-            np.add.at(sums, self.links, weighed)
+            sums = group_sums(weighed, self.links, len(weight))
             shrink = ratio / (1 + ratio * weight)
             product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
             wide = self.mean_ratio
