@@ -69,10 +69,13 @@ class Draws:
 
     def group_uniforms(self, hashes: NDArray[np.uint64], draws: Sequence[int]) -> Floats:
         """Return `group_uniform` of several draws, one after the other along the first axis."""
+        keys = self.keys(draws).reshape(-1, *np.ones(hashes.ndim, np.intp))
+        return uniforms(hashes, keys)
+
+    def keys(self, draws: Sequence[int]) -> NDArray[np.uint64]:
+        """Return what hashes of groups are mixed with, in each of several draws."""
         about = f"{self.seed}/{self.replicate}/{self.name}/"
-        keys = np.array([crc32(f"{about}{draw}".encode()) for draw in draws], np.uint64)
-        mixed = _splitmix(hashes ^ _splitmix(keys).reshape(-1, *np.ones(hashes.ndim, np.intp)))
-        return (np.asarray(mixed >> np.uint64(11), np.float64) + 0.5) / 2.0**53
+        return _splitmix(np.array([crc32(f"{about}{draw}".encode()) for draw in draws], np.uint64))
 
     def group_normal(self, hashes: NDArray[np.uint64], draw: int = 0) -> Floats:
         """Return standard normal draws, equal for rows of equal hash (see `group_uniform`)."""
@@ -86,6 +89,12 @@ class Draws:
         both = parts[:, :columns] + 1j * parts[:, columns:]
         whole: Complexes = (both * np.sqrt(0.5)).astype(np.complex64)
         return whole[place]
+
+
+def uniforms(hashes: NDArray[np.uint64], keys: NDArray[np.uint64]) -> Floats:
+    """Return numbers on (0, 1) that follow from hashes and keys alone."""
+    mixed = _splitmix(hashes ^ keys)
+    return (np.asarray(mixed >> np.uint64(11), np.float64) + 0.5) / 2.0**53
 
 
 def _splitmix(value: NDArray[np.uint64]) -> NDArray[np.uint64]:

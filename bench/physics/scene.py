@@ -24,7 +24,7 @@ _LISTS = (
     "obstacle_incidence_deg",
 )
 _SEQUENCES = (list, tuple, np.ndarray)
-KEPT_PARTS, KEPT_FIGURES = 4, 6
+KEPT_PARTS, KEPT_FIGURES = 4, 8
 _HASHED = ("link", "tx", "rx", "environment")
 
 

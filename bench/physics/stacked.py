@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect
-from bench.physics.randomness import Draws
+from bench.physics.randomness import Draws, uniforms
 from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.scene import Scene
 from bench.physics.units import Complexes, Floats, Reals
@@ -83,13 +83,15 @@ class StackedDraws(Draws):
 
     def group_uniforms(self, hashes: Hashes, draws: Sequence[int]) -> Floats:
         """Return what each replicate's draws return for its part of the hashes."""
-        parts = zip(self.parts, np.split(hashes, len(self.parts)), strict=True)
-        made = [part.group_uniforms(own, draws) for part, own in parts]
-        return np.concatenate(made, axis=1)
+        count, inner = len(self.parts), np.ones(hashes.ndim, np.intp)
+        keys = np.stack([part.keys(draws) for part in self.parts], axis=1)
+        each = hashes.reshape(count, -1, *hashes.shape[1:])
+        made = uniforms(each, keys.reshape(len(draws), count, *inner))
+        return made.reshape(len(draws), *hashes.shape)
 
     def group_complex(self, hashes: Hashes, columns: int) -> Complexes:
         """Return what each replicate's draws return for its part of the hashes."""
-        parts = zip(self.parts, np.split(hashes, len(self.parts)), strict=True)
+        parts = zip(self.parts, hashes.reshape(len(self.parts), -1), strict=True)
         return np.concatenate([part.group_complex(own, columns) for part, own in parts])
 
     def _each(self, drawn: Callable[[Draws, int], NDArray[Any]], rows: int) -> NDArray[Any]:

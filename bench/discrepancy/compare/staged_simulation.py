@@ -216,7 +216,7 @@ def _after_ranging(simulator: Simulator, batch: Batch, draws: Draws) -> Batch:
 
 def _parts(columns: dict[str, Floats], count: int) -> list[dict[str, Floats]]:
     """Return the columns [count n] of every replicate [n]."""
-    each = {name: np.split(column, count) for name, column in columns.items()}
+    each = {name: column.reshape(count, -1) for name, column in columns.items()}
     return [{name: parts[i] for name, parts in each.items()} for i in range(count)]
 
 

@@ -116,7 +116,7 @@ class TableWaveforms:
         if len(set(told)) > 1:  # samples are taken as they are where no row has a count
             return [self._shape([one], [own]) for one, own in zip(made, scalars, strict=True)]
         every = self._shape(made, scalars)
-        parts = {name: np.split(values, len(made)) for name, values in every.items()}
+        parts = {name: values.reshape(len(made), -1) for name, values in every.items()}
         return [{name: part[i] for name, part in parts.items()} for i in range(len(made))]
 
     def _shape(self, made: Sequence[Outcome], scalars: Sequence[Shape]) -> Shape:

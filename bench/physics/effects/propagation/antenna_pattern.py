@@ -108,8 +108,16 @@ def all_around(turn: Floats) -> bool:
 
 
 def heading_rad(rows: Scene) -> Floats:
-    """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, NaN where unknown."""
-    way = positions(rows, "tx") - positions(rows, "rx")
-    bearing = np.where(np.isfinite(way[:, 0]), np.arctan2(way[:, 1], way[:, 0]), np.nan)
-    azimuth = np.radians(rows.number("azimuth_deg", np.nan))
-    return np.where(np.isfinite(azimuth), azimuth, bearing)
+    """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, NaN where unknown.
+
+    Remembered: not to be written into.
+    """
+
+    def made() -> Floats:
+        way = positions(rows, "tx") - positions(rows, "rx")
+        bearing = np.where(np.isfinite(way[:, 0]), np.arctan2(way[:, 1], way[:, 0]), np.nan)
+        azimuth = np.radians(rows.number("azimuth_deg", np.nan))
+        return np.where(np.isfinite(azimuth), azimuth, bearing)
+
+    found: Floats = rows.known.get("heading", made)
+    return found

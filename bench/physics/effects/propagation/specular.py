@@ -150,6 +150,14 @@ def positions(rows: Scene, what: str) -> Floats:
 
 
 def in_room(rows: Scene) -> NDArray[np.bool_]:
-    """Return the rows [n] whose room and antenna positions are all known."""
-    known = [np.isfinite(positions(rows, what)).all(axis=1) for what in ("tx", "rx", "room")]
-    return np.asarray(known[0] & known[1] & known[2])
+    """Return the rows [n] whose room and antenna positions are all known.
+
+    Remembered: not to be written into.
+    """
+
+    def made() -> NDArray[np.bool_]:
+        known = [np.isfinite(positions(rows, what)).all(axis=1) for what in ("tx", "rx", "room")]
+        return np.asarray(known[0] & known[1] & known[2])
+
+    found: NDArray[np.bool_] = rows.known.get("in room", made)
+    return found
