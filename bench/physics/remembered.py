@@ -28,6 +28,14 @@ class RememberedDraws(Draws):
 
     def complex_normal(self, *shape: int) -> Complexes:
         """Return what `Draws` returns, and leave the generator as it would."""
+        return self.kept_complex_normal(*shape).copy()
+
+    def group_complex(self, hashes: NDArray[np.uint64], columns: int) -> Complexes:
+        """Return what `Draws` returns."""
+        return self.kept_group_complex(hashes, columns).copy()
+
+    def kept_complex_normal(self, *shape: int) -> Complexes:
+        """Return `complex_normal`, not to be written into."""
         bits = self.generator.bit_generator
         state: Any = bits.state
         key = (state["state"]["state"].tobytes(), state["has_uint32"], state["uinteger"], shape)
@@ -38,10 +46,10 @@ class RememberedDraws(Draws):
 
         drawn, after = self.memory.get(key, made)
         bits.state = after
-        return np.asarray(drawn.copy(), np.complex64)
+        return np.asarray(drawn, np.complex64)
 
-    def group_complex(self, hashes: NDArray[np.uint64], columns: int) -> Complexes:
-        """Return what `Draws` returns."""
+    def kept_group_complex(self, hashes: NDArray[np.uint64], columns: int) -> Complexes:
+        """Return `group_complex`, not to be written into."""
         key = (self.seed, self.replicate, self.name, columns, hashes.tobytes())
         drawn = self.memory.get(key, lambda: Draws.group_complex(self, hashes, columns))
-        return np.asarray(drawn.copy(), np.complex64)
+        return np.asarray(drawn, np.complex64)

@@ -42,7 +42,7 @@ class StackedDraws(Draws):
     memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
 
     @cached_property
-    def parts(self) -> tuple[Draws, ...]:
+    def parts(self) -> tuple[RememberedDraws, ...]:
         """The draws of each replicate."""
         key = (self.name, self.block, self.memory)
         return tuple(RememberedDraws(self.seed, number, *key) for number in self.replicates)
@@ -62,7 +62,7 @@ class StackedDraws(Draws):
 
     def complex_normal(self, *shape: int) -> Complexes:
         """Return what each replicate's draws return."""
-        return self._each(lambda draws, rows: draws.complex_normal(rows, *shape[1:]), shape[0])
+        return self._each(lambda draws, rows: draws.kept_complex_normal(rows, *shape[1:]), shape[0])
 
     def gamma(self, shape: float, *size: int) -> Reals:
         """Return what each replicate's draws return."""
@@ -92,9 +92,9 @@ class StackedDraws(Draws):
     def group_complex(self, hashes: Hashes, columns: int) -> Complexes:
         """Return what each replicate's draws return for its part of the hashes."""
         parts = zip(self.parts, hashes.reshape(len(self.parts), -1), strict=True)
-        return np.concatenate([part.group_complex(own, columns) for part, own in parts])
+        return np.concatenate([part.kept_group_complex(own, columns) for part, own in parts])
 
-    def _each(self, drawn: Callable[[Draws, int], NDArray[Any]], rows: int) -> NDArray[Any]:
+    def _each(self, drawn: Callable[[RememberedDraws, int], NDArray[Any]], rows: int) -> NDArray[Any]:
         """Return what is drawn for the rows of each replicate, one under the other."""
         own = rows // len(self.parts)
         return np.concatenate([drawn(part, own) for part in self.parts])
