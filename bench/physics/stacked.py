@@ -23,6 +23,7 @@ from bench.physics.scene import Scene
 from bench.physics.units import Complexes, Floats, Reals
 
 Hashes = NDArray[np.uint64]
+Drawn = Callable[[RememberedDraws, int], NDArray[Any]]
 
 
 class OtherGroupsError(Exception):
@@ -94,7 +95,9 @@ class StackedDraws(Draws):
         parts = zip(self.parts, hashes.reshape(len(self.parts), -1), strict=True)
         return np.concatenate([part.kept_group_complex(own, columns) for part, own in parts])
 
-    def _each(self, drawn: Callable[[RememberedDraws, int], NDArray[Any]], rows: int) -> NDArray[Any]:
+    def _each(
+        self, drawn: Callable[[RememberedDraws, int], NDArray[Any]], rows: int
+    ) -> NDArray[Any]:
         """Return what is drawn for the rows of each replicate, one under the other."""
         own = rows // len(self.parts)
         return np.concatenate([drawn(part, own) for part in self.parts])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from bench.discrepancy.sets.blocks import (
     usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice, Set, but, but_not
-from bench.discrepancy.sets.evidence import Evidence, Weighed
+from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.rivals import beside_a_constant, rivals
@@ -44,6 +44,7 @@ from bench.discrepancy.sets.settings import (
     RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
+from bench.discrepancy.sets.weigh import weighed
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
 
@@ -192,6 +193,7 @@ class Contest:
         none = {one for part in self.single.values() for one in part} | self.library | self.untold
         names = self.best(tuple(self.library))
         laws = [o for o in self.evidence.blocks if o not in none and told_law(self, o, names)]
+        self.weigh([*((law,) for law in laws), *((*names, law) for law in laws)])
         alone = sorted(laws, key=lambda law: -self.nats((law,)))[:MOST_LAWS]
         beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
         return tuple(dict.fromkeys((*sorted(self.library), *alone, *beside)))
@@ -228,21 +230,15 @@ class Contest:
         """Return the log evidence of a set; of devices all may be off, or one alone."""
         key = tuple(sorted(causes))
         if key not in self._nats:
-            made = self.evidence.of(key)
-            alone = [self._of_one(made, name) for name in key if name in self.single]
-            self._nats[key] = max(made.nats, *alone, -np.inf) / self.crowding
+            self.weigh([key])
         return self._nats[key]
 
-    def _of_one(self, made: Weighed, name: str) -> float:
-        """Return the log evidence of a set in which one device alone has a value of an effect."""
-        single = list(self.single[name])
-        widths = self.evidence.widths[name]
-        first = sum(widths[: int(np.argmax(widths))])  # the widest part is that of the devices
-        mine = self.evidence.places[name][first : first + len(single)]
-        of_device = made.factors[np.isin(made.places, mine)]
-        loudest = single[int(np.argmax(np.abs(of_device)))]
-        other = self.evidence.of((*but(made.causes, name), loudest))
-        return other.nats - float(np.log(len(single)))
+    def weigh(self, sets: Iterable[Set]) -> None:
+        """Work out `nats` of sets that will be asked for: at once they take less time."""
+        asked = dict.fromkeys(tuple(sorted(one)) for one in sets)
+        keys = [key for key in asked if key not in self._nats]
+        made = weighed(self.evidence, self.single, keys)
+        self._nats |= {key: nats / self.crowding for key, nats in made.items()}
 
     def worth(self, causes: Set) -> float:
         """Return the log evidence of a set less what its names must bring."""
@@ -269,6 +265,7 @@ class Contest:
             }
             if not grown:
                 break
+            self.weigh(grown)
             # a constant and a scale may each do little alone: all pairs are tried
             beam = sorted(grown, key=lambda one: -self.worth(one))[: BEAM if size else None]
             if size and self.worth(beam[0]) < max(map(self.worth, seen)) - NAME_NATS:

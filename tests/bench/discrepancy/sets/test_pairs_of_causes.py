@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +18,9 @@ class Told(Contest):
 
     def __init__(self) -> None:
         """Take part in nothing."""
+
+    def weigh(self, sets: Iterable[tuple[str, ...]]) -> None:
+        """Do nothing beforehand."""
 
     def worth(self, causes: tuple[str, ...]) -> float:
         """Return less for later causes, and much for the last pair."""
