@@ -74,7 +74,17 @@ def parameter(
 
 
 def describe(kind: type[Any]) -> tuple[Parameter, ...]:
-    """Return the parameters of a dataclass made with `parameter` fields."""
+    """Return the parameters of a dataclass made with `parameter` fields; read once."""
+    if kind not in _DESCRIBED:
+        _DESCRIBED[kind] = _parameters(kind)
+    return _DESCRIBED[kind]
+
+
+_DESCRIBED: dict[type[Any], tuple[Parameter, ...]] = {}
+
+
+def _parameters(kind: type[Any]) -> tuple[Parameter, ...]:
+    """Return `describe`, read from the fields."""
     return tuple(
         Parameter(
             name=item.name,

@@ -197,11 +197,12 @@ def aligned(frame: pd.DataFrame, window: Window) -> tuple[Floats, Floats]:
     shape. Rows may have CIRs of different lengths.
     """
     first = _numbers(frame["first_path_index"])
-    lengths = np.array([len(cir) for cir in frame["cir"]], np.intp)
+    cirs = frame["cir"].to_numpy()
+    lengths = np.array([len(cir) for cir in cirs], np.intp)
     padded = np.full((len(frame), int(lengths.max(initial=1))), np.nan)
     for length in np.unique(lengths):
         rows = np.flatnonzero(lengths == length)
-        padded[rows, :length] = np.stack([frame["cir"].iloc[row] for row in rows])
+        padded[rows, :length] = np.stack([cirs[row] for row in rows])
     return around(padded, first, _period_ns(frame), window)
 
 
