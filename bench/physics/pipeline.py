@@ -55,12 +55,15 @@ class Pipeline:
 
     def detected(self, start: Callable[[], Batch], draws: Draws, run: Run = in_order) -> Batch:
         """Return the batch up to detection and with it; `run` runs what comes before it."""
-        steps = [
+        return self.detect(run(start, self.steps(draws)))
+
+    def steps(self, draws: Draws) -> list[Step]:
+        """Return what comes before detection."""
+        return [
             *self._steps("propagation", draws),
             ("received", self.receive),
             *self._steps("receiver", draws),
         ]
-        return self.detect(run(start, steps))
 
     def ranged(self, batch: Batch, draws: Draws) -> Batch:
         """Return a detected batch after the ranging stage."""

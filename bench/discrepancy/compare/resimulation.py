@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.view import Added, View
-from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.observables import Observables, Window
 from bench.discrepancy.settings import UNLIMITED_MEMBERS
+from bench.errors import BenchError
 from bench.physics.simulator import Simulator
 
 
@@ -39,6 +41,16 @@ class Resimulation:
         replicas = self.stages.ensemble(simulator, view.scene, numbers, view.waveform)
         return stack(view.recorded, replicas, view.links)
 
+    def single(self, view: View, many: Sequence[Added]) -> list[Ensemble | None]:
+        """Return recorded rows beside one simulated version, with each of many sets of effects.
+
+        Sets that differ in one effect alone take less time than one by one. None where one cannot
+        be simulated.
+        """
+        simulators = [self._cropped(self.with_effects(added), view) for added in many]
+        made = self.stages.variants(simulators, view.scene, 0, view.waveform)
+        return [None if one is None else _beside(view, one) for one in made]
+
     def distinct(self, view: View) -> int:
         """Return how many members repeat nothing of each other: any number."""
         return UNLIMITED_MEMBERS
@@ -64,3 +76,11 @@ class Resimulation:
             "cir_samples": self.window.before + self.window.after,
         }
         return replace(simulator, base=replace(simulator.base, **crop))
+
+
+def _beside(view: View, made: Observables) -> Ensemble | None:
+    """Return recorded rows beside one simulated version, None where they share nothing."""
+    try:
+        return stack(view.recorded, [made], view.links)
+    except BenchError:
+        return None

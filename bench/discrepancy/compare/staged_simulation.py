@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
@@ -31,12 +32,12 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.batch import Batch, altered
 from bench.physics.memory import Memory, keep_freed
-from bench.physics.pipeline import EffectError, Pipeline
+from bench.physics.pipeline import EffectError, Pipeline, Run, in_order
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.scene import Scene
 from bench.physics.simulator import Simulator
-from bench.physics.stacked import StackedDraws
+from bench.physics.stacked import StackedDraws, joined
 
 Numbers = tuple[int, ...]  # of replicates
 
@@ -100,9 +101,54 @@ class Stages:
             if isinstance(problem, BenchError) and not isinstance(problem, EffectError):
                 raise
             raise self._blamed(simulator, rows, numbers[0], cir, problem) from problem
-        scalars = {n: np.concatenate([_column(block, n) for block in blocks]) for n in SCALARS}
-        parts = zip(_parts(scalars, len(numbers)), _parts(found.shape, len(numbers)), strict=True)
-        return [collect(*part) for part in parts]
+        return _collected(blocks, found.shape, len(numbers))
+
+    def variants(
+        self, simulators: Sequence[Simulator], rows: Scene, replicate: int, cir: bool
+    ) -> list[Observables | None]:
+        """Return what simulators that differ in one effect give for `rows` in one replicate.
+
+        None where one cannot simulate them.
+        """
+        most = max(1, STACKED_ROWS // max(len(rows), 1))
+        parts = [simulators[at : at + most] for at in range(0, len(simulators), most)]
+        return [one for part in parts for one in self._side_by_side(part, rows, replicate, cir)]
+
+    def _side_by_side(
+        self, simulators: Sequence[Simulator], rows: Scene, replicate: int, cir: bool
+    ) -> Sequence[Observables | None]:
+        """Return `variants` of a few simulators: at once, else one by one."""
+        if len(simulators) > 1:
+            with suppress(Exception):
+                return self._varied(simulators, rows, replicate, cir)
+        made: list[Observables | None] = []
+        for simulator in simulators:
+            try:
+                made.append(self.observables(simulator, rows, replicate, cir))
+            except BenchError:
+                made.append(None)
+        return made
+
+    def _varied(
+        self, simulators: Sequence[Simulator], rows: Scene, replicate: int, cir: bool
+    ) -> list[Observables]:
+        """Simulate each up to the effect that differs, then all of them at once.
+
+        Raises ValueError where none or more than one differs before detection.
+        """
+        first, count = simulators[0], len(simulators)
+        alone, together = (
+            self._draws(first.seed, rows, (replicate,) * many, 0) for many in (1, count)
+        )
+        chains = [_pipeline(one, alone, cir).steps(alone) for one in simulators]
+        at = _where_they_differ([[key for key, _ in steps] for steps in chains])
+        run = self._run((self._place(rows), (replicate,)), first, alone, cir)
+        heads = [run(lambda: first.base.paths(rows), steps[: at + 1]) for steps in chains]
+        pipeline = _pipeline(first, together, cir)
+        batch = joined(heads, rows.repeated(count))
+        batch = pipeline.detect(in_order(lambda: batch, pipeline.steps(together)[at + 1 :]))
+        shape = self._shape(first, batch)
+        return _collected([pipeline.ranged(batch, together)], shape, count)
 
     def _found(self, simulator: Simulator, rows: Scene, numbers: Numbers, cir: bool) -> Detected:
         """Return some replicates up to detection, remembered."""
@@ -178,17 +224,18 @@ class Stages:
         `place` says which rows they are, and of which replicates, so that the same beginnings are
         not simulated again.
         """
-        base = simulator.base
-
-        def received(batch: Batch) -> Batch:
-            return base.received(batch, draws) if cir else base.counted(batch)
-
-        pipeline = Pipeline(simulator.effects, received, base.detected)
+        pipeline = _pipeline(simulator, draws, cir)
         if place is None:
-            return pipeline.detected(lambda: base.paths(rows), draws)
-        key = (place, base, draws.seed, draws.block, cir)
-        run = partial(self._prefixes.run, key, many=len(place[1]))
-        return pipeline.detected(lambda: base.paths(rows), draws, run)
+            return pipeline.detected(lambda: simulator.base.paths(rows), draws)
+        run = self._run(place, simulator, draws, cir)
+        return pipeline.detected(lambda: simulator.base.paths(rows), draws, run)
+
+    def _run(
+        self, place: tuple[Hashable, Numbers], simulator: Simulator, draws: Draws, cir: bool
+    ) -> Run:
+        """Return what runs steps on rows of replicates, and remembers beginnings."""
+        key = (place, simulator.base, draws.seed, draws.block, cir)
+        return partial(self._prefixes.run, key, many=len(place[1]))
 
     def _ranged(
         self, simulator: Simulator, numbered: tuple[int, Batch], rows: Scene, numbers: Numbers
@@ -208,10 +255,36 @@ class Stages:
         return shape_of(whole, index, batch.sample_period_ns, self.window, told)
 
 
+def _pipeline(simulator: Simulator, draws: Draws, cir: bool) -> Pipeline:
+    """Return the stages of a simulator; without `cir` no waveform is received."""
+    base = simulator.base
+
+    def received(batch: Batch) -> Batch:
+        return base.received(batch, draws) if cir else base.counted(batch)
+
+    return Pipeline(simulator.effects, received, base.detected)
+
+
 def _after_ranging(simulator: Simulator, batch: Batch, draws: Draws) -> Batch:
     """Return a detected batch after the ranging stage."""
-    base = simulator.base
-    return Pipeline(simulator.effects, base.counted, base.detected).ranged(batch, draws)
+    return _pipeline(simulator, draws, False).ranged(batch, draws)
+
+
+def _where_they_differ(chains: Sequence[Sequence[Hashable]]) -> int:
+    """Return the one place where chains of steps differ. Raises ValueError where it is not one."""
+    if len({len(chain) for chain in chains}) > 1:
+        raise ValueError("chains of other lengths")
+    places = [at for at, steps in enumerate(zip(*chains, strict=True)) if len(set(steps)) > 1]
+    if len(places) != 1:
+        raise ValueError(f"chains that differ in {len(places)} places")
+    return places[0]
+
+
+def _collected(blocks: Sequence[Batch], shape: dict[str, Floats], count: int) -> list[Observables]:
+    """Return the observables of each of `count` stacked replicates, of ranged blocks."""
+    scalars = {n: np.concatenate([_column(block, n) for block in blocks]) for n in SCALARS}
+    parts = zip(_parts(scalars, count), _parts(shape, count), strict=True)
+    return [collect(*part) for part in parts]
 
 
 def _parts(columns: dict[str, Floats], count: int) -> list[dict[str, Floats]]:

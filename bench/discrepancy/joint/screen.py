@@ -57,24 +57,26 @@ class Screen:
 
     def _tried(self, kind: type[Effect]) -> list[Tried]:
         points = starts(kind, False, True)
-        made = [self._point(kind, values) for values in points]
+        made = self._points(kind, points)
         much = [one.nats < self._nothing if one else None for one in made]
-        made += [self._point(kind, values) for values in onsets(kind, points, much)]
+        made += self._points(kind, onsets(kind, points, much))
         found = [one for one in made if one]
         if not found:
             return []
         best = max(found, key=lambda one: one.nats).effect
         begun = dict.fromkeys((best, _alone(best)))
         more = [v for one in begun for v in elsewhere(kind, one, False) + delayed(kind, one)]
-        return found + [one for one in (self._point(kind, values) for values in more) if one]
+        return found + [one for one in self._points(kind, more) if one]
 
-    def _point(self, kind: type[Effect], values: dict[str, float]) -> Tried | None:
-        """Return one point, None where it cannot be simulated or changes nothing."""
-        try:
-            effect = valued(kind, values)
-        except BenchError:
-            return None
-        mean = self.given.mean((*self.start, effect))
+    def _points(self, kind: type[Effect], many: Iterable[dict[str, float]]) -> list[Tried | None]:
+        """Return points, None where one cannot be simulated or changes nothing."""
+        effects = [_effect(kind, values) for values in many]
+        means = iter(self.given.means([(*self.start, one) for one in effects if one]))
+        return [self._point(one, next(means)) if one else None for one in effects]
+
+    def _point(self, effect: Effect, mean: Floats | None) -> Tried | None:
+        """Return one point of which one version has this mean."""
+        kind = type(effect)
         if mean is None:
             return None
         if kind.by_rows:
@@ -137,6 +139,14 @@ class Screen:
         left = now.moments.left - one.response
         nats = fitness(self.given, now.moments, left, responses, count)
         return Tried(one.effect, one.response, nats, nats - now.nats)
+
+
+def _effect(kind: type[Effect], values: dict[str, float]) -> Effect | None:
+    """Return the effect with these values, None where it has none such."""
+    try:
+        return valued(kind, values)
+    except BenchError:
+        return None
 
 
 def _alone(effect: Effect) -> Effect:

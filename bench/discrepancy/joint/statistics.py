@@ -8,7 +8,7 @@ Wood 2010), the covariance shrunk to its diagonal.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -179,8 +179,20 @@ class Statistics:
 
     def mean(self, added: Added) -> Floats | None:
         """Return the statistics of one simulated version [L, p], None as for `moments`."""
-        made = self._made(added, 1)
-        return None if made is None else self.of_links(np.nan_to_num(self._values(made)[1]))
+        return self._first(self._made(added, 1))
+
+    def means(self, many: Sequence[Added]) -> list[Floats | None]:
+        """Return `mean` of each of many sets of effects, which differ in one effect."""
+        if not isinstance(self.comparison, Resimulation) or self.rows.rich > 1:
+            return [self.mean(added) for added in many]
+        made = self.comparison.single(self.rows, [(*self.beside, *added) for added in many])
+        return [self._first(one) for one in made]
+
+    def _first(self, made: Ensemble | None) -> Floats | None:
+        """Return the statistics of the first simulated version [L, p], None where not all are."""
+        if made is None or not set(self.names) <= set(made.names):
+            return None
+        return self.of_links(np.nan_to_num(self._values(made)[1]))
 
     def others(self, added: Added) -> Floats:
         """Return what links of further simulated versions leave [v, L, p] (see `others_rows`)."""

@@ -15,7 +15,7 @@ from bench.errors import BenchError
 from bench.parallel import in_threads, threads
 from bench.physics.base import Base
 from bench.physics.batch import Batch
-from bench.physics.effect import Effect
+from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
@@ -60,6 +60,41 @@ def test_replicates_simulated_at_once_are_those_simulated_one_by_one(monkeypatch
                 assert np.array_equal(ours.values, theirs.values, equal_nan=True)
 
 
+def _variants() -> dict[str, list[Simulator]]:
+    """Return simulators by the effect that differs among them: at every stage, and two at once."""
+    simulator = _simulators()[0]
+    tails = [DiffuseTail(level_db=level) for level in (-30.0, -20.0, -60.0)]
+    rings = [PulseRinging(ring_db=level) for level in (-20.0, -10.0, -60.0)]
+    jitters = [TimestampJitter(jitter_samples=size) for size in (0.0, 0.2)]
+    made = {
+        name: [simulator.with_effect(effect) for effect in effects]
+        for name, effects in (("tail", tails), ("ring", rings), ("jitter", jitters))
+    }
+    both = [one.with_effect(ring) for one, ring in zip(made["tail"], rings, strict=True)]
+    return made | {"both": both, "same": [simulator, simulator], "one": [simulator], "none": []}
+
+
+@pytest.mark.parametrize("most", [18, 2 * 18, 2048], ids="at most {} rows".format)
+@pytest.mark.parametrize("cir", [True, False], ids=["cir", "paths"])
+@pytest.mark.parametrize("name", _variants())
+def test_variants_of_one_effect_are_those_simulated_one_by_one(monkeypatch, name, cir, most):
+    monkeypatch.setattr("bench.discrepancy.compare.staged_simulation.STACKED_ROWS", most)
+    simulators, stages = _variants()[name], Stages(WINDOW)
+    for _ in range(2):  # the second time from memory
+        made = stages.variants(simulators, ROWS, 3, cir)
+        alone = [Stages(WINDOW).observables(one, ROWS, 3, cir) for one in simulators]
+        for ours, theirs in zip(made, alone, strict=True):
+            assert ours is not None
+            assert (ours.names, ours.units) == (theirs.names, theirs.units)
+            assert np.array_equal(ours.values, theirs.values, equal_nan=True)
+
+
+def test_only_one_variant_that_fails_is_missing():
+    variants = [Simulator(BASE, (Choosy(strict=strict),), 5) for strict in (0.0, 1.0, 0.5)]
+    made = Stages(WINDOW).variants(variants, ROWS, 2, True)
+    assert [one is None for one in made] == [False, True, True]
+
+
 @dataclass(frozen=True)
 class Choosy(Effect):
     """Fails on one row of one replicate."""
@@ -67,9 +102,10 @@ class Choosy(Effect):
     name = "choosy"
     stage = "receiver"
     source = "a test"
+    strict: float = parameter(1.0, "1", 0, 1, "0 never fails")
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
-        if draws.replicate == 2 and (batch.rows.true_range_m > 19.9).any():
+        if self.strict and draws.replicate == 2 and (batch.rows.true_range_m > 19.9).any():
             raise ValueError("too far")
         return batch
 
@@ -130,3 +166,11 @@ def test_work_in_threads_keeps_its_order_and_its_errors(monkeypatch):
             in_threads(lambda item: 1 / item, [1, 0])
     monkeypatch.delenv("BENCH_THREADS")
     assert threads() >= 1
+
+
+@pytest.mark.parametrize("name", ["tail", "ring"])
+def test_variants_are_simulated_at_once(monkeypatch, name):
+    monkeypatch.setattr(Stages, "observables", None)  # one by one
+    audible = _variants()[name][:2]  # nothing can be stacked on what has no taps at all
+    made = Stages(WINDOW).variants(audible, ROWS, 3, True)
+    assert all(one is not None for one in made)

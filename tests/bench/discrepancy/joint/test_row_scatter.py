@@ -108,6 +108,14 @@ def test_what_rows_scatter_by_chance_is_no_sign_of_an_effect():
     assert by_chance(given, bare, faded) > by_chance(given, *blind) + 50
 
 
+def test_means_of_many_sets_are_those_of_each():
+    comparison, rows = compared(())
+    given = Statistics(comparison, rows)
+    many = [(SHADOWED, replace(STEEPER, exponent=one)) for one in (1.5, 2.5, 3.5)]
+    for one, other in zip(given.means(many), map(given.mean, many), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_where_links_have_one_row_nothing_scatters_about_them():
     comparison, rows = compared(())
     alone = View(rows.frame, rows.recorded, np.arange(len(rows.rows)), rows.rows)
