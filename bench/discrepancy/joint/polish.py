@@ -183,7 +183,8 @@ def _step(given: Statistics, now: Fit, slopes: Slopes) -> Fit | None:
     inner, squares = ways @ ways.T, ways @ here.ravel()
     at = shares(now.effects)
     # By squares alone, whose slopes reach farthest, then by all that the likelihood is of.
-    for damping, beyond in zip(DAMPING, (0.0, slopes.beyond, slopes.beyond), strict=True):
+    beyonds = (np.zeros(len(at)), slopes.beyond, slopes.beyond)
+    for damping, beyond in zip(DAMPING, beyonds, strict=True):
         right = squares - beyond
         ridge = damping * np.diag(inner) + 1e-3 * np.trace(inner) / len(at) + 1e-9
         way = -np.linalg.solve(inner + np.diag(ridge), right)
