@@ -26,6 +26,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.discrepancy.report.document import describe
+from bench.discrepancy.select.verdict import Ambiguous
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.simulator import Simulator
@@ -94,8 +95,10 @@ def _metres_per_ppm(frame: pd.DataFrame) -> Floats:
 
 
 def _clock(found: Diagnosis) -> DeviceClock | None:
-    """Return the clocks that the diagnosis found, None where it found none per device."""
-    return next((e for e in found.added if isinstance(e, DeviceClock)), None)
+    """Return the clocks that the diagnosis found, or that may be what it found; None where none."""
+    classes = [v for v in found.selection.verdicts if isinstance(v, Ambiguous)]
+    every = (*found.added, *(one.effect for each in classes for one in each.options))
+    return next((e for e in every if isinstance(e, DeviceClock)), None)
 
 
 def by_pair(made: Exchange, clock: DeviceClock | None) -> pd.DataFrame:

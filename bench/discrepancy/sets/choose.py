@@ -30,7 +30,7 @@ from bench.discrepancy.sets.choice import Choice, Set, but, but_not
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.formed import beaten
 from bench.discrepancy.sets.mistaken import mistaken
-from bench.discrepancy.sets.rivals import beside_a_constant, rivals
+from bench.discrepancy.sets.rivals import beside_a_constant, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,
@@ -47,6 +47,7 @@ from bench.discrepancy.sets.spared import moves_every_row
 from bench.discrepancy.sets.weigh import weighed
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 Floats = NDArray[np.float64]
 
@@ -150,14 +151,16 @@ class Contest:
         best = moves_every_row(self, self._beyond_forms(placed))
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
+        able = {one: rivals(self, best, one) for one in names}
+        delays = delays_and_more(self, best, able.get(AntennaDelay.name, ()))
         return Choice(
             names,
             tuple(one for one in best if one not in self.library),
             {one: self.brings(best, one) for one in names},
-            {o: tuple(sorted({*rivals(self, best, o), *beside[o]})) for o in names},
+            {o: tuple(sorted({*able[o], *beside[o]})) for o in names},
             {one: self._wider(best, one) for one in names},
             self.shifts(best),
-            constants_m={o: m for some in beside.values() for o, m in some.items()},
+            constants_m={o: m for some in (delays, *beside.values()) for o, m in some.items()},
             tied=tied if set(but_not(placed, first)) <= set(best) else (),
         )
 

@@ -63,6 +63,25 @@ def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, flo
     return out
 
 
+def delays_and_more(contest: Contest, causes: Set, others: Set) -> dict[str, float]:
+    """Return rivals of antenna delays that stand beside a constant, each with it in metres.
+
+    Delays of devices have a mean, which what sums to nothing over devices has to stretch for. A
+    constant is expected of radios that nobody calibrated: it stands unless it is all that there is,
+    or excluded.
+    """
+    if AntennaDelay.name not in causes:
+        return {}
+    rest, least = but(causes, AntennaDelay.name), RIVAL_NATS * contest.crowding
+    plain = _with_constant(contest, contest.evidence, rest)[0]
+    out = {}
+    for one in sorted(set(others) & contest.library):
+        nats, constant_m = _with_constant(contest, contest.evidence, (*rest, one))
+        if nats - least > plain and nats + least > contest.evidence.of((*rest, one)).nats:
+            out[one] = constant_m
+    return out
+
+
 def _with_constant(contest: Contest, evidence: Evidence, causes: Set) -> tuple[float, float]:
     """Return the log evidence of a set beside a constant, and that constant in metres."""
     column = contest.seen(np.full((len(contest.known), 1), COMMON_M))
