@@ -20,7 +20,9 @@ from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.settings import (
     DAMPING,
     DONE_NATS,
+    FIT_ROUNDS,
     LONGEST_STEP,
+    NAME_NATS,
     SPREAD_WEIGHT,
     STEP,
     STEPS,
@@ -98,20 +100,32 @@ def _own(varied: Sequence[tuple[Floats, Floats]]) -> Floats | None:
 
 
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
-    """Return a set of effects fitted from where they are, None where they cannot be simulated."""
+    """Return a set of effects fitted from where they are, None where they cannot be simulated.
+
+    A fit whose last step still gained what a name must bring goes on with new slopes.
+    """
     best = fitted(given, effects)
     if best is None or not len(shares(effects)):
         return best
-    slopes = Slopes.at(given, best)
+    for _ in range(FIT_ROUNDS):
+        best, gained = _stepped(given, best, steps)
+        if gained < NAME_NATS:
+            break
+    return best
+
+
+def _stepped(given: Statistics, best: Fit, steps: int) -> tuple[Fit, float]:
+    """Return a fit some steps on, and what the last of them gained in nats."""
+    slopes, gained = Slopes.at(given, best), 0.0
     for _ in range(steps):
         better = _step(given, best, slopes)
         if better is None:
-            break
+            return best, 0.0
         gained, before, best = better.nats - best.nats, best, better
         if gained < DONE_NATS:
             break
         slopes = slopes.corrected(before, best)
-    return best
+    return best, gained
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -111,3 +113,13 @@ def test_simulated_links_may_be_as_far_off_as_recorded_ones() -> None:
     assert fit is not None
     assert len(given.others(())) >= 3
     assert not off(given, fit, fit)
+
+
+def test_a_set_may_leave_a_small_share_of_what_was_there() -> None:
+    comparison, rows = compared((PulseRinging(ring_db=-8.0, ring_delay_ns=5.0),))
+    given = Statistics(comparison, rows)
+    bare = fitted(given, ())
+    assert bare is not None
+    far = replace(bare, moments=replace(bare.moments, left=bare.moments.left * 10))
+    assert off(given, bare, bare)
+    assert not off(given, bare, far)

@@ -17,7 +17,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import untried
 from bench.discrepancy.joint.chance import by_chance
 from bench.discrepancy.joint.form import beyond_forms, of_form
-from bench.discrepancy.joint.polish import fitted
+from bench.discrepancy.joint.polish import fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.untried import scatter_at_most, with_unlisted, with_untried
@@ -201,6 +201,21 @@ def test_what_obstructs_links_may_be_what_obstacles_do_that_nobody_listed(
     said = LeftOut(effect, (), SAID.gain, 1.0, SAID.control)
     assert with_unlisted(search, said).names == names
     assert with_unlisted(replace(search, untried={}), said) is said
+
+
+def test_what_links_keep_of_a_tail_is_fitted_to_how_their_rows_scatter():
+    hidden = DiffuseTail(static=0.95)
+    comparison, rows = compared((hidden,))
+    given = Statistics(comparison, rows)
+    right, begun = fitted(given, (hidden,)), fitted(given, (DiffuseTail(static=0.4),))
+    found = polished(given, (DiffuseTail(static=0.4),))
+    assert right is not None
+    assert begun is not None
+    assert found is not None
+    assert found.nats - begun.nats > 0.9 * (right.nats - begun.nats)
+    (tail,) = found.effects
+    assert isinstance(tail, DiffuseTail)
+    assert tail.static == pytest.approx(hidden.static, abs=0.1)
 
 
 def test_a_tail_may_be_reflections_of_walls_that_nobody_placed():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -78,6 +80,15 @@ def test_an_obstruction_beside_what_all_links_share_is_found_beside_it():
     found = found_in(recordings((ringing, STRUCK)), (ringing,))
     assert found is not None
     assert found.effect.name == "obstructed-path"
+
+
+def test_an_obstruction_of_most_links_is_found_beside_what_all_links_share():
+    """Effects are fitted to the links it spares, which are the fewer ones."""
+    ringing = PulseRinging(ring_db=-10.0, ring_delay_ns=5.0)
+    found = found_in(recordings((ringing, replace(STRUCK, share=0.7))), (ringing,))
+    assert found is not None
+    assert found.effect.name == "obstructed-path"
+    assert found.parameters[0].low <= 0.7 <= found.parameters[0].high
 
 
 def test_what_strikes_simulated_links_alike_is_none_left_out():

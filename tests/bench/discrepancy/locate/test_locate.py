@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates, covariates
 from bench.discrepancy.locate.hypotheses import link_sums
@@ -49,6 +52,24 @@ def test_finds_an_effect_that_cancels_in_mean_and_spread_of_all_rows():
     )
     located = locate(ensemble, known, seed=0)
     assert located.findings[0].cell.place.covariate == "distance"
+
+
+def test_what_is_off_everywhere_is_told_over_all_rows_however_even_it_is_somewhere():
+    ensemble, known = _comparison(3, lambda c: np.full(LINKS * ROWS, 0.4), link_sd=0.02)
+    ensemble.versions[:, ~known.groups["wall"], 0] *= 3  # the same, less even outside the group
+    ensemble.versions[0, :, 0] = 0.4 + ensemble.versions[1, :, 0]
+    top = locate(ensemble, known, seed=0).findings[0]
+    assert top.cell.place.covariate == "wall"
+    assert top.told.cell.place.covariate is None
+    assert top.told.effect.low < 0.4 < top.told.effect.high
+
+
+def test_what_is_clearly_larger_in_a_place_is_told_there():
+    ensemble, known = _comparison(3, lambda c: np.full(LINKS * ROWS, 0.4), link_sd=0.02)
+    whole = locate(ensemble, known, seed=0).findings[0]
+    for times, there in ((1.2, False), (2.0, True)):
+        larger = replace(whole, effect=Estimate(0.4 * times, 0.3, 1.0, "m"), whole=whole)
+        assert (larger.told is larger) is there
 
 
 def test_finds_link_constants_of_either_sign():

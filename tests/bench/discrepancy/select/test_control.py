@@ -66,6 +66,7 @@ def _search(left_m: np.ndarray) -> Any:
     [
         (np.full(ROWS, 0.3), True),  # all rows: another cause
         (np.where(SIGHT, 0.5, 0.0), False),
+        (np.where(SIGHT, -0.5, 0.0), True),  # shorter in sight: most others are struck
     ],
 )
 def test_what_strikes_links_is_not_there_in_sight(
