@@ -16,6 +16,7 @@ from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
+from bench.discrepancy.select.logged import read_off
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
@@ -338,6 +339,8 @@ def left_out(
     sizes = guard.safely("intervals", intervals_of, ())
     intervals = sizes(search.comparison, search.sharpest, others, effect)
     intervals = widened(intervals, effect, search.choice.wider.get(effect.physics, 1.0))
+    known = guard.safely("value in a log", read_off, None)(search, effect)
+    intervals = tuple(known if known and one.name == known.name else one for one in intervals)
     unknown = Control(type(effect).control, None)
     test = guard.safely("negative control", negative_control, unknown)
     top = turn.located.findings[:1]  # none where a mark alone speaks for it

@@ -13,12 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.crps import cluster_bootstrap
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.settings import (
     LOGGED_COMPRESSIONS,
     LOGGED_LEVELS,
@@ -157,10 +159,11 @@ def as_simulated(seen: Logged) -> float:
 def louder(seen: Logged) -> float:
     """Return the nats for noise of another level than simulated, 0 where that is not known.
 
-    Beyond what goes with the count: its level as a whole, or that of every device.
+    Beyond what goes with the count: its level as a whole, or that of every device. Less noise than
+    simulated is nothing that the simulator leaves out.
     """
     rows = seen.known(seen.noise_db)
-    if not rows.any():
+    if not rows.any() or np.mean(seen.noise_db[rows]) <= 0:
         return 0.0
     spare, noise, own = NOISE_FORMULA_DB**2, seen.noise_db[rows], seen.devices[rows]
     null = np.nan_to_num(seen.count_db[rows])[:, None]
@@ -171,6 +174,20 @@ def _louder_db(seen: Logged) -> float:
     """Return by how much the logged noise is louder than simulated, within the effect's bounds."""
     item = next(p for p in NoiseFloor.parameters() if p.name == "level_db")
     return float(np.clip(np.nanmedian(seen.noise_db), item.low, item.high))
+
+
+def read_off(search: Search, effect: Effect) -> ParameterEstimate | None:
+    """Return the level of a noise floor that logs show, None of another effect.
+
+    Ranges need not tell it. The interval is that of the mean over links.
+    """
+    if not (isinstance(effect, NoiseFloor) and effect in search.logged):
+        return None
+    seen, links = logs(search, search.both).noise_db, search.both.links
+    rows = np.isfinite(seen)
+    mean = cluster_bootstrap(seen[rows], links[rows], search.seed, "dB")
+    low, high = (effect.level_db + end - mean.value for end in (mean.low, mean.high))
+    return ParameterEstimate("level_db", effect.level_db, low, high, "dB")
 
 
 def _brings(values: Floats, null: Floats, ways: Floats, seen: Logged, spare: float) -> float:

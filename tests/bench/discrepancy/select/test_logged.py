@@ -79,6 +79,7 @@ def test_noise_is_louder_beyond_what_goes_with_the_count() -> None:
         assert (logged.louder(_logs(fall, noise_db)) > LOGGED_NATS) is louder
     of_one = 2.0 * DEVICES[:, 1]
     assert logged.louder(_logs(np.zeros(160), of_one)) > LOGGED_NATS
+    assert logged.louder(_logs(np.zeros(160), of_one - 3.0)) == 0.0  # the simulator has too much
 
 
 def test_logs_that_are_alike_leave_a_path_loss_alone() -> None:
@@ -107,6 +108,10 @@ def test_a_louder_floor_is_a_mark_that_no_score_takes_back() -> None:
     assert isinstance(floor, NoiseFloor)
     assert floor.level_db == pytest.approx(2.0, abs=0.3)
     assert stepwise.bears_mark(found, floor)
+    level = logged.read_off(found, floor)
+    assert level is not None
+    assert level.low < floor.level_db < level.high < level.low + 0.5
+    assert logged.read_off(found, PathLoss()) is None
     assert not stepwise.bears_mark(search, floor)
 
 
