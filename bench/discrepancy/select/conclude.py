@@ -16,7 +16,7 @@ from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
-from bench.discrepancy.select.logged import read_off
+from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
@@ -345,4 +345,5 @@ def left_out(
     test = guard.safely("negative control", negative_control, unknown)
     top = turn.located.findings[:1]  # none where a mark alone speaks for it
     control = test(search, others, effect, top[0]) if top else unknown
-    return LeftOut(effect, intervals, gain, share, control, turn.located.findings)
+    found = LeftOut(effect, intervals, gain, share, control, turn.located.findings)
+    return replace(found, judged=judged_by(search, effect) or found.judged)

@@ -190,6 +190,14 @@ def read_off(search: Search, effect: Effect) -> ParameterEstimate | None:
     return ParameterEstimate("level_db", effect.level_db, low, high, "dB")
 
 
+def judged_by(search: Search, effect: Effect) -> str:
+    """Return what the gain of an effect is, "" where it decides; logs that show it decide alone."""
+    if effect.name not in {one.name for one in search.logged}:
+        return ""
+    column = COUNT if isinstance(effect, LevelControl) else NOISE
+    return f"told by the {column} that is logged; gain on held-out links, which does not decide"
+
+
 def _brings(values: Floats, null: Floats, ways: Floats, seen: Logged, spare: float) -> float:
     """Return the nats that `ways` [n, k] bring for values [n] beside `null` [n, j].
 
