@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 import pandas as pd
@@ -257,6 +258,8 @@ def _moved(clean: pd.DataFrame, recorded: pd.DataFrame) -> float:
     shared = tuple(name for name in before.names if name in after.names)
     values = before.keep(shared).values
     links = clean["link"].nunique() * SEARCHED_SHARE["cir" in clean]
-    moved = np.nanmean(after.keep(shared).values - values, axis=0)
-    error = np.maximum(np.nanstd(values, axis=0), 1e-12) / np.sqrt(links)
-    return float(min(np.nanmax(np.abs(moved) / error), MOST_Z))
+    with catch_warnings():  # of observables that no row has
+        simplefilter("ignore", RuntimeWarning)
+        moved = np.nanmean(after.keep(shared).values - values, axis=0)
+        error = np.maximum(np.nanstd(values, axis=0), 1e-12) / np.sqrt(links)
+        return float(min(np.nanmax(np.abs(moved) / error), MOST_Z))
