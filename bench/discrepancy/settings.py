@@ -107,6 +107,8 @@ PERMUTED_AT_ONCE: Final = 100  # [cost]
 MOST_FINDINGS: Final = 12  # that are listed [convention]
 INTERVAL_COUNTS: Final = (4, 12)  # coarse for what is weak, fine for what changes sign [blind]
 TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
+LEAST_ROW_SCATTER: Final = 1e-3  # of the mean variance within links, that a link has at least:
+# whole numbers are often all one [convention]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]
 MOST_CLUSTERS: Final = 80  # more links are grouped at random: still exchangeable [cost]
 PART_SHARE: Final = 0.3  # of the rows, in which a shift may be seen better than in all [convention]

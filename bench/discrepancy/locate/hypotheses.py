@@ -16,7 +16,7 @@ from bench.discrepancy.settings import CLIP_STD, INTERVAL_COUNTS, TAIL_SHARE
 
 Floats = NDArray[np.float64]
 Links = NDArray[np.intp]
-Moment = Literal["mean", "spread", "link", "slope"]
+Moment = Literal["mean", "spread", "link", "slope", "rows"]
 OWN = ("rx_power_dbm", "first_path_power_dbm")  # observables that others are searched against
 
 
@@ -117,22 +117,30 @@ def standardised(ensemble: Ensemble) -> NDArray[np.float32]:
 
 
 def link_sums(
-    ensemble: Ensemble, covariates: Covariates, clusters: Sequence[Links] | None = None
+    ensemble: Ensemble,
+    covariates: Covariates,
+    clusters: Sequence[Links] | None = None,
+    scatter: Floats | None = None,
 ) -> tuple[list[Cell], NDArray[np.float32]]:
     """Return the cells and their statistic per version and link, [1 + m, L, K].
 
     With `clusters` (numbers 0..L-1 of links) it is per version and cluster, [1 + m, C, K]: only one
     cluster's links are held at a time, because those of thousands of links take gigabytes. Every
-    statistic is centred over the versions, so its mean under the permutation is zero.
+    statistic is centred over the versions, so its mean under the permutation is zero. `scatter`
+    [1 + m, L, p]: how rows scatter within links, of which there are cells then (see `row_scatter`).
     """
     found = list(places(covariates, ensemble))
     shared = [(place, weight) for place, weight in found if weight.ndim == 1]
     own = [(place, weight) for place, weight in found if weight.ndim == 2]
     groups = [_group(ensemble, group) for group in (shared, own) if group]
     cells = [cell for group in groups for cell in group.cells]
+    within = np.zeros((len(ensemble.versions), groups[0].links, 0), np.float32)
+    if scatter is not None:
+        cells += [Cell(name, "rows", Place()) for name in ensemble.names]
+        within = (scatter - scatter.mean(axis=0)).astype(np.float32)
 
     def sums(links: Links) -> NDArray[np.float32]:
-        return np.concatenate([group.sums(links) for group in groups], axis=2)
+        return np.concatenate([*(g.sums(links) for g in groups), within[:, links]], axis=2)
 
     # The order in memory decides in which order sums over versions are rounded: keep it.
     if clusters is None:

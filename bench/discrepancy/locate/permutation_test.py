@@ -21,6 +21,7 @@ from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
+from bench.discrepancy.locate.row_scatter import about_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LARGER_HERE,
@@ -39,6 +40,7 @@ _MOMENT_WORDS = {
     "mean": "",
     "spread": " (spread)",
     "link": " (offsets that links keep)",
+    "rows": " (scatter of rows within links)",
     "slope": "",
 }
 
@@ -49,7 +51,8 @@ class Finding:
 
     `effect` is recorded minus simulated in the observable's unit: the mean over the cell; for a
     trend, per standard deviation of the covariate; for a spread or link offsets, of the mean
-    |deviation from the ensemble mean|. `z` is the search statistic, `p` its family-wise p value.
+    |deviation from the ensemble mean|; for rows within links, of that from their
+    own link's mean. `z` is the search statistic, `p` its family-wise p value.
     `whole` is the same over all rows, where it is found there too: what is far off everywhere has
     its largest `z` where it is most even, which says nothing of where it is.
     """
@@ -106,24 +109,26 @@ def locate(
     wider_only: bool = False,
     crowding: float = 1.0,
     reused: Floats | None = None,
+    scatter: Floats | None = None,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
     Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
     `Ensemble.beside`). `crowding`: how much wider than permutations the null is (see
     `TableComparison.crowding`), or cell by cell from what links share, `reused` (see `reuse`),
-    where that is more. Returns at most `top` findings with family-wise p <= `alpha`.
+    where that is more. `scatter`: see `link_sums`. Returns at most `top` findings with
+    family-wise p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
-    cells, sums = link_sums(ensemble, covariates, clusters)
+    cells, sums = link_sums(ensemble, covariates, clusters, scatter)
     z, null = _permuted(sums, rng, permutations)
     wider = np.maximum(_wider(cells, ensemble, covariates, reused), crowding)
     z = z / wider
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
-    narrow = [wider_only and c.moment in ("spread", "link") for c in cells] & (z < 0)
+    narrow = [wider_only and c.moment in ("spread", "link", "rows") for c in cells] & (z < 0)
     best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
     wholes = _found_everywhere(cells, p, alpha)
     at = {
@@ -241,6 +246,9 @@ def _effect_rows(ensemble: Ensemble, which: int, cell: Cell, weight: Floats) -> 
     if cell.moment == "mean":
         return residual
     members = ensemble.simulated[..., which]
+    if cell.moment == "rows":
+        recorded, *others = about_links(ensemble.versions[..., which], ensemble.links)
+        return np.asarray(recorded - np.mean(others, axis=0))
     typical = np.abs(members - members.mean(axis=0)).mean(axis=0)
     return np.asarray(np.abs(residual) - typical)
 

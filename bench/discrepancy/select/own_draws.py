@@ -5,7 +5,8 @@ drawn anew what a link has by chance: its shadowing, its tail. A table that repe
 and the same environment draws it once. Every recorded link is then off by its own draw though
 nothing is left out, and farther off than its simulated versions are from each other. So what is
 found must stand where the simulated versions of a link count as one - in means, which by chance
-are off to either side - or among rows of one link, or beside what simulated links differ by.
+are off to either side - or in how rows of one link differ, or beside what simulated links differ
+by.
 """
 
 from __future__ import annotations
@@ -16,36 +17,60 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import View
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Comparison, View
 from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.locate.permutation_test import Located, locate
+from bench.discrepancy.locate.row_scatter import row_scatter
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
 
 
+def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floats | None:
+    """Return how rows scatter within links (see `row_scatter`), None where that is not comparable.
+
+    Not where simulated rows stand for several of a link, which then scatter less, nor where they
+    are of other links. Of the versions that are the rows' own.
+    """
+    own = comparison.distinct(view)
+    if isinstance(comparison, TableComparison):
+        picks = comparison.versions(view)[:own]
+        if not comparison.paired(view) or any(len(np.unique(p)) < len(p) for p in picks):
+            return None
+    return row_scatter(ensemble.first(own))
+
+
 def beyond_own_draws(
-    located: Located, ensemble: Ensemble, own: int, view: View, seed: int, crowding: float
+    located: Located, ensemble: Ensemble, comparison: Comparison, view: View, seed: int
 ) -> Located:
     """Return a significant search, without findings where draws of links may be all there is.
 
-    `ensemble` has `own` simulated versions of each row, then those of similar links.
+    `ensemble` has the rows' own simulated versions, then those of similar links.
     """
-    tried = []
-    for search in _searches(ensemble, own, view, seed, crowding):
+    tried: list[Located] = []
+    for search in _searches(ensemble, comparison, view, seed):
+        tried.append(search)
         if search.significant:
-            return located
-        tried.append(search.p)
-    return replace(located, findings=(), p=min(1.0, len(tried) * min(tried)))
+            return replace(located, detectable=tried[0].detectable)
+    p = min(1.0, len(tried) * min(search.p for search in tried))
+    return replace(located, findings=(), p=p, detectable=tried[0].detectable)
 
 
 def _searches(
-    ensemble: Ensemble, own: int, view: View, seed: int, crowding: float
+    ensemble: Ensemble, comparison: Comparison, view: View, seed: int
 ) -> Iterator[Located]:
-    """Yield searches that draws of links cannot make significant; they share the error of one."""
-    covariates, versions, level = view.covariates, ensemble.first(own), FAMILY_WISE / 3
-    yield locate(_as_one(versions), covariates, seed, level)
-    yield locate(levelled(versions), covariates, seed, level)
-    beside = ensemble.beside(own)
+    """Yield searches that draws of links cannot make significant; they share the error of one.
+
+    How rows scatter within links, and when, a link may have drawn, too: so all simulated versions
+    count as one there, as in means.
+    """
+    covariates, level, own = view.covariates, FAMILY_WISE / 3, comparison.distinct(view)
+    one = _as_one(ensemble.first(own))
+    scatter = within_links(comparison, view, ensemble)
+    both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
+    yield locate(one, covariates, seed, level, scatter=both)
+    yield locate(levelled(one), covariates, seed, level)
+    beside, crowding = ensemble.beside(own), comparison.crowding(view)
     yield locate(beside, covariates, seed, level, wider_only=True, crowding=crowding)
 
 

@@ -45,7 +45,8 @@ def scatter_alone(
     """
     kinds = [c.effect for c in explanation.contenders if type(c.effect).independent]
     seen = {(f.cell.observable, f.cell.moment) for f in located.findings}
-    only = (RANGE, "spread") in seen and seen <= {(RANGE, "spread"), (RANGE, "link")}
+    scattered = {(RANGE, "spread"), (RANGE, "rows")}
+    only = bool(scattered & seen) and seen <= scattered | {(RANGE, "link")}
     if search.work is None or not kinds or not only:
         return None
     if not beyond_causes(search, (*added, kinds[0]), kinds[0]).adequate:

@@ -18,7 +18,7 @@ from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
-from bench.discrepancy.select.own_draws import beyond_own_draws
+from bench.discrepancy.select.own_draws import beyond_own_draws, within_links
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.within_links import of_links, within
@@ -75,12 +75,13 @@ def _located(
     level = family_wise / 2 if few else family_wise  # two searches share the error of one
     crowding, number = search.comparison.crowding(seen), search.seed + turn
     alone = 1.0 if search.comparison.paired(seen) else crowding
+    scatter = within_links(search.comparison, seen, ensemble)
     located = locate(
         ensemble.first(own), seen.covariates, number, level, crowding=alone,
-        reused=reuse(search.comparison, seen),
+        reused=reuse(search.comparison, seen), scatter=scatter,
     )  # fmt: skip
     if located.significant and own > 1 and len(ensemble.simulated) >= own + FEW_VERSIONS:
-        return beyond_own_draws(located, ensemble, own, seen, number, crowding)
+        return beyond_own_draws(located, ensemble, search.comparison, seen, number)
     if located.significant or not few:
         return located
     beside = ensemble.beside(own)

@@ -1,0 +1,53 @@
+"""How far the rows of every link scatter about the mean of the link, in every version.
+
+A deviation from the mean over versions tells nothing of scatter where there is one simulated
+version: either is as far from it. The variance within a link is each version's own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.data.grouped import group_sums
+from bench.discrepancy.settings import LEAST_ROW_SCATTER
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def row_scatter(ensemble: Ensemble) -> Floats:
+    """Return the log of the variance of the rows of each link [1 + m, L, p].
+
+    Of rows that all versions know, by the root of how many there are; 0 where that is one.
+    """
+    code = np.unique(ensemble.links, return_inverse=True)[1]
+    links = int(code.max(initial=-1)) + 1
+    known: Mask = np.asarray(np.isfinite(ensemble.versions).all(axis=0))
+    count = group_sums(known.astype(np.float64), code, links)
+    middle = np.nan_to_num(ensemble.versions.mean(axis=0), nan=0.0)
+    each = [_variance(np.where(known, v, middle), known, code, count) for v in ensemble.versions]
+    variance = np.stack(each)
+    least = LEAST_ROW_SCATTER * variance.mean(axis=(0, 1)) + np.finfo(np.float64).tiny
+    weight = np.sqrt(np.maximum(count - 1, 0))
+    return np.asarray(weight * np.log(variance + least))
+
+
+def _variance(values: Floats, known: Mask, code: NDArray[np.intp], count: Floats) -> Floats:
+    """Return the variance of values [n, p] within each link [L, p]."""
+    total = group_sums(values * known, code, len(count))
+    mean = total / np.maximum(count, 1)
+    squares = group_sums(((values - mean[code]) * known) ** 2, code, len(count))
+    return np.asarray(squares / np.maximum(count - 1, 1))
+
+
+def about_links(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return how far values [..., n] are from the mean of their link, in their unit."""
+    code = np.unique(links, return_inverse=True)[1]
+    known = np.isfinite(values)
+    flat = np.where(known, values, 0.0).reshape(-1, len(code)).T
+    sums = group_sums(flat, code, int(code.max(initial=-1)) + 1)
+    count = group_sums(known.reshape(-1, len(code)).T.astype(np.float64), code, len(sums))
+    mean = (sums / np.maximum(count, 1))[code].T.reshape(values.shape)
+    return np.asarray(np.abs(values - mean))
