@@ -192,11 +192,23 @@ def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
 
 
 def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
-    """Return the delay of every device in ns from the residual ranges of some rows."""
+    """Return the delay of every device in ns from the residual ranges of some rows.
+
+    0 of a device of one link: all that this link has by itself would be its delay.
+    """
     names, tx, rx = ends(view)
-    design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2)
+    told = in_several_links(view.links, tx, rx, len(names)).astype(np.float64)
+    design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2) * told
     found = robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))
-    return fewest_off(found, tx[rows], rx[rows])
+    return fewest_off(found, tx[rows], rx[rows]) * told
+
+
+def in_several_links(
+    links: NDArray[np.intp], tx: NDArray[np.intp], rx: NDArray[np.intp], count: int
+) -> NDArray[np.bool_]:
+    """Return which of `count` devices are an end of two links or more, from those of rows [n]."""
+    both = np.concatenate([np.stack([tx, links], axis=1), np.stack([rx, links], axis=1)])
+    return np.bincount(np.unique(both, axis=0)[:, 0], minlength=count) > 1
 
 
 def fewest_off(delays_ns: Floats, tx: NDArray[np.intp], rx: NDArray[np.intp]) -> Floats:

@@ -64,7 +64,22 @@ def named_kinds(kinds: Kinds, rows: View) -> dict[str, type[Effect]]:
 def of_library(kinds: Kinds, rows: View) -> Blocks:
     """Return the parts [n, k] of what every effect can do, by its name."""
     found = {n: kind.ways(rows.scene) for n, kind in named_kinds(kinds, rows).items()}
-    return {name: block for name, block in found.items() if block is not None}
+    blocks = {name: block for name, block in found.items() if block is not None}
+    if AntennaDelay.name in blocks:
+        common, own = blocks[AntennaDelay.name]
+        blocks[AntennaDelay.name] = common, _of_several_links(own, rows.links)
+    return blocks
+
+
+def _of_several_links(own: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return the columns [n, k] that are of rows of several links.
+
+    One of a device of one link is whatever that link has by itself.
+    """
+    code = np.unique(links, return_inverse=True)[1]
+    within = np.stack([np.bincount(code, column != 0) > 0 for column in own.T], axis=1)
+    several = within.sum(axis=0) > 1
+    return own[:, several] if several.any() else own[:, :1] * 0.0
 
 
 def of_one_device(blocks: Blocks) -> dict[str, Blocks]:
