@@ -16,7 +16,7 @@ from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
-from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts
+from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts, without_idle
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
@@ -173,6 +173,8 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))
     held = Checked(state.added, rounds)
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)
+    told = {*choice.marked, *(one.name for one in (*search.logged, *(s.effect for s in struck)))}
+    said = without_idle(said, rounds, best, told)
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
     tied = search.choice.tied

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate
@@ -63,6 +65,27 @@ def wave_verdicts(
         why = LEFT_OF_RANGES if named else NOTHING_NAMED
         return (*named, _unknown(rounds[0], last, why, added))
     return named
+
+
+def without_idle(
+    said: tuple[Verdict, ...], rounds: tuple[Round, ...], best: Added, sure: Collection[str]
+) -> tuple[Verdict, ...]:
+    """Return verdicts without names that held-out links need neither in score nor in simulator.
+
+    `best` is the simulator that fits best, `sure` the names that bear a mark or a log shows.
+    """
+    kept = {effect.physics for effect in best} | set(sure)
+    idle = [v for v in said if isinstance(v, LeftOut) and not (kept & {*v.names} or _gains(v))]
+    stay = tuple(one for one in said if one not in idle)
+    if not idle or any(isinstance(one, Unknown) for one in stay):
+        return stay
+    names = " and ".join(one.names[0] for one in idle)
+    why = f"looks most like {names}, but held-out links are no better with it"
+    return (*stay, _unknown(rounds[0], rounds[-1], why))
+
+
+def _gains(option: LeftOut) -> bool:
+    return option.gain.likely_above_zero
 
 
 def _more(search: Search, rounds: tuple[Round, ...]) -> bool:

@@ -48,7 +48,9 @@ def unrefused(
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
     struck = [(e, seen[e.name]) for e in gone if e.name in seen]
     held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
-    held |= {e.physics for e in gone if sealed.waveform and _better_waves(e, change((e,)))}
+    if sealed.waveform:
+        sure = _surely_better(found.verdicts)
+        held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
     words = {e.physics: _why(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
     return replace(said, withheld=words), tuple(e for e in more if e.name in names)
@@ -59,6 +61,13 @@ def _why(alone: Served | None) -> str:
     if alone is not None and alone.serves:
         return "by itself it makes sealed links better, beside the others it makes them worse"
     return str(alone)
+
+
+def _surely_better(verdicts: tuple[Verdict, ...]) -> set[str]:
+    """Return the names with which working links are better beyond chance."""
+    every = (v.options if isinstance(v, Ambiguous) else (v,) for v in verdicts)
+    options = [one for some in every for one in some if isinstance(one, LeftOut)]
+    return {name for one in options if one.gain.likely_above_zero for name in one.names}
 
 
 def _better_waves(effect: Effect, found: Served | None) -> bool:

@@ -64,3 +64,23 @@ def test_two_simulated_rows_of_a_link_that_share_its_draw_are_no_two_versions():
     assert search.comparison.distinct(search.searched) == 2
     assert locate(made.first(2), search.searched.covariates, 0).significant
     assert not locate_left(search, (), 0).significant
+
+
+def test_what_a_link_has_drawn_of_the_scatter_of_its_rows_is_no_mismatch():
+    """A channel that a link keeps decides how its rows scatter, too: on both sides by chance."""
+    alarms = 0
+    for seed in range(12):
+        search = search_of(seed, 2.0, 0, replicas=2)
+        frame, comparison = search.searched.frame, search.comparison
+        rng = np.random.default_rng(seed)
+        wide = np.exp(rng.normal(0, 1.0, (2, frame["link"].nunique())))
+        ours = frame["rx_power_dbm"] + wide[0][link_codes(frame)] * rng.normal(size=len(frame))
+        more = wide[1][comparison.links] * rng.normal(size=len(comparison.frame))
+        theirs = comparison.frame.assign(rx_power_dbm=comparison.frame["rx_power_dbm"] + more)
+        rows = view(
+            frame.assign(rx_power_dbm=ours), link_codes(frame), np.arange(len(frame)),
+            Window(), ("rx_power_dbm",), False,
+        )  # fmt: skip
+        found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
+        alarms += locate_left(found, (), 0).significant
+    assert alarms <= 2  # binomial(12, 0.05): more than 2 has probability 2 %
