@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import COUNT, NOISE
+from bench.discrepancy.settings import NOISE_APART_DB
 from bench.physics.simulator import Simulator
 from bench.recordings.clean import describe
 from bench.recordings.table import Recordings
@@ -17,7 +21,35 @@ def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[st
     tables = {"recorded": recorded}
     if isinstance(simulated, Recordings):
         tables["simulated"] = simulated
-    return tuple(f"{side}: {_words(table)}" for side, table in tables.items())
+    words = tuple(f"{side}: {_words(table)}" for side, table in tables.items())
+    return (*words, *_noise(*(table.frame for table in tables.values())))
+
+
+def _noise(recorded: pd.DataFrame, simulated: pd.DataFrame | None = None) -> tuple[str, ...]:
+    """Return by how much logged noise differs from a simulated table's, () where by under 1 dB.
+
+    As it is for one accumulated symbol, where both tell how many. Without waveforms only louder
+    noise is told by name; that there is less is for whoever made the simulator to know.
+    """
+    if simulated is None:
+        return ()
+    levels = [_noise_db(frame, recorded, simulated) for frame in (recorded, simulated)]
+    apart = levels[0] - levels[1]
+    if not abs(apart) > NOISE_APART_DB:  # unknown, too
+        return ()
+    more = "more" if apart > 0 else "less"
+    return (
+        f"logged noise (noise_std, median): {abs(apart):.1f} dB {more} recorded than simulated",
+    )
+
+
+def _noise_db(frame: pd.DataFrame, *tables: pd.DataFrame) -> float:
+    """Return the median of the logged noise in dB, for one symbol where all tables count them."""
+    noise = numeric(frame, NOISE)
+    if all(COUNT in table for table in tables):
+        noise = noise / np.sqrt(numeric(frame, COUNT))
+    known = noise[np.isfinite(noise) & (noise > 0)]
+    return float(20 * np.log10(np.median(known))) if len(known) else float("nan")
 
 
 def _words(table: Recordings) -> str:

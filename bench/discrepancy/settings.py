@@ -107,6 +107,7 @@ PERMUTED_AT_ONCE: Final = 100  # [cost]
 MOST_FINDINGS: Final = 12  # that are listed [convention]
 INTERVAL_COUNTS: Final = (4, 12)  # coarse for what is weak, fine for what changes sign [blind]
 TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
+NOISE_APART_DB: Final = 1.0  # logged noise of both sides, from where on it is said [convention]
 LEAST_ROW_SCATTER: Final = 1e-3  # of the mean variance within links, that a link has at least:
 # whole numbers are often all one [convention]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]

@@ -32,6 +32,7 @@ from bench.recordings.table import SAMPLE_PERIOD_NS
 Floats = NDArray[np.float64]
 
 RANGE = "error_m"  # the observable every table has
+NOISE = "noise_std"  # the noise of an accumulator, as the receiver reports it
 COUNT = "preamble_count"  # how many symbols an accumulator summed up
 LEVEL = "rx_power_dbm"  # the receive level, as the receiver reports it
 SCALARS = {

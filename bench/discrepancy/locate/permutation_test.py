@@ -21,7 +21,7 @@ from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
-from bench.discrepancy.locate.row_scatter import about_links
+from bench.discrepancy.locate.row_scatter import about_links, of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LARGER_HERE,
@@ -249,6 +249,8 @@ def _effect_rows(ensemble: Ensemble, which: int, cell: Cell, weight: Floats) -> 
     if cell.moment == "rows":
         recorded, *others = about_links(ensemble.versions[..., which], ensemble.links)
         return np.asarray(recorded - np.mean(others, axis=0))
+    if cell.moment == "link":  # what rows of a link have in common
+        residual, members = (of_links(one, ensemble.links) for one in (residual, members))
     typical = np.abs(members - members.mean(axis=0)).mean(axis=0)
     return np.asarray(np.abs(residual) - typical)
 

@@ -44,10 +44,15 @@ def _variance(values: Floats, known: Mask, code: NDArray[np.intp], count: Floats
 
 def about_links(values: Floats, links: NDArray[np.intp]) -> Floats:
     """Return how far values [..., n] are from the mean of their link, in their unit."""
+    return np.asarray(np.abs(values - of_links(values, links)))
+
+
+def of_links(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return the mean over the link of each of values [..., n], of those that are known."""
     code = np.unique(links, return_inverse=True)[1]
     known = np.isfinite(values)
     flat = np.where(known, values, 0.0).reshape(-1, len(code)).T
     sums = group_sums(flat, code, int(code.max(initial=-1)) + 1)
     count = group_sums(known.reshape(-1, len(code)).T.astype(np.float64), code, len(sums))
     mean = (sums / np.maximum(count, 1))[code].T.reshape(values.shape)
-    return np.asarray(np.abs(values - mean))
+    return np.where(known, mean, np.nan)

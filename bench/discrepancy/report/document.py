@@ -240,7 +240,9 @@ def _control(control: Control) -> str:
         return f"not decided (one in twenty such intervals excludes zero by chance), left {left}"
     if not control.passed:
         return f"FAILED, left {left}"
-    if left is not None and (left.low > 0 or left.high < 0):
+    if left is not None and left.high < 0:
+        return f"passed, not longer there: left {left}"
+    if left is not None and left.low > 0:
         return f"little is left there beside what is elsewhere, but not nothing: {left}"
     return f"passed, left {left}"
 

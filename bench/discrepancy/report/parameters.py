@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 
 from bench.discrepancy.data.observables import unit_of
-from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.fit.estimate import PURE, ParameterEstimate
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Verdict
 from bench.discrepancy.settings import SHOWN_VALUES
 
@@ -68,7 +68,8 @@ def detectable_line(verdict: NoMismatch) -> str:
 def _shifts(verdict: NoMismatch) -> list[str]:
     """Return a line per observable that varies."""
     sizes = verdict.detectable.items()
-    return [f"- {name} {size:.3g} {unit_of(name)}" for name, size in sizes if size > 0]
+    units = {name: "" if unit_of(name) in PURE else f" {unit_of(name)}" for name, _ in sizes}
+    return [f"- {name} {size:.3g}{units[name]}" for name, size in sizes if size > 0]
 
 
 def skipped_lines(skipped: Mapping[str, str]) -> list[str]:

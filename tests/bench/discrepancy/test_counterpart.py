@@ -22,3 +22,17 @@ def test_a_simulated_table_is_counted_too() -> None:
     table = Recordings(ROWS, "mine")
     plain = Recordings(ROWS.drop(columns="link"), "simulated")
     assert counted(table, plain) == ("recorded: 3 rows of 2 links", "simulated: 3 rows")
+
+
+def test_noise_that_is_logged_louder_or_quieter_is_said() -> None:
+    quiet = ROWS.assign(noise_std=25.0, preamble_count=256)
+    loud = ROWS.assign(noise_std=100.0, preamble_count=1024)
+    for ours, theirs, words in (
+        (quiet, loud.assign(preamble_count=256), "12.0 dB less recorded than simulated"),
+        (loud, quiet, "6.0 dB more recorded than simulated"),
+        (loud.drop(columns="preamble_count"), quiet, "12.0 dB more recorded than simulated"),
+    ):
+        found = counted(Recordings(ours, "mine"), Recordings(theirs, "simulated"))
+        assert words in found[-1]
+    assert len(counted(Recordings(quiet, "mine"), Recordings(quiet, "simulated"))) == 2
+    assert len(counted(Recordings(quiet, "mine"), Recordings(ROWS, "simulated"))) == 2

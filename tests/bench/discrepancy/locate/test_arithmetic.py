@@ -136,7 +136,7 @@ def test_rows_of_an_effect_are_recorded_minus_simulated() -> None:
     assert rows("mean") == pytest.approx([3, -2, np.nan], nan_ok=True)
     assert rows("slope") == pytest.approx([-2.5, -2.5, np.nan], nan_ok=True)
     assert rows("spread") == pytest.approx([2, 1, np.nan], nan_ok=True)
-    assert rows("link") == pytest.approx([2, 1, np.nan], nan_ok=True)
+    assert rows("link") == pytest.approx([-0.5, -0.5, np.nan], nan_ok=True)
 
 
 def test_the_weight_of_a_cell_comes_from_its_group_number_or_observable() -> None:
