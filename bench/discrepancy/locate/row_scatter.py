@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.grouped import group_sums
+from bench.discrepancy.data.observables import COUNT
 from bench.discrepancy.settings import LEAST_ROW_SCATTER
 
 Floats = NDArray[np.float64]
@@ -20,7 +21,8 @@ Mask = NDArray[np.bool_]
 def row_scatter(ensemble: Ensemble) -> Floats:
     """Return the log of the variance of the rows of each link [1 + m, L, p].
 
-    Of rows that all versions know, by the root of how many there are; 0 where that is one.
+    Of rows that all versions know, by the root of how many there are; 0 where that is one, and of
+    counts of symbols: whole numbers that are mostly all one.
     """
     code = np.unique(ensemble.links, return_inverse=True)[1]
     links = int(code.max(initial=-1)) + 1
@@ -30,7 +32,7 @@ def row_scatter(ensemble: Ensemble) -> Floats:
     each = [_variance(np.where(known, v, middle), known, code, count) for v in ensemble.versions]
     variance = np.stack(each)
     least = LEAST_ROW_SCATTER * variance.mean(axis=(0, 1)) + np.finfo(np.float64).tiny
-    weight = np.sqrt(np.maximum(count - 1, 0))
+    weight = np.sqrt(np.maximum(count - 1, 0)) * [name != COUNT for name in ensemble.names]
     return np.asarray(weight * np.log(variance + least))
 
 

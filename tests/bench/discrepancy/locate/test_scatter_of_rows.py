@@ -59,3 +59,9 @@ def test_how_far_rows_are_from_their_link() -> None:
     values = np.array([[1.0, 3.0, 5.0, np.nan]])
     found = about_links(values, np.array([0, 0, 7, 7]))
     assert found[0, :3].tolist() == [1.0, 1.0, 0.0]
+
+
+def test_counts_of_symbols_scatter_by_whole_numbers_and_say_nothing() -> None:
+    ensemble = compared(1, 4.0)
+    counts = Ensemble(("preamble_count",), ("symbols",), ensemble.versions, CODE)
+    assert (row_scatter(counts) == 0).all()
