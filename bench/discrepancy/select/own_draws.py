@@ -45,13 +45,15 @@ def beyond_own_draws(
 ) -> Located:
     """Return a significant search, without findings where draws of links may be all there is.
 
-    `ensemble` has the rows' own simulated versions, then those of similar links.
+    `ensemble` has the rows' own simulated versions, then those of similar links. What is found of
+    an observable must stand, too: a jitter of ranges says nothing of levels that links have drawn.
     """
-    tried: list[Located] = []
-    for search in _searches(ensemble, comparison, view, seed):
-        tried.append(search)
-        if search.significant:
-            return replace(located, detectable=tried[0].detectable)
+    tried = list(_searches(ensemble, comparison, view, seed))
+    beyond = [found for search in tried for found in search.findings]
+    if beyond:
+        sure = {found.cell.observable for found in beyond}
+        kept = tuple(one for one in located.findings if one.cell.observable in sure)
+        return replace(located, findings=kept or tuple(beyond), detectable=tried[0].detectable)
     p = min(1.0, len(tried) * min(search.p for search in tried))
     return replace(located, findings=(), p=p, detectable=tried[0].detectable)
 
