@@ -18,29 +18,24 @@ from bench.recordings.table import Recordings
 
 def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[str, ...]:
     """Return how many rows of how many links each table has, and what was left out, in words."""
-    tables = {"recorded": recorded}
-    if isinstance(simulated, Recordings):
-        tables["simulated"] = simulated
-    words = tuple(f"{side}: {_words(table)}" for side, table in tables.items())
-    return (*words, *_noise(*(table.frame for table in tables.values())))
+    ours = f"recorded: {_words(recorded)}"
+    if not isinstance(simulated, Recordings):
+        return (ours,)
+    apart = _noise(recorded.frame, simulated.frame)
+    return (ours, f"simulated: {_words(simulated)}", *([apart] if apart else []))
 
 
-def _noise(recorded: pd.DataFrame, simulated: pd.DataFrame | None = None) -> tuple[str, ...]:
-    """Return by how much logged noise differs from a simulated table's, () where by under 1 dB.
+def _noise(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
+    """Return by how much logged noise differs from a simulated table's, "" where by under 1 dB.
 
     As it is for one accumulated symbol, where both tell how many. Without waveforms only louder
     noise is told by name; that there is less is for whoever made the simulator to know.
     """
-    if simulated is None:
-        return ()
-    levels = [_noise_db(frame, recorded, simulated) for frame in (recorded, simulated)]
-    apart = levels[0] - levels[1]
-    if not abs(apart) > NOISE_APART_DB:  # unknown, too
-        return ()
-    more = "more" if apart > 0 else "less"
-    return (
-        f"logged noise (noise_std, median): {abs(apart):.1f} dB {more} recorded than simulated",
-    )
+    ours, theirs = (_noise_db(frame, recorded, simulated) for frame in (recorded, simulated))
+    if not abs(ours - theirs) > NOISE_APART_DB:  # unknown, too
+        return ""
+    words = f"{abs(ours - theirs):.1f} dB {'more' if ours > theirs else 'less'}"
+    return f"logged noise (noise_std, median): {words} recorded than simulated"
 
 
 def _noise_db(frame: pd.DataFrame, *tables: pd.DataFrame) -> float:

@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.grouped import in_several
 from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.ground import ground_ray
 from bench.discrepancy.fit.headings import pattern_curve
@@ -197,18 +198,11 @@ def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
     0 of a device of one link: all that this link has by itself would be its delay.
     """
     names, tx, rx = ends(view)
-    told = in_several_links(view.links, tx, rx, len(names)).astype(np.float64)
+    both = np.concatenate([tx, rx]), np.concatenate([view.links, view.links])
+    told = in_several(*both, len(names)).astype(np.float64)
     design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2) * told
     found = robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))
     return fewest_off(found, tx[rows], rx[rows]) * told
-
-
-def in_several_links(
-    links: NDArray[np.intp], tx: NDArray[np.intp], rx: NDArray[np.intp], count: int
-) -> NDArray[np.bool_]:
-    """Return which of `count` devices are an end of two links or more, from those of rows [n]."""
-    both = np.concatenate([np.stack([tx, links], axis=1), np.stack([rx, links], axis=1)])
-    return np.bincount(np.unique(both, axis=0)[:, 0], minlength=count) > 1
 
 
 def fewest_off(delays_ns: Floats, tx: NDArray[np.intp], rx: NDArray[np.intp]) -> Floats:

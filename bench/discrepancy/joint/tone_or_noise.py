@@ -19,6 +19,7 @@ import numpy as np
 from scipy.special import ive
 
 from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.observables import NOISE
 from bench.discrepancy.joint.likelihood import whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import CLASS_NATS, DB_PER_NEPER, TAIL, TONE_FADING_DB
@@ -27,7 +28,6 @@ from bench.physics.effect import Effect
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
-NOISE = "noise_std"
 EARLY = "early_scatter"
 
 

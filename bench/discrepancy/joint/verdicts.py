@@ -75,17 +75,14 @@ def without_idle(
     `best` is the simulator that fits best, `sure` the names that bear a mark or a log shows.
     """
     kept = {effect.physics for effect in best} | set(sure)
-    idle = [v for v in said if isinstance(v, LeftOut) and not (kept & {*v.names} or _gains(v))]
+    named = [one for one in said if isinstance(one, LeftOut) and not kept & {*one.names}]
+    idle = [one for one in named if not one.gain.likely_above_zero]
     stay = tuple(one for one in said if one not in idle)
     if not idle or any(isinstance(one, Unknown) for one in stay):
         return stay
     names = " and ".join(one.names[0] for one in idle)
     why = f"looks most like {names}, but held-out links are no better with it"
     return (*stay, _unknown(rounds[0], rounds[-1], why))
-
-
-def _gains(option: LeftOut) -> bool:
-    return option.gain.likely_above_zero
 
 
 def _more(search: Search, rounds: tuple[Round, ...]) -> bool:

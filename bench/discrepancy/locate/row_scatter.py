@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.data.grouped import group_sums
+from bench.discrepancy.data.grouped import group_means, group_sums
 from bench.discrepancy.data.observables import COUNT
 from bench.discrepancy.settings import LEAST_ROW_SCATTER
 
 Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def row_scatter(ensemble: Ensemble) -> Floats:
@@ -25,23 +24,15 @@ def row_scatter(ensemble: Ensemble) -> Floats:
     counts of symbols: whole numbers that are mostly all one.
     """
     code = np.unique(ensemble.links, return_inverse=True)[1]
-    links = int(code.max(initial=-1)) + 1
-    known: Mask = np.asarray(np.isfinite(ensemble.versions).all(axis=0))
-    count = group_sums(known.astype(np.float64), code, links)
-    middle = np.nan_to_num(ensemble.versions.mean(axis=0), nan=0.0)
-    each = [_variance(np.where(known, v, middle), known, code, count) for v in ensemble.versions]
-    variance = np.stack(each)
+    known = np.isfinite(ensemble.versions).all(axis=0)
+    count = group_sums(np.asarray(known, np.float64), code, int(code.max(initial=-1)) + 1)
+    versions = np.where(known, ensemble.versions, np.nan)
+    squares = [np.nan_to_num(one - group_means(one, code)) ** 2 for one in versions]
+    variance = np.stack([group_sums(one, code, len(count)) for one in squares])
+    variance /= np.maximum(count - 1, 1)
     least = LEAST_ROW_SCATTER * variance.mean(axis=(0, 1)) + np.finfo(np.float64).tiny
     weight = np.sqrt(np.maximum(count - 1, 0)) * [name != COUNT for name in ensemble.names]
     return np.asarray(weight * np.log(variance + least))
-
-
-def _variance(values: Floats, known: Mask, code: NDArray[np.intp], count: Floats) -> Floats:
-    """Return the variance of values [n, p] within each link [L, p]."""
-    total = group_sums(values * known, code, len(count))
-    mean = total / np.maximum(count, 1)
-    squares = group_sums(((values - mean[code]) * known) ** 2, code, len(count))
-    return np.asarray(squares / np.maximum(count - 1, 1))
 
 
 def about_links(values: Floats, links: NDArray[np.intp]) -> Floats:
@@ -52,9 +43,5 @@ def about_links(values: Floats, links: NDArray[np.intp]) -> Floats:
 def of_links(values: Floats, links: NDArray[np.intp]) -> Floats:
     """Return the mean over the link of each of values [..., n], of those that are known."""
     code = np.unique(links, return_inverse=True)[1]
-    known = np.isfinite(values)
-    flat = np.where(known, values, 0.0).reshape(-1, len(code)).T
-    sums = group_sums(flat, code, int(code.max(initial=-1)) + 1)
-    count = group_sums(known.reshape(-1, len(code)).T.astype(np.float64), code, len(sums))
-    mean = (sums / np.maximum(count, 1))[code].T.reshape(values.shape)
-    return np.where(known, mean, np.nan)
+    means = group_means(values.reshape(-1, len(code)).T, code)
+    return np.asarray(means.T.reshape(values.shape))

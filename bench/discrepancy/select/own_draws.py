@@ -19,7 +19,7 @@ import numpy as np
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison, View
-from bench.discrepancy.data.grouped import group_sums
+from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.locate.row_scatter import row_scatter
 from bench.discrepancy.settings import FAMILY_WISE
@@ -41,14 +41,20 @@ def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floa
 
 
 def beyond_own_draws(
-    located: Located, ensemble: Ensemble, comparison: Comparison, view: View, seed: int
+    located: Located,
+    ensemble: Ensemble,
+    comparison: Comparison,
+    view: View,
+    seed: int,
+    scatter: Floats | None,
 ) -> Located:
     """Return a significant search, without findings where draws of links may be all there is.
 
-    `ensemble` has the rows' own simulated versions, then those of similar links. What is found of
+    `ensemble` has the rows' own simulated versions, then those of similar links; `scatter`: see
+    `within_links`. What is found of
     an observable must stand, too: a jitter of ranges says nothing of levels that links have drawn.
     """
-    tried = list(_searches(ensemble, comparison, view, seed))
+    tried = list(_searches(ensemble, comparison, view, seed, scatter))
     beyond = [found for search in tried for found in search.findings]
     if beyond:
         sure = {found.cell.observable for found in beyond}
@@ -59,7 +65,7 @@ def beyond_own_draws(
 
 
 def _searches(
-    ensemble: Ensemble, comparison: Comparison, view: View, seed: int
+    ensemble: Ensemble, comparison: Comparison, view: View, seed: int, scatter: Floats | None
 ) -> Iterator[Located]:
     """Yield searches that draws of links cannot make significant; they share the error of one.
 
@@ -68,7 +74,6 @@ def _searches(
     """
     covariates, level, own = view.covariates, FAMILY_WISE / 3, comparison.distinct(view)
     one = _as_one(ensemble.first(own))
-    scatter = within_links(comparison, view, ensemble)
     both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
     yield locate(one, covariates, seed, level, scatter=both)
     yield locate(levelled(one), covariates, seed, level)
@@ -84,13 +89,6 @@ def _as_one(ensemble: Ensemble) -> Ensemble:
 
 def levelled(ensemble: Ensemble) -> Ensemble:
     """Return the ensemble in which rows of all versions of a link have one mean."""
-    versions = np.stack([one - _of_links(one, ensemble) for one in ensemble.versions])
-    return replace(ensemble, versions=versions)
-
-
-def _of_links(values: Floats, ensemble: Ensemble) -> Floats:
-    """Return the mean [n, p] over the rows of the link of each row, of values [n, p]."""
     code = np.unique(ensemble.links, return_inverse=True)[1]
-    parts = np.nan_to_num(values), np.isfinite(values).astype(np.float64)
-    sums, count = (group_sums(part, code, int(code.max()) + 1) for part in parts)
-    return np.asarray((sums / np.maximum(count, 1))[code])
+    versions = np.stack([one - group_means(one, code) for one in ensemble.versions])
+    return replace(ensemble, versions=versions)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.data.grouped import in_several
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.sets.settings import (
@@ -76,9 +77,8 @@ def _of_several_links(own: Floats, links: NDArray[np.intp]) -> Floats:
 
     One of a device of one link is whatever that link has by itself.
     """
-    code = np.unique(links, return_inverse=True)[1]
-    within = np.stack([np.bincount(code, column != 0) > 0 for column in own.T], axis=1)
-    several = within.sum(axis=0) > 1
+    rows, columns = np.nonzero(own)
+    several = in_several(columns, links[rows], own.shape[1])
     return own[:, several] if several.any() else own[:, :1] * 0.0
 
 
