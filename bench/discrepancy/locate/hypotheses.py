@@ -74,14 +74,17 @@ class Cell:
 
 
 def places(covariates: Covariates, ensemble: Ensemble) -> Iterator[tuple[Place, Floats]]:
-    """Yield every place with its row weights, [n], or [1 + m, n] where they are the row's own."""
+    """Yield every place with its row weights, [n], or [1 + m, n] where they are the row's own.
+
+    Of an observable that is among the covariates, rows have those values in all versions.
+    """
     yield Place(), np.ones(len(ensemble.links))
     for name, mask in covariates.groups.items():
         yield Place(name), mask.astype(np.float64)
     for name, value in covariates.numbers.items():
         yield from _intervals(name, value)
     for name in OWN:
-        if name in ensemble.names:
+        if name in ensemble.names and name not in covariates.numbers:
             yield from _intervals(name, ensemble.versions_of(name))
 
 

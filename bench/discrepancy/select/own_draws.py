@@ -19,7 +19,9 @@ import numpy as np
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison, View
+from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.grouped import group_means
+from bench.discrepancy.locate.hypotheses import OWN
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.locate.row_scatter import row_scatter
 from bench.discrepancy.settings import FAMILY_WISE
@@ -72,19 +74,30 @@ def _searches(
     How rows scatter within links, and when, a link may have drawn, too: so all simulated versions
     count as one there, as in means.
     """
-    covariates, level, own = view.covariates, FAMILY_WISE / 3, comparison.distinct(view)
+    level, own = FAMILY_WISE / 3, comparison.distinct(view)
     one = _as_one(ensemble.first(own))
+    covariates = _with_shared(view.covariates, one)
     both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
     yield locate(one, covariates, seed, level, scatter=both)
     yield locate(levelled(one), covariates, seed, level)
     beside, crowding = ensemble.beside(own), comparison.crowding(view)
-    yield locate(beside, covariates, seed, level, wider_only=True, crowding=crowding)
+    yield locate(beside, view.covariates, seed, level, wider_only=True, crowding=crowding)
 
 
 def _as_one(ensemble: Ensemble) -> Ensemble:
     """Return the recorded version and the mean of the simulated ones: only means can differ."""
     both = np.stack([ensemble.recorded, ensemble.simulated.mean(axis=0)])
     return replace(ensemble, versions=both)
+
+
+def _with_shared(covariates: Covariates, one: Ensemble) -> Covariates:
+    """Return the covariates with the levels that both versions have in the mean.
+
+    A mean of several versions scatters less than a recorded level does: where each version's own
+    level is above some value, there are more recorded rows than simulated ones.
+    """
+    levels = {n: one.versions_of(n).mean(axis=0) for n in OWN if n in one.names}
+    return replace(covariates, numbers={**covariates.numbers, **levels})
 
 
 def levelled(ensemble: Ensemble) -> Ensemble:
