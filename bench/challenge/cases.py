@@ -41,6 +41,7 @@ MOST_Z = 999.0  # what does not scatter at all moves by any number of standard e
 # A test that knows the shape of the effect but pays for a search needs about 4 + 1.3 standard
 # deviations for 90 % power; the search's cells are not the shape, which costs about a third.
 LIMIT_Z = 8.0
+SCATTERING = ("timestamp-jitter",)  # adds a draw of its own to every row
 ALONE_GIVEN_AWAY = ("clock_offset_ppm",)  # columns that would tell the answer
 
 
@@ -69,7 +70,9 @@ class Case:
         """How loud what is hidden is, in standard deviations; 0 where nothing is.
 
         Ranges: the matched-filter signal-to-noise ratio of the weakest hidden effect on the
-        searched links, of a test that knows the exact shape of each, the others projected out.
+        searched links, of a test that knows the exact shape of each, the others projected out. Of
+        scatter no test knows the draws: there it is the deflection of the variance (Kay 1998,
+        section 5.3, a signal of known variance in white noise).
         Waveforms, and effects on levels alone: how far the mean of the most changed observable
         moved, in standard errors over the links that the search sees; of several, of the one that
         moves least beside the others.
@@ -78,7 +81,7 @@ class Case:
             return 0.0
         shifts = _on_ranges_alone(self) if self.shifts_m is None else self.shifts_m
         if shifts is not None and np.abs(shifts).max(axis=1).min() > 0:
-            return _matched(self.recorded.frame, shifts)
+            return _matched(self.recorded.frame, shifts, self.drawn.hidden)
         return min([_moved(self.clean, self.recorded.frame), *_beside_others(self)])
 
     @property
@@ -215,7 +218,9 @@ def _beside_others(case: Case) -> list[float]:
     for name in hidden:
         rest = recorded_with(case, tuple(one for one in hidden if one != name))
         shift_m = _shift_alone(rest, whole)
-        out.append(_moved(rest, whole) if shift_m is None else _matched(whole, shift_m[None]))
+        out.append(
+            _moved(rest, whole) if shift_m is None else _matched(whole, shift_m[None], (name,))
+        )
     return out
 
 
@@ -240,7 +245,7 @@ def _on_ranges_alone(case: Case) -> Floats | None:
     return (recorded["error_m"] - plain["error_m"]).to_numpy(np.float64)[None]
 
 
-def _matched(recorded: pd.DataFrame, shifts_m: Floats) -> float:
+def _matched(recorded: pd.DataFrame, shifts_m: Floats, names: tuple[str, ...]) -> float:
     """Return the signal-to-noise ratio of the weakest of some shapes [effects, n]."""
     error = recorded["error_m"].to_numpy(np.float64)
     design = np.stack([*shifts_m, np.ones(len(error))], axis=1)
@@ -249,6 +254,8 @@ def _matched(recorded: pd.DataFrame, shifts_m: Floats) -> float:
     alone = np.linalg.pinv(design.T @ design + 1e-12 * np.eye(design.shape[1]))
     spread = noise * np.sqrt(np.maximum(np.diag(alone), 1e-18))
     z = (np.abs(found) / spread)[: len(shifts_m)]
+    for i in (i for i, name in enumerate(names) if name in SCATTERING):
+        z[i] = np.var(found[i] * shifts_m[i]) / max(noise, 1e-9) ** 2 * np.sqrt(len(error) / 2)
     return float(min(z.min() * np.sqrt(SEARCHED_SHARE["cir" in recorded]), MOST_Z))
 
 

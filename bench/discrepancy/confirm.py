@@ -87,6 +87,7 @@ class Served:
 
     `before_m` is the mean |recorded - simulated| range error without any, `missed_m` with them,
     `medians_m` the median of both; `waves` the gain of all that is compared but the range.
+    `surely`: ranges are farther beyond chance.
     """
 
     gain: Estimate
@@ -95,6 +96,7 @@ class Served:
     before_m: float = float("nan")
     waves: Estimate = NO_GAIN
     medians_m: Pair = (0.0, 0.0)
+    surely: bool = False
 
     def __str__(self) -> str:
         score = "better" if self.gain.value > 0 else "no better"
@@ -127,8 +129,8 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
     scores = tally(before), tally(after)
     gained, waves = gain_interval(*scores, seed), _of_waves(*scores, seed)
-    farther = is_farther(nearer, means, medians)
-    return Served(gained, farther, means[1], means[0], waves, medians)
+    farther, surely = is_farther(nearer, means, medians), surely_farther(nearer, means)
+    return Served(gained, farther, means[1], means[0], waves, medians, surely)
 
 
 def _of_waves(before: Tally, after: Tally, seed: int) -> Estimate:
@@ -151,8 +153,14 @@ def is_farther(nearer_m: Estimate, means_m: Pair, medians_m: Pair) -> bool:
     Beyond chance, and by a share and millimetres that anybody would notice; or by so much that
     chance is no comfort.
     """
+    sure = surely_farther(nearer_m, means_m)
+    return sure or much_farther(*means_m) or much_farther(*medians_m)
+
+
+def surely_farther(nearer_m: Estimate, means_m: Pair) -> bool:
+    """Return whether range errors are larger after, beyond chance and as anybody would notice."""
     noticed = means_m[1] > max((1 + NOTICED_SHARE) * means_m[0], means_m[0] + LEAST_NOTICED_M)
-    return (nearer_m.high < 0 and noticed) or much_farther(*means_m) or much_farther(*medians_m)
+    return bool(nearer_m.high < 0 and noticed)
 
 
 def much_farther(before_m: float, after_m: float) -> bool:

@@ -38,7 +38,7 @@ from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
-from bench.discrepancy.select.scatter_alone import scatter_alone
+from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.second_level import beyond_geometry, calmed
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
@@ -271,7 +271,7 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     kept, safely = journal.kept, state.guard.safely
     state, located = _located(state, turn, journal)
     if not located.significant:
-        return state.after(Round(located, None, None), finished=True)
+        return _last(state, located, journal)
     marked = safely("marks", seen_first, state)(state, located)
     if marked is not state:
         return marked
@@ -295,12 +295,19 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     if best is None:
         located = safely("levels left", kept(calmed), located)(search, added, located, turn)
         if not located.significant:
-            return state.after(Round(located, None, None), finished=True)
+            return _last(state, located, journal)
         scatter = safely("scatter alone", kept(scatter_alone), None)
         found = scatter(search, added, explanation, located)
         last = struck_round(located, explanation, found) if found else None
         return state.after(last or Round(located, explanation, None), finished=True)
     return _with_best(state, located, explanation, best, journal)
+
+
+def _last(state: State, located: Located, journal: Journal) -> State:
+    """Return the finished state where nothing stands out any more, but for scatter beside names."""
+    beside = state.guard.safely("scatter beside", journal.kept(scatter_beside), None)
+    last = beside(state.search, state.added, located)
+    return state.after(last or Round(located, None, None), finished=True)
 
 
 def _located(state: State, turn: int, journal: Journal) -> tuple[State, Located]:

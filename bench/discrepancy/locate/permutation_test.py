@@ -81,7 +81,7 @@ class Finding:
 class Located:
     """The outcome of one search: significant findings, most telling first.
 
-    `p` is the smallest family-wise p value, `threshold` the family-wise 95 % point of |z|;
+    `p` is the smallest family-wise p value, `threshold` the family-wise limit of |z|;
     `detectable` gives per observable, in its unit, the smallest shift of all rows that would have
     been seen with probability about one half.
     """

@@ -28,6 +28,9 @@ from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
 
 
+SEARCHES = 4  # that share the error of one
+
+
 def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floats | None:
     """Return how rows scatter within links (see `row_scatter`), None where that is not comparable.
 
@@ -74,11 +77,12 @@ def _searches(
     How rows scatter within links, and when, a link may have drawn, too: so all simulated versions
     count as one there, as in means.
     """
-    level, own = FAMILY_WISE / 3, comparison.distinct(view)
+    level, own = FAMILY_WISE / SEARCHES, comparison.distinct(view)
     one = _as_one(ensemble.first(own))
     covariates = _with_shared(view.covariates, one)
     both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
-    yield locate(one, covariates, seed, level, scatter=both)
+    yield locate(one, _nowhere(one), seed, level, scatter=both)
+    yield locate(one, covariates, seed, level)
     yield locate(levelled(one), covariates, seed, level)
     beside, crowding = ensemble.beside(own), comparison.crowding(view)
     yield locate(beside, view.covariates, seed, level, wider_only=True, crowding=crowding)
@@ -98,6 +102,14 @@ def _with_shared(covariates: Covariates, one: Ensemble) -> Covariates:
     """
     levels = {n: one.versions_of(n).mean(axis=0) for n in OWN if n in one.names}
     return replace(covariates, numbers={**covariates.numbers, **levels})
+
+
+def _nowhere(one: Ensemble) -> Covariates:
+    """Return covariates without a place: levels that are all one.
+
+    What is off everywhere need not stand out of what chance does in a thousand places.
+    """
+    return Covariates({n: np.zeros(len(one.links)) for n in OWN if n in one.names}, {})
 
 
 def levelled(ensemble: Ensemble) -> Ensemble:

@@ -6,7 +6,10 @@ So the variance within links is compared itself, and what it says of the size.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -14,16 +17,18 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.candidates import Explanation
+from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.own_scatter import beyond_causes
+from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
-from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     CENTRAL_90,
     FIT_MEMBERS,
+    FORM_SHARE,
     GAIN_DRAWS,
     OFFSET_FIRST,
     SCATTER_OF_LINKS,
@@ -43,13 +48,57 @@ def scatter_alone(
     Only where every finding is of how far ranges spread, links keep nothing of it and no other
     cause makes it. The mean of a link's few rows scatters with them, so links may be off, too.
     """
-    kinds = [c.effect for c in explanation.contenders if type(c.effect).independent]
+    kinds = [type(c.effect) for c in explanation.contenders if type(c.effect).independent]
     seen = {(f.cell.observable, f.cell.moment) for f in located.findings}
     scattered = {(RANGE, "spread"), (RANGE, "rows")}
     only = bool(scattered & seen) and seen <= scattered | {(RANGE, "link")}
-    if search.work is None or not kinds or not only:
+    return _scattering(search, added, kinds[0]) if kinds and only else None
+
+
+def scatter_beside(search: Search, added: Added, located: Located) -> Round | None:
+    """Return a round that adds independent scatter beside causes that are named, None without.
+
+    Among thousands of places nothing else may stand out, and loud levels hide what ranges do: this
+    asks for one thing alone. Rows of a link must scatter by more than another form of the causes
+    could make them.
+    """
+    able = [k for k in search.kinds.values() if k.independent and not k.marked and k.without_cir]
+    named = {effect.physics for effect in added}
+    if not added or not able or able[0].name in named or search.choice.others:
         return None
-    if not beyond_causes(search, (*added, kinds[0]), kinds[0]).adequate:
+    found = _scattering(search, added, able[0])
+    if found is None or not _beyond_forms(search, added, found.effect):
+        return None
+    turn = announced(search, Round(located, None, None), (*added, found.effect), found.effect)
+    assert turn.explanation is not None
+    first = Contender(found.effect, turn.explanation.base, found.evidence)
+    return replace(turn, explanation=turn.explanation.led_by(first), strike=found)
+
+
+def _beyond_forms(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether rows of a link scatter by more than a share of what causes do to them there.
+
+    Each cause may be of another form: what that leaves in rows of a link is no scatter.
+    """
+    whole, rest, bare = (
+        versions(search.comparison, search.both, some) for some in ((*added, effect), added, ())
+    )
+    made, left, none = (one.simulated_of(RANGE) for one in (whole, rest, bare))
+    ours, theirs = (
+        float(np.nanmean(within(_range_only(change, whole.links))[0] ** 2))
+        for change in (made - left, (left - none).mean(axis=0, keepdims=True))
+    )
+    return ours > FORM_SHARE**2 * theirs
+
+
+def _range_only(values_m: Floats, links: NDArray[np.intp]) -> Ensemble:
+    """Return ranges [m, n] as an ensemble of these alone."""
+    return Ensemble((RANGE,), ("m",), values_m[..., None], links)
+
+
+def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | None:
+    """Return independent scatter of the size that rows of links miss, None where it is none."""
+    if search.work is None or not beyond_causes(search, (*added, kind()), kind()).adequate:
         return None
     made = versions(search.comparison, search.work, added)
     if RANGE not in made.names:
@@ -65,7 +114,7 @@ def scatter_alone(
     evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
     if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
         return None  # normal rows of all links make both at once, a few wild links the first alone
-    effect, sizes = _sized(search, added, type(kinds[0]), _extras(made, recorded, simulated))
+    effect, sizes = _sized(search, added, kind, _extras(made, recorded, simulated))
     return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
 
 
@@ -99,7 +148,7 @@ def _extras(made: Ensemble, recorded: Floats, simulated: Floats) -> Floats:
     often = [np.ones(links), *(np.bincount(rng.integers(0, links, links), minlength=links)
                                for _ in range(GAIN_DRAWS))]  # fmt: skip
     own = np.nan_to_num(recorded**2)
-    theirs = np.nan_to_num(np.nanmean(simulated**2, axis=0))
+    theirs = np.nan_to_num(simulated**2).mean(axis=0)  # a row is known in all versions, or in none
     known = np.isfinite(recorded) * 1.0
     sums = [np.bincount(code, one, links) for one in (own - theirs, known)]
     weights = np.stack(often)
@@ -111,19 +160,28 @@ def _sized(
 ) -> tuple[Effect, tuple[ParameterEstimate, ...]]:
     """Return the effect that adds a variance, with the interval of its size.
 
-    `extras_m2`: the variance, then as links drawn again say. Variance goes with a size squared.
+    `extras_m2`: the variance, then as links drawn again say. Variance goes with a size squared; it
+    comes on top of what the simulator scatters by the same effect already.
     """
     assert search.work is not None
     item = next(p for p in kind.parameters() if p.null is not None and p.fitted)
-    once = kind.from_values({item.name: item.default})
-    bare, more = (
+    have = _simulated(search, kind, item.name)
+    more = kind.from_values({item.name: have + item.default})
+    made, bare = (
         search.comparison.ensemble(search.work, some, FIT_MEMBERS, OFFSET_FIRST)
-        for some in (added, (*added, once))
+        for some in ((*added, more), added)
     )
-    moved = float(np.nanvar(more.simulated_of(RANGE) - bare.simulated_of(RANGE)))
-    sizes = item.default * np.sqrt(extras_m2 / max(moved, 1e-12))
+    moved = float(np.nanvar(made.simulated_of(RANGE) - bare.simulated_of(RANGE)))
+    sizes = np.sqrt(have**2 + item.default**2 * extras_m2 / max(moved, 1e-12))
     size = float(np.clip(sizes[0], item.low, item.high))
     low, high = np.clip(np.percentile(sizes[1:], CENTRAL_90), item.low, item.high)
     bound = size >= item.high
     told = ParameterEstimate(item.name, size, float(low), float(high), item.unit, bound)
     return kind.from_values({item.name: size}), (told,)
+
+
+def _simulated(search: Search, kind: type[Effect], name: str) -> float:
+    """Return the size at which the simulator has an effect already, 0 where it has not."""
+    simulator = getattr(search.comparison, "simulator", None)
+    have = [one for one in getattr(simulator, "effects", ()) if one.physics == kind.name]
+    return float(getattr(have[0], name)) if have else 0.0
