@@ -28,7 +28,7 @@ from bench.discrepancy.sets.blocks import (
 )
 from bench.discrepancy.sets.choice import Choice, Set, but, but_not
 from bench.discrepancy.sets.evidence import Evidence
-from bench.discrepancy.sets.formed import beaten
+from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.rivals import beside_a_constant, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
@@ -145,10 +145,11 @@ class Contest:
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
-        first = self._at_usual_levels(self._beyond_deformed(self._calm()))
+        whole = self._calm()
+        first = self._at_usual_levels(self._beyond_deformed(whole))
         placed = misplaced(self, first)
         tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
-        best = moves_every_row(self, self._beyond_forms(placed))
+        best = moves_every_row(self, self._beyond_forms(restored(self, placed, whole)))
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
         able = {one: rivals(self, best, one) for one in names}

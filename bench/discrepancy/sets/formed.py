@@ -78,6 +78,17 @@ def beaten(contest: Contest, best: Set) -> Beaten | None:
     return max(found, key=lambda one: one.lead, default=None)
 
 
+def restored(contest: Contest, causes: Set, whole: Set) -> Set:
+    """Return the whole set where names that a deformation did for are missed, else the causes.
+
+    A deformation is a law without a form. Where a law of a definite form then beats what is left,
+    and none beats the whole set, those names are that law.
+    """
+    smaller = set(causes) < set(whole) and set(whole) - set(causes) <= contest.library
+    able = smaller and beaten(contest, causes) is not None and beaten(contest, whole) is None
+    return whole if able else causes
+
+
 def groups_of(contest: Contest, best: Set) -> list[Set]:
     """Return the names of a set that a law may stand in for: each, and all of them."""
     names = tuple(one for one in best if one in contest.library)
