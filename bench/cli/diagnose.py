@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,8 @@ from bench.text import named
 
 if TYPE_CHECKING:
     from bench.discrepancy import Diagnosis
+
+COLLECTED_AFTER = 10_000, 50, 10  # objects more, before Python looks for cycles: few are made
 
 EPILOG = """\b
 Examples:
@@ -79,6 +82,7 @@ def command(
     where a table was compared. Lengths in metres, delays in ns, levels in dB. With -o, a diagnosis
     that was stopped goes on where it was when the same command is run again.
     """
+    gc.set_threshold(*COLLECTED_AFTER)  # by default this takes as long as a library's import
     from bench.cli.status_view import StatusView
     from bench.discrepancy.report.document import summary
     from bench.runner.diagnosis import diagnose

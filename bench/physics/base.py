@@ -31,6 +31,7 @@ from bench.physics.units import (
     Reals,
     amplitude,
     decibel,
+    scaled,
     wavelength_m,
 )
 
@@ -118,9 +119,9 @@ class Base:
         start = -(lead + draws.uniform(len(batch))) * np.float32(self.sample_period_ns)
         per_root_mw = amplitude(self.power_offset_db) * there(batch.symbols)
         signal = sampled(batch, start, self.samples, self.pulse_fwhm)
-        signal *= per_root_mw.astype(np.float32)[:, None]
+        scaled(signal, per_root_mw.astype(np.float32), signal)
         noise = draws.complex_normal(len(batch), self.samples)
-        noise *= np.sqrt(there(batch.noise_power)).astype(np.float32)[:, None]
+        scaled(noise, np.sqrt(there(batch.noise_power)).astype(np.float32), noise)
         return altered(batch, waveform=signal, noise=noise, start_ns=start)
 
     def noise_power(self, symbols: Floats) -> Floats:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bench.physics.scene import Scene
 from bench.physics.shaped import first_edge, shifted, with_pulse
-from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel, scaled
 
 __all__ = ["Batch", "altered"]
 
@@ -104,9 +104,10 @@ class Batch:
     def louder(self, gain_db: Floats | float) -> Batch:
         """Return the batch with every path and the tail stronger by `gain_db` [n] or scalar."""
         ratio = np.asarray(10 ** (np.asarray(gain_db, np.float32) / 20), np.float32)
-        ratio = np.broadcast_to(ratio, (len(self),))[:, None]
-        free = None if self.free_gain is None else self.free_gain * ratio[:, 0]
-        return altered(self, gain=self.gain * ratio, tail=self.tail * ratio, free_gain=free)
+        ratio = np.broadcast_to(ratio, (len(self),))
+        free = None if self.free_gain is None else self.free_gain * ratio
+        gain, tail = scaled(self.gain, ratio), scaled(self.tail, ratio)
+        return altered(self, gain=gain, tail=tail, free_gain=free)
 
     def told_louder(self, by_db: Floats) -> Batch:
         """Return the batch whose levels will be reported larger by `by_db` [n] than they arrive."""
@@ -181,9 +182,16 @@ class Batch:
         gone = (self.excess_ns < limit) & (direct | ~self.direct)
         gain = np.where(gone, np.complex64(0), self.gain)
         kind = np.where(gone, np.int8(NO_PATH), self.kind)
+        return altered(self, gain=gain, kind=kind, tail=self._tail_from(limit))
+
+    def _tail_from(self, limit: Reals) -> Complexes:
+        """Return the tail with no tap earlier than `limit` [n, 1] in ns; most rows have none."""
         grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
-        early = self.tail_start_ns[:, None] + grid < limit
-        return altered(self, gain=gain, kind=kind, tail=np.where(early, 0, self.tail))
+        some = np.flatnonzero(self.tail_start_ns < limit[:, 0])
+        early = self.tail_start_ns[some, None] + grid < limit[some]
+        made = self.tail.copy()
+        made[some] = np.where(early, np.complex64(0), made[some])
+        return made
 
     def longer(self, by_m: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""

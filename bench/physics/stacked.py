@@ -6,7 +6,7 @@ and every number is drawn by the draws of its own replicate.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,7 +23,7 @@ from bench.physics.scene import Scene
 from bench.physics.units import Complexes, Floats, Reals
 
 Hashes = NDArray[np.uint64]
-Drawn = Callable[[RememberedDraws, int], NDArray[Any]]
+Call = tuple[Any, ...]  # a method of draws by its name, and what it is given for one replicate
 
 
 class OtherGroupsError(Exception):
@@ -41,6 +41,8 @@ class StackedDraws(Draws):
     replicates: tuple[int, ...] = ()
     scenes: tuple[Scene, ...] = ()
     memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
+    _asked: list[Call] = field(default_factory=list, init=False, repr=False, compare=False)
+    _behind: list[Call] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @cached_property
     def parts(self) -> tuple[RememberedDraws, ...]:
@@ -55,19 +57,19 @@ class StackedDraws(Draws):
 
     def normal(self, *shape: int) -> Reals:
         """Return what each replicate's draws return."""
-        return self._each(lambda draws, rows: draws.normal(rows, *shape[1:]), shape[0])
+        return self._each("normal", shape)
 
     def uniform(self, *shape: int) -> Reals:
         """Return what each replicate's draws return."""
-        return self._each(lambda draws, rows: draws.uniform(rows, *shape[1:]), shape[0])
+        return self._each("uniform", shape)
 
     def complex_normal(self, *shape: int) -> Complexes:
         """Return what each replicate's draws return."""
-        return self._each(lambda draws, rows: draws.kept_complex_normal(rows, *shape[1:]), shape[0])
+        return self._each("complex_normal", shape)
 
     def gamma(self, shape: float, *size: int) -> Reals:
         """Return what each replicate's draws return."""
-        return self._each(lambda draws, rows: draws.gamma(shape, rows, *size[1:]), size[0])
+        return self._each("gamma", size, shape)
 
     def groups(self, hashes: Hashes) -> tuple[Hashes, NDArray[np.intp]]:
         """Return the groups of each replicate, one replicate's behind the other's.
@@ -95,12 +97,25 @@ class StackedDraws(Draws):
         parts = zip(self.parts, hashes.reshape(len(self.parts), -1), strict=True)
         return np.concatenate([part.kept_group_complex(own, columns) for part, own in parts])
 
-    def _each(
-        self, drawn: Callable[[RememberedDraws, int], NDArray[Any]], rows: int
-    ) -> NDArray[Any]:
-        """Return what is drawn for the rows of each replicate, one under the other."""
-        own = rows // len(self.parts)
-        return np.concatenate([drawn(part, own) for part in self.parts])
+    def _each(self, name: str, shape: tuple[int, ...], *first: float) -> NDArray[Any]:
+        """Return what each replicate draws for its rows, of `shape` in all, under each other.
+
+        What was drawn after the same calls before is remembered: the generators, which take longer
+        to start than to draw, then fall behind.
+        """
+        call = (name, *first, shape[0] // len(self.parts), *shape[1:])
+        self._asked.append(call)
+        self._behind.append(call)
+        key = (self.seed, self.replicates, self.name, self.block, tuple(self._asked))
+        kept: NDArray[Any] = self.memory.get(key, self._drawn, len(self.parts))
+        return kept.copy()  # who asks may write into it
+
+    def _drawn(self) -> NDArray[Any]:
+        """Return what the last call gives; the generators catch up with those before it."""
+        for name, *given in self._behind:
+            drawn = [getattr(Draws, name)(part, *given) for part in self.parts]
+        self._behind.clear()
+        return np.concatenate(drawn)
 
 
 def applied(effect: Effect, batch: Batch, draws: Draws) -> Batch:

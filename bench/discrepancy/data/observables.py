@@ -241,7 +241,8 @@ def shape_observables(
         figures, power = shape_figures(scaled, delay, noise, PROFILE_EDGES_NS, levels)
         bins = _profile_db(power, figures["total"])
         features = _features(figures)
-        peak = {"peak_counts_db": 20 * np.log10(np.nan_to_num(magnitude).max(axis=1))}
+        highest = np.nan_to_num(np.fmax.reduce(magnitude, axis=1, initial=0))
+        peak = {"peak_counts_db": 20 * np.log10(highest)}
     every = bins | features | peak
     values = np.stack(list(every.values()))
     values[~np.isfinite(values)] = np.nan

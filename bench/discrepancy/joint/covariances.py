@@ -6,7 +6,8 @@ Most sets of effects are simulated for their means alone.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +32,17 @@ class Covariances(Mapping[int, Floats]):
     wider: float
     apart: Floats
     floor: Floats
-    _made: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def every(self) -> Floats:
+        """All of them, in the order of `counts` [c, p, p]: at once, as the calls cost most."""
+        whole = np.stack([self.link + self.rows / count for count in self.counts])
+        return shrunk(whole, self.share) * self.wider + self.apart + self.floor
 
     def __getitem__(self, count: int) -> Floats:
-        if count not in self._made:
-            if count not in self.counts:
-                raise KeyError(count)
-            whole = shrunk(self.link + self.rows / count, self.share)
-            self._made[count] = whole * self.wider + self.apart + self.floor
-        return self._made[count]
+        if count not in self.counts:
+            raise KeyError(count)
+        return np.asarray(self.every[self.counts.index(count)])
 
     def __iter__(self) -> Iterator[int]:
         return iter(self.counts)
@@ -49,8 +52,10 @@ class Covariances(Mapping[int, Floats]):
 
 
 def shrunk(covariance: Floats, share: float) -> Floats:
-    """Return a covariance that is shrunk to its diagonal, without negative directions."""
-    sizes, ways = np.linalg.eigh((covariance + covariance.T) / 2)
-    least = LEAST_EIGENVALUE * max(float(np.median(sizes)), 1e-6)
-    whole = (ways * np.maximum(sizes, least)) @ ways.T
-    return np.asarray((1 - share) * whole + share * np.diag(np.diag(whole)))
+    """Return covariances [.., p, p], shrunk to their diagonals, without negative directions."""
+    sizes, ways = np.linalg.eigh((covariance + np.swapaxes(covariance, -1, -2)) / 2)
+    least = LEAST_EIGENVALUE * np.maximum(np.median(sizes, axis=-1, keepdims=True), 1e-6)
+    whole = (ways * np.maximum(sizes, least)[..., None, :]) @ np.swapaxes(ways, -1, -2)
+    made, places = (1 - share) * whole, np.arange(whole.shape[-1])
+    made[..., places, places] += share * whole[..., places, places]
+    return np.asarray(made)

@@ -24,7 +24,7 @@ DECIBELS: Final = {
     "early_scatter": 20.0,
 }
 # observables that are compared by their logarithm, and how many decibels a decade is [convention]
-KEPT: Final = 200  # statistics of sets that are remembered (changes nothing but time)
+KEPT: Final = 500  # statistics of sets that are remembered (changes nothing but time)
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
 TAIL: Final = 30.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]

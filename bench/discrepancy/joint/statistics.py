@@ -253,9 +253,9 @@ class Statistics:
 
     def _compared(self, values: Floats) -> Moments:
         members = len(values) - 1
-        mean = np.nan_to_num(values[1:]).mean(axis=0)
-        left = np.nan_to_num(values[0] - mean)
-        own = np.nan_to_num(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
+        mean = _numbers(values[1:]).mean(axis=0)
+        left = _numbers(values[0] - mean)
+        own = _numbers(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
         of_links = np.stack([self.of_links(one) for one in own])
         between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
         scatter = np.maximum(np.diag(between + self.apart), 1e-9)
@@ -334,6 +334,11 @@ class Statistics:
     def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
         return group_sums(values, self.code, self.links) / self.count[:, None]
+
+
+def _numbers(values: Floats) -> Floats:
+    """Return values, 0 where one is not known; mostly all are, which takes a tenth to see."""
+    return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
 def _filled(values: Floats) -> Floats:

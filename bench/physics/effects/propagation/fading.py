@@ -13,6 +13,7 @@ from bench.physics.randomness import Draws
 from bench.physics.units import Reals, amplitude
 
 DB_PER_NEPER = 10 / np.log(10)  # of power
+NO_FADING = 1000  # m, from which on nothing fades
 
 
 @dataclass(frozen=True)
@@ -46,18 +47,19 @@ class SmallScaleFading(Effect):
         straight = straight * np.float32(amplitude(-self.deeper * scatter_db(self.direct_m)))
         other = _faded(draws, self.path_m, batch.gain.shape)
         gain = batch.gain * np.where(batch.direct, straight, other)
-        tail = batch.tail * _faded(draws, self.tail_m, batch.tail.shape)
+        steady = self.tail_m >= NO_FADING
+        tail = batch.tail if steady else batch.tail * _faded(draws, self.tail_m, batch.tail.shape)
         return altered(batch, gain=gain, tail=tail)
 
 
 def scatter_db(m: float) -> float:
     """Return the std in dB of a power that is Gamma(m, 1/m); 0 from m = 1000 on."""
-    return 0.0 if m >= 1000 else float(DB_PER_NEPER * np.sqrt(polygamma(1, m)))
+    return 0.0 if m >= NO_FADING else float(DB_PER_NEPER * np.sqrt(polygamma(1, m)))
 
 
 def _faded(draws: Draws, m: float, shape: tuple[int, ...]) -> Reals:
     """Return amplitudes whose squares are Gamma(m, 1/m); ones from m = 1000 on."""
-    if m >= 1000 or 0 in shape:
+    if m >= NO_FADING or 0 in shape:
         return np.ones(shape, np.float32)
     power = draws.gamma(m, *shape) / np.float32(m)
     return np.asarray(np.sqrt(power), np.float32)

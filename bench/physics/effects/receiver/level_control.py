@@ -9,7 +9,7 @@ import numpy as np
 from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
-from bench.physics.units import Floats, amplitude, squared
+from bench.physics.units import Floats, amplitude, scaled, squared
 
 SEEN_SHARES = (1.0, 0.5, 0.0)  # of an attenuation, that samples may show [convention]
 
@@ -61,8 +61,8 @@ class LevelControl(Effect):
         signal = (longer * amplitude(seen_db)).astype(np.float32)
         peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
-        noise = np.sqrt(longer).astype(np.float32)[:, None]
-        return altered(made, waveform=batch.waveform * signal[:, None], noise=batch.noise * noise)
+        noise = scaled(batch.noise, np.sqrt(longer).astype(np.float32))
+        return altered(made, waveform=scaled(batch.waveform, signal), noise=noise)
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it as seen in the samples, in half, and in the reported level alone."""

@@ -10,7 +10,7 @@ from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import coloured
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, Floats, amplitude
+from bench.physics.units import Complexes, Floats, amplitude, scaled
 
 NOISE_TOLD_BY = (
     "record the accumulator while no tag sends: its complex samples have a line in their spectrum "
@@ -57,8 +57,7 @@ class NoiseFloor(Effect):
         if batch.as_given:
             return altered(made, noise=batch.noise + self._missing(batch, ratio, draws))
         noise = self._coloured(batch.noise)
-        noise *= ratio.astype(np.float32)[:, None]
-        return altered(made, noise=noise)
+        return altered(made, noise=scaled(noise, ratio.astype(np.float32), noise))
 
     def _spread(self, batch: Batch, draws: Draws) -> Floats:
         """Return how much louder each row's device is than others [n] in dB."""

@@ -10,7 +10,7 @@ from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import convolved, decaying, echo_taps, filtered
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, Reals, amplitude, energy, squared
+from bench.physics.units import Complexes, Reals, amplitude, energy, scaled, squared
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,7 @@ class PulseRinging(Effect):
         waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
         kept = np.sqrt(before / np.maximum(energy(waveform), 1e-20)).astype(np.float32)
         kept = kept ** np.float32(1 - self.on_top)
-        waveform = waveform.copy() if waveform is batch.waveform else waveform
-        waveform *= kept[:, None]
-        return altered(batch, waveform=waveform)
+        return altered(batch, waveform=scaled(waveform, kept))
 
     def _widened(self, waveform: Complexes) -> Complexes:
         """Convolve with the Gaussian that makes the pulse `widening` times as wide."""
