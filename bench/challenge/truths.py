@@ -20,7 +20,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.bootstrap import latent_values
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut
 from bench.physics.base import Base
@@ -93,7 +93,7 @@ def _nearest(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
 
     def left(values: Floats) -> Floats:
         now = start | {p.name: float(v) for p, v in zip(free, values, strict=True)}
-        return change_m(whole, valued(type(option.effect), now)) - shift
+        return change_m(whole, revalued(option.effect, now)) - shift
 
     made = least_squares(left, first, bounds=(low, high), x_scale=high - low)
     return {p.name: float(v) for p, v in zip(free, made.x, strict=True)}

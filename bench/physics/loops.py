@@ -112,19 +112,21 @@ def quantise_rows(
     step: float,
     limit: float,
     dropped: float = 0.0,
+    beside: float = 0.0,
 ) -> None:
     """Write to `noise` the rounded `added`, to `signal` what is left of the rounded sum.
 
     All [n, 2 S]; the sum is `waveform` and rounded noise, rounded and clipped to +-`limit`.
-    `dropped`: 0 rounds to the nearest step, 1 towards zero.
+    `dropped`: 0 rounds to the nearest step, 1 towards zero; `beside` 1: to the middle of a step.
     """
-    half = 0.5 - 0.5 * dropped
+    middle = 0.5 * beside
+    half = (0.5 - 0.5 * dropped) * (1 - beside)
     for row in range(waveform.shape[0]):
         for part in range(waveform.shape[1]):
             low = added[row, part] / step
-            low = step * np.copysign(np.floor(abs(low) + half), low)
+            low = step * np.copysign(np.floor(abs(low) + half) + middle, low)
             whole = (waveform[row, part] + low) / step
-            whole = step * np.copysign(np.floor(abs(whole) + half), whole)
+            whole = step * np.copysign(np.floor(abs(whole) + half) + middle, whole)
             noise[row, part] = low
             signal[row, part] = min(max(whole, -limit), limit) - low
 

@@ -18,7 +18,7 @@ from bench.discrepancy.compare.skill import Tally, tally, weight_of
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.fit.bootstrap import latent_intervals
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.fit.starts import by_level, free_parameters
 from bench.discrepancy.settings import (
     AT_BOUND,
@@ -56,7 +56,7 @@ def parameter_intervals(
     def per_link(theta: Floats) -> Tally:
         inside = np.clip(theta, edges[:, 0], edges[:, 1])  # a sum may end just beyond a bound
         given = {p.name: float(v) for p, v in zip(moving, inside, strict=True)}
-        changed = valued(type(effect), given)
+        changed = revalued(effect, given)
         return tally(comparison.ensemble(view, (*added, changed), INTERVAL_MEMBERS))
 
     errors = _standard_errors(per_link, centre, steps)

@@ -133,6 +133,11 @@ def valued(kind: type[Effect], values: dict[str, float]) -> Effect:
     return kind.from_values({k: round(v) if k in whole else v for k, v in values.items()})
 
 
+def revalued(effect: Effect, values: dict[str, float]) -> Effect:
+    """Return the effect with these values, and its own of all else, as what is not fitted."""
+    return valued(type(effect), {**vars(effect), **values})
+
+
 def refine(objective: Objective, start: Fitted, evaluations: int | None = None) -> Fitted:
     """Return the local optimum near `start` (see `pursue` for what many parameters need)."""
     if not objective.free:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.fit.starts import between, by_ratio, free_parameters, inside
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.settings import (
@@ -258,7 +258,7 @@ def with_shares(effects: Added, at: Floats) -> Added:
     for effect in effects:
         free = free_parameters(type(effect))
         values = dict(zip(free, at[start : start + len(free)].tolist(), strict=True))
-        out.append(valued(type(effect), _values(values)))
+        out.append(revalued(effect, _values(values)))
         start += len(free)
     return tuple(out)
 

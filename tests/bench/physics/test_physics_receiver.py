@@ -180,6 +180,18 @@ def test_bits_dropped_at_read_out_leave_the_reported_noise() -> None:
     assert (np.rint(whole) == 0).mean() > (np.abs(plain.cir) < 32).mean()  # towards zero
 
 
+def test_noise_below_a_step_without_zero_is_steady() -> None:
+    frame = line(256, far_m=100.0)
+    plain = seen(frame, complex_cir=True)
+    made = seen(frame, Quantisation(step_counts=512.0, beside_zero=1.0), complex_cir=True)
+    assert made.cir_complex is not None
+    halves = made.cir_complex.real / 512 % 1
+    np.testing.assert_allclose(halves, 0.5, atol=1e-3)
+    assert np.median(made.noise_std / plain.noise_std) < 0.8
+    coarse = seen(frame, Quantisation(step_counts=1024.0, beside_zero=1.0))
+    assert np.median(coarse.noise_std) < 0.5 * np.median(made.noise_std)
+
+
 def test_an_echo_may_come_on_top_and_off_the_strongest_path_alone() -> None:
     frame = shadowed(256)
     before = (SpecularReflections(wall_m=6.0, walls="metal"),)

@@ -6,15 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.joint.polish import shares, with_shares
 from bench.discrepancy.select.candidates import offered
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.quantisation import Quantisation, equal_share, grid_step
 
 
-def _table(step: float, magnitudes: bool) -> pd.DataFrame:
+def _table(
+    step: float, magnitudes: bool, beside: bool = False, noise: float = 40.0
+) -> pd.DataFrame:
     rng = np.random.default_rng(3)
-    cirs = 40 * (rng.normal(size=(30, 150)) + 1j * rng.normal(size=(30, 150)))
-    if step:
+    cirs = noise * (rng.normal(size=(30, 150)) + 1j * rng.normal(size=(30, 150)))
+    if step and beside:
+        cirs = step * (np.floor(cirs.real / step) + 0.5 + 1j * (np.floor(cirs.imag / step) + 0.5))
+    elif step:
         cirs = step * (np.rint(cirs.real / step) + 1j * np.rint(cirs.imag / step))
     kept = np.abs(cirs).astype(np.float32) if magnitudes else cirs.astype(np.complex64)
     return pd.DataFrame({"cir": list(kept)})
@@ -41,3 +46,25 @@ def test_the_step_is_the_grids() -> None:
         forms = Quantisation.by_mark(_table(20, magnitudes))
         assert [vars(form)["step_counts"] for form in forms] == pytest.approx([20] * 4, abs=0.1)
         assert Quantisation.by_mark(_table(1, magnitudes)) == ()
+
+
+@pytest.mark.parametrize("magnitudes", [False, True])
+def test_a_coarse_step_is_the_grids_too(magnitudes: bool) -> None:
+    forms = Quantisation.by_mark(_table(530, magnitudes, noise=150.0))
+    assert [vars(form)["step_counts"] for form in forms] == pytest.approx([530] * 4, abs=0.5)
+
+
+@pytest.mark.parametrize("magnitudes", [False, True])
+@pytest.mark.parametrize("step", [20.0, 90.0])
+def test_a_grid_without_zero_is_seen(step: float, magnitudes: bool) -> None:
+    assert not any(
+        vars(one)["beside_zero"] for one in Quantisation.by_mark(_table(step, magnitudes))
+    )
+    forms = Quantisation.by_mark(_table(step, magnitudes, beside=True))
+    assert [vars(one)["beside_zero"] for one in forms] == [1.0] * 2
+    assert [vars(one)["step_counts"] for one in forms] == pytest.approx([step] * 2, abs=0.1)
+
+
+def test_a_fit_keeps_what_is_not_fitted() -> None:
+    effect = Quantisation(step_counts=90.0, beside_zero=1.0)
+    assert with_shares((effect,), shares((effect,))) == (effect,)

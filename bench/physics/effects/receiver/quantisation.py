@@ -17,6 +17,7 @@ from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, Floats
 
 EQUAL_ROWS = 100  # looked at
+MOST_COUNTS = 1024.0  # of a step: several times the noise of the loudest accumulators recorded
 EQUAL_MANY = 0.5  # of the samples: the step is a tenth of the noise or more [derived]
 GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
 EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
@@ -44,13 +45,16 @@ class Quantisation(Effect):
     without_cir = False
     essential = ("step_counts",)
 
-    step_counts: float = parameter(1, "counts", 0, 256, "rounding step", null=0)
+    step_counts: float = parameter(1, "counts", 0, MOST_COUNTS, "rounding step", null=0)
     offset_counts: float = parameter(0, "counts", 0, 1000, "length of the offset", null=0)
     limit_counts: float = parameter(
         8388607, "counts", 127, 8388607, "largest value: 32767 of 16 bits", fitted=False
     )
     dropped: float = parameter(0, "1", 0, 1, "0 rounds to the nearest step, 1 towards zero")
     read_out: float = parameter(0, "1", 0, 1, "0 in the accumulator, 1 where it is read out")
+    beside_zero: float = parameter(
+        0, "1", 0, 1, "1 where no level is zero: middles of steps", fitted=False
+    )
 
     @classmethod
     def unmarked(cls, frame: pd.DataFrame) -> str:
@@ -64,9 +68,11 @@ class Quantisation(Effect):
         """Return the roundings whose grid recorded samples lie on, where many are equal."""
         if "cir" not in frame or equal_share(frame["cir"]) < EQUAL_MANY:
             return ()
-        step = min(grid_step(frame["cir"]), 255.0)
-        ways = [(dropped, read_out) for dropped in (0.0, 1.0) for read_out in (0.0, 1.0)]
-        return tuple(cls(step, 0.0, dropped=d, read_out=r) for d, r in ways) if step > 0 else ()
+        step, beside = min(grid_step(frame["cir"]), MOST_COUNTS), beside_zero(frame["cir"])
+        levels = [(0.0, 1.0)] if beside else [(0.0, 0.0), (1.0, 0.0)]  # no zero: nothing to drop
+        ways = [(*each, read_out) for each in levels for read_out in (0.0, 1.0)]
+        made = (cls(step, dropped=d, read_out=r, beside_zero=b) for d, b, r in ways)
+        return tuple(made) if step > 0 else ()
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Round the noise, and its sum with the signal: both stay whole numbers."""
@@ -80,7 +86,8 @@ class Quantisation(Effect):
         if self.step_counts == 0:
             return altered(batch, noise=added)
         signal, noise = np.empty_like(waveform), np.empty_like(added)
-        settings = (np.float32(v) for v in (self.step_counts, self.limit_counts, self.dropped))
+        levels = self.step_counts, self.limit_counts, self.dropped, self.beside_zero
+        settings = (np.float32(value) for value in levels)
         arrays = (parts(each) for each in (signal, noise, waveform, added))
         compiled(quantise_rows)(*arrays, *settings)
         if self.read_out == 0:
@@ -103,7 +110,10 @@ class Quantisation(Effect):
         if self.step_counts == 0:
             return np.ones(len(power))
         size = np.sqrt(np.maximum(power, 1e-12))[:, None] * np.sqrt(-np.log(1 - _QUANTILES))
-        steps = np.floor(size / self.step_counts + 0.5 - 0.5 * self.dropped)
+        if self.beside_zero:  # in the part that has the size, and half a step in the other
+            steps = np.hypot(np.floor(size / self.step_counts) + 0.5, 0.5)
+        else:
+            steps = np.floor(size / self.step_counts + 0.5 - 0.5 * self.dropped)
         return np.asarray(steps.std(axis=1) * self.step_counts / size.std(axis=1))
 
 
@@ -112,24 +122,39 @@ def grid_step(cirs: pd.Series) -> float:
 
     Of real parts; of magnitudes, whose squares are whole multiples of the squared step.
     """
-    found = []
-    for row in _some(cirs):
-        whole = np.iscomplexobj(row)
-        parts = np.unique(row.real if whole else row.astype(np.float64) ** 2)
-        parts = parts[: len(parts) // 2 + 1]  # the rounding of 32 bits is coarse in the others
-        apart = np.diff(parts)
-        apart = apart[apart > GRID_APART * np.abs(np.median(parts))]
-        if len(apart):
-            least = float(apart.min())
-            found.append(
-                least if whole else np.sqrt(least / (2 if _beside_zero(parts, least) else 1))
-            )
-    return float(np.median(found)) if found else 0.0
+    return float(np.median([step for step, _ in _grids(cirs)] or [0.0]))
 
 
-def _beside_zero(squares: Floats, apart: float) -> bool:
-    """Return whether both parts lie half a step beside zero: squares are (odd + odd) / 4 steps."""
-    return bool(abs(np.median(squares / apart % 1) - 0.25) < 0.1)
+def beside_zero(cirs: pd.Series) -> bool:
+    """Return whether in most rows both parts of samples lie half a step beside zero."""
+    return bool(np.median([beside for _, beside in _grids(cirs)] or [False]) > 0.5)
+
+
+def _grids(cirs: pd.Series) -> list[tuple[float, bool]]:
+    """Return the step of the grid of rows, and whether that has no zero, where there is one."""
+    every = (_grid(row) for row in _some(cirs))
+    return [one for one in every if one]
+
+
+def _grid(row: NDArray[Any]) -> tuple[float, bool] | None:
+    """Return the step of the grid of a row, and whether that has no zero; None where none is."""
+    whole = np.iscomplexobj(row)
+    parts = np.unique(row.real if whole else row.astype(np.float64) ** 2)
+    parts = parts[: len(parts) // 2 + 1]  # the rounding of 32 bits is coarse in the others
+    apart = np.diff(parts)
+    apart = apart[apart > GRID_APART * np.abs(np.median(parts))]
+    if not len(apart):
+        return None
+    least = float(apart.min())
+    if whole:
+        return least, _at(parts / least, 0.5)
+    beside = _at(parts / least, 0.25)  # squares are (odd + odd) / 4 squared steps, two apart
+    return np.sqrt(least / (2 if beside else 1)), beside
+
+
+def _at(parts: Floats, place: float) -> bool:
+    """Return whether values lie at such a part of 1 behind whole numbers."""
+    return bool(abs(np.median(parts % 1) - place) < 0.1)
 
 
 def equal_share(cirs: pd.Series) -> float:
