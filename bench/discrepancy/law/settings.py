@@ -35,6 +35,8 @@ LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and la
 LAW_CYCLES: Final = (0.75, 60.0)  # of a period within the span of the rows [convention]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
+LAW_GRID_P: Final = 0.01  # that places of one phase are so by chance, of all periods asked of
+# [convention]
 LAW_NYQUIST: Final = 2.1  # spacings of the places, that a period is longer than [derived]
 LAW_FEW_TURNS: Final = 3.0  # of a period within the span, below which phases are few [convention]
 LAW_HALF_TURN: Final = {"deg": 180.0, "rad": 3.14159265}  # what spans less, as a tilt, does not
