@@ -159,9 +159,14 @@ def _on_grid(values: Floats, period: float, level: float) -> bool:
     place = np.cumsum(np.diff(values, prepend=values[0]) > period / 2)
     count = np.bincount(place)
     middle = np.bincount(place, values) / count
-    length = float(abs(np.exp(1j * TURN * middle / period).mean()))
+    length = min(_resultant(values, period), _resultant(middle, period))
     chance = max(1 - length**2, 0.0) ** (len(count) - 1)
     return length > LAW_ONE_PHASE and chance < level
+
+
+def _resultant(values: Floats, period: float) -> float:
+    """Return how far places [n] are of one phase of a period: 1 all of them, 0 not at all."""
+    return float(abs(np.exp(1j * TURN * values / period).mean()))
 
 
 def _harmonics(column: Column) -> Floats:

@@ -63,6 +63,13 @@ def test_batches_that_fall_into_step_by_chance_are_no_grid_of_places() -> None:
     assert (abs(grid / 410 - 1) < 0.01).any()
 
 
+def test_places_that_lie_dense_show_short_periods() -> None:
+    for seed in range(8):
+        places = np.random.default_rng(seed).uniform(0, 60, 360)
+        grid = _periods(Column("walked_m", "walked", "m", places, 30.0))
+        assert (abs(grid / 1.2 - 1) < 0.02).any()
+
+
 def test_what_an_effect_leaves_where_it_acts_is_no_law_beside_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
