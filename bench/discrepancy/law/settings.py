@@ -10,6 +10,8 @@ from typing import Final
 LAW_NATS: Final = 3.0  # beyond what its complexity costs: 20 to 1 [convention]
 LAW_TIED_NATS: Final = 3.0  # behind the best, within which a law is not excluded [convention]
 LAW_INSTEAD_NATS: Final = 10.0  # beyond all named effects together: 20 000 to 1 [convention]
+LAW_OF_SCATTER: Final = 0.5  # of what rows of links scatter by, less than which a law leaves that
+# stands in for jitter: most of that it predicts [convention]
 LAW_OWN_FORM: Final = 1e-6  # of its square that effects of its form leave: rounding [derived]
 LAW_VALUE_NATS: Final = 1.0  # that a value of a named effect pays [source: Akaike 1974]
 LAW_TAIL: Final = 4.0  # degrees of freedom of the Student t that residuals have [convention]
