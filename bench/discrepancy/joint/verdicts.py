@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
-from bench.discrepancy.compare.view import Added
+from bench.discrepancy.compare.view import Added, Comparison
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.joint.choice import WaveChoice
@@ -154,6 +155,7 @@ def _said(
     wider = effect.name in choice.scattering
     check = Guard().safely("objection", _objection, "")
     why = [check(search, swapped_for(added, effect, one.effect), one, wider) for one in options]
+    why = beside_untold(search.comparison, effect, [one.effect for one in options], why)
     passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
     passed = without_disguises(passed, search.searched)
     if effect.name in choice.marked:
@@ -179,6 +181,19 @@ def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> st
         return ""
     found = adequacy(search.comparison, (search.fit, search.discover), added, option.effect)
     return "" if found.adequate else str(found)
+
+
+def beside_untold(
+    comparison: Comparison, effect: Effect, options: Sequence[Effect], why: Sequence[str]
+) -> list[str]:
+    """Return the objections to options; those to `effect` for what is not told from it by a log.
+
+    They ask what is logged of noise, too, and another tool may log its power or its scatter: what
+    it may be of neither tone nor noise floor is no objection to one of them alone.
+    """
+    asked = isinstance(comparison, Resimulation)
+    twins = set() if asked else {one.name for one in counterparts(effect)}
+    return [why[0] if o.name in twins else words for o, words in zip(options, why, strict=True)]
 
 
 def taken_away(effect: Effect) -> str:

@@ -13,6 +13,7 @@ from bench.discrepancy.law.settings import (
     LAW_CYCLE_STEP,
     LAW_CYCLES,
     LAW_FEW_TURNS,
+    LAW_GRID_P,
     LAW_HARMONICS,
     LAW_NYQUIST,
     LAW_ONE_PHASE,
@@ -144,9 +145,28 @@ def _spacing(values: Floats, least: float) -> float:
     """
     span = float(values[-1] - values[0])
     short = span / np.arange(LAW_FEW_TURNS, span / least, LAW_CYCLE_STEP)
-    lengths = [abs(np.exp(1j * TURN * values / period).mean()) for period in short]
-    return float(max((p for p, r in zip(short, lengths, strict=True) if r > LAW_ONE_PHASE),
-                     default=0.0))  # fmt: skip
+    found = [p for p in short if _on_grid(values, float(p), LAW_GRID_P / len(short))]
+    return float(max(found, default=0.0))
+
+
+def _on_grid(values: Floats, period: float, level: float) -> bool:
+    """Return whether sorted places [n] are of one phase, and not by chance at this level.
+
+    Places closer than half a period are one: a batch of rows within a second has one phase. Of n
+    random phases the resultant length is above r with about (1 - r^2)^(n - 1): Rayleigh's exp(-n
+    r^2) of many, and none above 1. It is too sure of fewer than eight, which show no period.
+    """
+    place = np.cumsum(np.diff(values, prepend=values[0]) > period / 2)
+    count = np.bincount(place)
+    middle = np.bincount(place, values) / count
+    length = min(_resultant(values, period), _resultant(middle, period))
+    chance = max(1 - length**2, 0.0) ** (len(count) - 1)
+    return length > LAW_ONE_PHASE and chance < level
+
+
+def _resultant(values: Floats, period: float) -> float:
+    """Return how far places [n] are of one phase of a period: 1 all of them, 0 not at all."""
+    return float(abs(np.exp(1j * TURN * values / period).mean()))
 
 
 def _harmonics(column: Column) -> Floats:

@@ -10,6 +10,8 @@ from typing import Final
 LAW_NATS: Final = 3.0  # beyond what its complexity costs: 20 to 1 [convention]
 LAW_TIED_NATS: Final = 3.0  # behind the best, within which a law is not excluded [convention]
 LAW_INSTEAD_NATS: Final = 10.0  # beyond all named effects together: 20 000 to 1 [convention]
+LAW_OF_SCATTER: Final = 0.5  # of what rows of links scatter by, less than which a law leaves that
+# stands in for jitter: most of that it predicts [convention]
 LAW_OWN_FORM: Final = 1e-6  # of its square that effects of its form leave: rounding [derived]
 LAW_VALUE_NATS: Final = 1.0  # that a value of a named effect pays [source: Akaike 1974]
 LAW_TAIL: Final = 4.0  # degrees of freedom of the Student t that residuals have [convention]
@@ -35,6 +37,8 @@ LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and la
 LAW_CYCLES: Final = (0.75, 60.0)  # of a period within the span of the rows [convention]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
+LAW_GRID_P: Final = 0.01  # that places of one phase are so by chance, of all periods asked of
+# [convention]
 LAW_NYQUIST: Final = 2.1  # spacings of the places, that a period is longer than [derived]
 LAW_FEW_TURNS: Final = 3.0  # of a period within the span, below which phases are few [convention]
 LAW_HALF_TURN: Final = {"deg": 180.0, "rad": 3.14159265}  # what spans less, as a tilt, does not

@@ -17,6 +17,7 @@ from bench.discrepancy.law.judge import gains_among, judged, setup_fault, tied_n
 from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
+from bench.discrepancy.law.of_scatter import independent, predicts
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
@@ -77,7 +78,7 @@ def weighed(search: Search, found: Selection) -> Weighed:
     if any(isinstance(verdict, Unknown) and verdict.cause for verdict in found.verdicts):
         return Weighed(found)
     unknown = any(isinstance(verdict, Unknown) for verdict in found.verdicts)
-    if not unknown and not _shifting(found):
+    if not unknown and not _shifting(found) and not independent(found.added):
         return Weighed(found)
     search.progress("looking for a law without a name")
     made = Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
@@ -91,6 +92,8 @@ def weighed(search: Search, found: Selection) -> Weighed:
 def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     """Return the law of what the names leave, or one that does better than all of them."""
     views = (search.fit, search.discover) if search.work is None else (search.work,)
+    if predicted := _in_place_of_scatter(search, found, views):
+        return predicted
     rest = gathered(search.comparison, views, found.added)
     after = _proposed(search, rest)
     if after is not None and not _beyond_names(search, found, after):
@@ -113,6 +116,21 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     narrower = None if struck else _narrowed(search, found, alone, views)
     if narrower is not None:
         return _weighed(search, narrower, unknown)
+    return Weighed(found, alone, _without_names(found, kept))
+
+
+def _in_place_of_scatter(
+    search: Search, found: Selection, views: tuple[View, ...]
+) -> Weighed | None:
+    """Return a law in the place of independent scatter, None where none predicts most of it."""
+    kept = tuple(one for one in found.added if one not in independent(found.added))
+    if len(kept) == len(found.added):
+        return None
+    alone = _proposed(search, gathered(search.comparison, views, kept))
+    if alone is None or alone.best.nats < LAW_INSTEAD_NATS:
+        return None
+    if not predicts(search.comparison, search.both, kept, _effect(alone)):
+        return None
     return Weighed(found, alone, _without_names(found, kept))
 
 

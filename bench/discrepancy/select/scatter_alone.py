@@ -105,7 +105,7 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
         return None
     recorded, simulated = within(made)
     usable = np.isfinite(recorded)
-    spread, extra = _variances(recorded, simulated)
+    spread, extra = variances(recorded, simulated)
     if extra <= 0 or _kept_by_links(made) > SCATTER_OF_LINKS * extra:
         return None
     if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
@@ -118,7 +118,7 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
     return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
 
 
-def _variances(recorded: Floats, simulated: Floats) -> tuple[float, float]:
+def variances(recorded: Floats, simulated: Floats) -> tuple[float, float]:
     """Return the simulated variance within links, and how much more the recorded one is, in m2."""
     spread = float(np.nanmean(simulated**2)) if np.isfinite(simulated).any() else np.inf
     return spread, float(np.nanmean(recorded**2)) - spread

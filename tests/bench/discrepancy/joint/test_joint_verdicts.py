@@ -8,12 +8,14 @@ import numpy as np
 import pandas as pd
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.joint import turn
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
-from bench.discrepancy.joint.verdicts import standing, taken_away
+from bench.discrepancy.joint.verdicts import beside_untold, standing, taken_away
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -73,6 +75,15 @@ def test_a_noise_floor_does_not_stand_beside_a_refused_tone():
     )
     assert names(standing(held, choice)) == set()
     assert names(standing({noise.name: held[noise.name]}, choice)) == {noise.name}
+
+
+def test_what_another_tool_logs_of_noise_refuses_no_tone_beside_a_noise_floor():
+    noise, tone, loss = NoiseFloor(level_db=6.0), NarrowbandInterference(), PathLoss()
+    table = TableComparison(pd.DataFrame({"true_range_m": [1.0]}), Window())
+    options, why = [noise, tone, loss], ["", "109% is left in noise_std", "90% is left"]
+    assert beside_untold(table, noise, options, why) == ["", "", "90% is left"]
+    again = Resimulation.__new__(Resimulation)  # its own log is known to be of scatter
+    assert beside_untold(again, noise, options, why) == why
 
 
 def test_marks_and_ranges_stand_beside_a_refused_name():

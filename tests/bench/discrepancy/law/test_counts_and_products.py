@@ -55,6 +55,21 @@ def test_places_a_metre_apart_show_no_period_of_a_metre() -> None:
         assert grid.max() > 20
 
 
+def test_batches_that_fall_into_step_by_chance_are_no_grid_of_places() -> None:
+    starts = np.array([2092, 2422, 3075, 4607, 7900, 8291, 9558, 9731, 10820, 13183, 13196,
+                       15587, 18956, 21836])  # fmt: skip  # no gap is like another
+    rows = (starts[:, None] + np.arange(20) * 0.02).ravel()
+    grid = _periods(Column("time_s", "time", "s", rows, 9700.0))
+    assert (abs(grid / 410 - 1) < 0.01).any()
+
+
+def test_places_that_lie_dense_show_short_periods() -> None:
+    for seed in range(8):
+        places = np.random.default_rng(seed).uniform(0, 60, 360)
+        grid = _periods(Column("walked_m", "walked", "m", places, 30.0))
+        assert (abs(grid / 1.2 - 1) < 0.02).any()
+
+
 def test_what_an_effect_leaves_where_it_acts_is_no_law_beside_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
