@@ -19,6 +19,7 @@ from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.select.row_weights import row_weights
 from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLISTED_M
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
@@ -124,7 +125,9 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     forms = receiver_forms(ranged, rows, ensemble, beside, unlisted)[known]
     if unlisted:
         forms = np.hstack([forms, unlisted_forms(rows)[known]])
-    flat = whitening(forms, left[known])
+    level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else left * np.nan
+    weights = row_weights(left[known], level[known], rows.links[known])
+    flat = whitening(weights[:, None] * forms, weights * left[known]) * weights
     library = _kept(of_library(ranged.kinds, rows), known)
     laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
