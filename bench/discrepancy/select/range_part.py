@@ -77,7 +77,8 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
     if not found.names:
-        return state
+        known = replace(search.choice, forms_do=found.forms_do)
+        return replace(state, search=replace(search, choice=known))
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
     if not turns or loses(search, added, state.added):
@@ -173,7 +174,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat)
     best = contest.settled()
     if forms.size:  # a detector may follow a column too
-        return best
+        return replace(best, forms_do=not unlisted and set(contest.likeliest) <= set(best.names))
     causes = (*best.names, *best.others)
     return replace(best, mistaken=mistaken(contest, causes, ranged.doubtful, ensemble))
 

@@ -124,6 +124,21 @@ def test_the_floor_of_a_known_room_is_left_to_waveforms() -> None:
     assert range_part._of_waves_alone(inside) == {"diffraction", "ground-bounce"}
 
 
+@pytest.mark.parametrize("constant_m", [0.15, 0.012])
+def test_what_another_detector_may_make_of_waveforms_leaves_nothing(constant_m: float) -> None:
+    found = chosen_beside(search_of(constant_m)[1], (PathLoss(),))
+    assert found.forms_do  # the delay of 15 cm is named, the other is a detector's
+    assert not chosen_beside(search_of(constant_m)[1], ()).forms_do  # no waveform differs
+
+
+def test_what_nobody_listed_or_a_law_says_is_left_to_be_said() -> None:
+    assert not chosen_beside(search_of(0.15)[1], (PathLoss(),), unlisted=True).forms_do
+    search = search_of(0.0, hidden=lambda frame, _: 0.2 * np.sin(frame["true_range_m"]))[1]
+    found = chosen_beside(search, (PathLoss(),))
+    assert found.others
+    assert not found.forms_do
+
+
 def test_a_delay_is_asked_for_beside_a_pattern_that_ranges_do_not_show() -> None:
     whole = search_of(0.15)[1]
     assert whole.work is not None
