@@ -61,7 +61,7 @@ def wave_verdicts(
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unlisted:
         return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
-    if not any(one.names for one in named) or _ranges_left(last):
+    if not any(one.names for one in named) or (_ranges_left(last) and not search.choice.forms_do):
         named = tuple(one for one in named if one.names)
         why = LEFT_OF_RANGES if named else NOTHING_NAMED
         return (*named, _unknown(rounds[0], last, why, added))

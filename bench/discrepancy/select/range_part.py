@@ -19,7 +19,13 @@ from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
-from bench.discrepancy.select.settings import DETECTION_M, DETECTION_SHARE, UNLISTED_M
+from bench.discrepancy.select.row_weights import row_weights
+from bench.discrepancy.select.settings import (
+    DETECTION_M,
+    DETECTION_SHARE,
+    LEVEL_PRINTED_DB,
+    UNLISTED_M,
+)
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
 from bench.discrepancy.sets.blocks import (
@@ -56,9 +62,8 @@ NONE: tuple[Added, Turns] = (), ()
 def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> State:
     """Return the state with the set of causes that ranges speak for beside waveform effects.
 
-    Where nothing differed, nothing is asked; names of ranges that scores gave are only added to,
-    and what held-out links lose by is not taken. `unlisted`: waveforms show what no effect
-    explains, which may shift ranges too.
+    Where nothing differed, nothing is asked; what held-out links lose by is not taken. `unlisted`:
+    waveforms show what no effect explains, which may shift ranges too.
     """
     search, safely = state.search, state.guard.safely
     if not (search.fit.waveform and state.rounds and state.rounds[0].located.significant):
@@ -67,19 +72,49 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     aside = _of_waves_alone(rows)
     kinds = {n: kind for n, kind in search.kinds.items() if kind.name not in aside}
     ranged = replace(search, work=rows, kinds=kinds)
-    names = judged_by_sets(ranged)
-    beside = tuple(effect for effect in state.added if effect.physics not in names)
-    found = safely("ranges", journal.kept(chosen_beside), Choice())(ranged, beside, unlisted)
+    ask = safely("ranges", journal.kept(asked), (Choice(), state.added))
+    found, beside = ask(ranged, state.added, unlisted)
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
-    have = {effect.physics for effect in state.added} & names
-    if not found.names or not have <= set(found.names):
-        return state
+    if not found.names:
+        known = replace(search.choice, forms_do=found.forms_do)
+        return replace(state, search=replace(search, choice=known))
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
+
+
+def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:
+    """Return the set of causes that ranges speak for, and the effects that stay beside it.
+
+    What waveforms named and ranges may name too is weighed again with them. Where they do not, it
+    stays as waveforms have it, if it bends levels, and the rest is asked again. What only delays
+    all paths is for ranges to say: waveforms begin where a path is seen.
+    """
+    names = judged_by_sets(ranged)
+    beside = tuple(effect for effect in added if effect.physics not in names)
+    found = chosen_beside(ranged, beside, unlisted)
+    silent = tuple(e for e in added if e.physics in names - set(found.names))
+    kept = tuple(effect for effect in silent if _bends_levels(ranged, effect))
+    if not kept or found.mistaken:
+        return found, beside
+    theirs = {effect.physics for effect in kept}
+    rest = {name: kind for name, kind in ranged.kinds.items() if kind.name not in theirs}
+    beside = tuple(e for e in added if e in beside or e in kept)
+    return chosen_beside(replace(ranged, kinds=rest), beside, unlisted), beside
+
+
+def _bends_levels(ranged: Search, effect: Effect) -> bool:
+    """Return whether an effect moves levels of any row by more than they are printed to."""
+    with_it, without_it = (
+        ranged.comparison.ensemble(ranged.both, some, RESIDUAL_MEMBERS) for some in ((effect,), ())
+    )
+    if LEVEL not in with_it.names:
+        return True
+    moved_db = (with_it.simulated_of(LEVEL) - without_it.simulated_of(LEVEL)).mean(axis=0)
+    return bool(np.nanmax(np.abs(moved_db), initial=0.0) > LEVEL_PRINTED_DB)
 
 
 def _of_waves_alone(rows: View) -> set[str]:
@@ -124,7 +159,9 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     forms = receiver_forms(ranged, rows, ensemble, beside, unlisted)[known]
     if unlisted:
         forms = np.hstack([forms, unlisted_forms(rows)[known]])
-    flat = whitening(forms, left[known])
+    level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else left * np.nan
+    weights = row_weights(left[known], level[known], rows.links[known])
+    flat = whitening(weights[:, None] * forms, weights * left[known]) * weights
     library = _kept(of_library(ranged.kinds, rows), known)
     laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
@@ -137,7 +174,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat)
     best = contest.settled()
     if forms.size:  # a detector may follow a column too
-        return best
+        return replace(best, forms_do=not unlisted and set(contest.likeliest) <= set(best.names))
     causes = (*best.names, *best.others)
     return replace(best, mistaken=mistaken(contest, causes, ranged.doubtful, ensemble))
 

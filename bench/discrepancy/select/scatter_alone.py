@@ -105,6 +105,8 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
         return None
     recorded, simulated = within(made)
     usable = np.isfinite(recorded)
+    if not usable.any() or not np.isfinite(simulated).any():  # every link has one row
+        return None
     spread, extra = variances(recorded, simulated)
     if extra <= 0 or _kept_by_links(made) > SCATTER_OF_LINKS * extra:
         return None

@@ -43,6 +43,12 @@ ALIKE_M: Final = 1e-3  # by which an effect moves ranges, below which it moves l
 UNLISTED_M: Final = 0.5  # that a changed waveform of no known effect may shift a range [waves]
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
 
+# --- Weak signals scatter more (select/row_weights) -----------------------------------------------
+NOISE_PARTS: Final = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the variance, at the median level,
+# that falls as the power, over what does not [cost]
+SCATTER_PART_NATS: Final = 3.0  # that such a part must bring: 20 to 1 [convention]
+SCATTER_OUTLIER: Final = 5.0  # standard deviations, as far as one row counts [convention]
+
 # --- Marks of ranges (select/marks) ---------------------------------------------------------------
 FORM_LEAD_NATS: Final = 3.0  # by which another form of a mark must lead the plain one: 20 to 1
 MARK_SHARE: Final = 0.2  # of the scatter of rows: less adds 2 % to it, as centimetres printed do

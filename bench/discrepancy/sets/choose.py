@@ -169,6 +169,11 @@ class Contest:
         """Return whether a set is not excluded beside another."""
         return self.nats(causes) > self.nats(other) - RIVAL_NATS
 
+    @property
+    def likeliest(self) -> Set:
+        """The set of most worth, of causes that took part to the end."""
+        return self._physical(self._able)
+
     def most(self) -> float:
         """Return the worth of the best set."""
         return self.worth(self._calm())

@@ -11,12 +11,15 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
-from bench.discrepancy.data.observables import Window
-from bench.discrepancy.joint import turn
+from bench.discrepancy.data.observables import RANGE, Window
+from bench.discrepancy.joint import turn, verdicts
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.verdicts import beside_untold, standing, taken_away
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -124,3 +127,20 @@ def test_what_scatters_beside_late_detection_is_no_scatter_of_its_own():
     state = SimpleNamespace(search=None, added=(PathLoss(), LateDetection(rise_db=6.0)))
     assert turn._with_scatter(state, None) is state
     assert not PathLoss.jumps
+
+
+def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(monkeypatch):
+    seen = Finding(Cell(RANGE, "mean", Place()), Estimate(0.03, 0.02, 0.04), 9.0, 0.001, 9, 9)
+    left = SimpleNamespace(removable=Estimate(0.7, 0.6, 0.8, "nats"))
+    last = SimpleNamespace(
+        located=SimpleNamespace(findings=(seen,), significant=True), explanation=left, added=None
+    )
+    late = LateDetection(rise_db=0.0)
+    first = SimpleNamespace(**{**vars(last), "added": late}, strike=None)
+    last.strike = None
+    monkeypatch.setattr(verdicts, "_said", lambda *_: said(late)[late.name])
+    monkeypatch.setattr(verdicts, "sizes_seen", lambda *_: None)
+    for forms_do, count in ((True, 1), (False, 2)):
+        search = SimpleNamespace(choice=Choice(forms_do=forms_do))
+        made = verdicts.wave_verdicts(search, (first, last), (late,), WaveChoice((late,)))
+        assert len(made) == count

@@ -17,20 +17,23 @@ from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import range_part
 from bench.discrepancy.select.candidates import library, offered
-from bench.discrepancy.select.range_part import chosen_beside, whitening, with_range_part
+from bench.discrepancy.select.range_part import asked, chosen_beside, whitening, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.temperature import TemperatureDrift
-from tests.bench.discrepancy.numpy_tables import tables
+from tests.bench.discrepancy.numpy_tables import Hidden, tables
 
 
-def search_of(constant_m: float, device: str | None = None) -> tuple[Search, Search]:
+def search_of(
+    constant_m: float, device: str | None = None, hidden: Hidden | None = None
+) -> tuple[Search, Search]:
     """Return a search over two halves of tables, `constant_m` hidden, and one over all rows.
 
     In all rows, or in those of one transmitter.
     """
-    recorded, simulated = tables(3, None)
+    recorded, simulated = tables(3, hidden)
     frame = recorded.frame
     more = constant_m * (frame["tx"] == device if device else 1.0)
     frame = frame.assign(**{n: frame[n] + more for n in ("error_m", "range_m") if n in frame})
@@ -119,3 +122,34 @@ def test_the_floor_of_a_known_room_is_left_to_waveforms() -> None:
     inside = replace(outdoors, frame=outdoors.frame.assign(**room))
     assert range_part._of_waves_alone(outdoors) == {"diffraction"}
     assert range_part._of_waves_alone(inside) == {"diffraction", "ground-bounce"}
+
+
+@pytest.mark.parametrize("constant_m", [0.15, 0.012])
+def test_what_another_detector_may_make_of_waveforms_leaves_nothing(constant_m: float) -> None:
+    found = chosen_beside(search_of(constant_m)[1], (PathLoss(),))
+    assert found.forms_do  # the delay of 15 cm is named, the other is a detector's
+    assert not chosen_beside(search_of(constant_m)[1], ()).forms_do  # no waveform differs
+
+
+def test_what_nobody_listed_or_a_law_says_is_left_to_be_said() -> None:
+    assert not chosen_beside(search_of(0.15)[1], (PathLoss(),), unlisted=True).forms_do
+    search = search_of(0.0, hidden=lambda frame, _: 0.2 * np.sin(frame["true_range_m"]))[1]
+    found = chosen_beside(search, (PathLoss(),))
+    assert found.others
+    assert not found.forms_do
+
+
+def test_a_delay_is_asked_for_beside_a_pattern_that_ranges_do_not_show() -> None:
+    whole = search_of(0.15)[1]
+    assert whole.work is not None
+    turn = np.linspace(0, 360, len(whole.work.rows), endpoint=False) * 7 % 360
+    heading = whole.work.frame.assign(azimuth_deg=turn)
+    ranged = replace(whole, work=replace(whole.work, frame=heading))
+    kinds = dict(ranged.kinds) | {AntennaPattern.name: AntennaPattern}
+    ranged = replace(ranged, kinds=kinds)
+    loud, late = AntennaPattern(gain_db=6.0), AntennaPattern(delay_m=0.01)
+    assert "antenna-pattern" in range_part.judged_by_sets(ranged)
+    for pattern, stays in ((loud, True), (late, False)):
+        found, beside = asked(ranged, (PathLoss(), pattern), False)
+        assert found.names == ("antenna-delay",)
+        assert (pattern in beside) is stays
