@@ -87,8 +87,13 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     """Return a case's tables from two tables that nothing is hidden in."""
     recorded, metres = _spoiled(clean, drawn, seed, 1)
     truth, _ = _spoiled(simulated, drawn, seed, 2)
-    four = (shown(one, drawn.listed) for one in (recorded, clean, simulated, truth))
-    return Tables(*four, shifts_m=metres)
+    return Tables(
+        recorded=shown(recorded, drawn.listed),
+        clean=shown(clean, drawn.listed),
+        simulated=shown(simulated, drawn.listed),
+        truth=shown(truth, drawn.listed),
+        shifts_m=metres,
+    )
 
 
 def shown(table: pd.DataFrame, listed: bool) -> pd.DataFrame:
@@ -120,7 +125,8 @@ def lots(rng: np.random.Generator, rare: str, polls: tuple[int, ...] = POLLS) ->
         for k in range(len(many))
     ]
     table = pd.concat(parts, ignore_index=True)
-    return table.assign(obstacles=_between(rng, table, rare))
+    table["obstacles"] = _between(rng, table, rare)
+    return table
 
 
 def _lot(
@@ -194,7 +200,7 @@ def _log(rng: np.random.Generator, size: int, loop: int) -> dict[str, Floats]:
     warm = (2.0, 1.0, 9.0, 19.0)[loop] * rng.uniform(0.2, 1.6)  # retorts are hot, packing is cold
     return {
         "temperature_c": rng.uniform(2.0, 13.0) + warm + rng.normal(0.0, 1.2, size),
-        "reply_time_s": 0.0025 * rng.integers(2, 26, size),
+        "reply_time_s": np.asarray(0.0025 * rng.integers(2, 26, size), np.float64),
         "brine_g": rng.gamma(1.5, 6.0) + rng.gamma(1.2, 4.0, size),
         "crowd_percent": 100.0 * np.clip(rng.beta(1.2, 1.2) + rng.normal(0.0, 0.2, size), 0.0, 1.0),
         "guard_cm": np.clip(rng.uniform(0.0, 80.0) + rng.normal(0.0, 14.0, size), 0.0, 85.0),

@@ -124,10 +124,8 @@ class Lot:
     ) -> None:
         self.table, self.shift, self.rng, self.rare = table, shift, rng, rare
         self.far: Floats = self.of("true_range_m")
-        self.bracket: Places = table["rx"].str.removeprefix("bracket").astype(np.intp).to_numpy()
-        self.tag: Places = (
-            table["tx"].map({name: k for k, name in enumerate(TAGS)}).to_numpy(np.intp)
-        )
+        self.bracket: Places = np.array([int(name[7:]) for name in table["rx"]], np.intp)
+        self.tag: Places = np.array([TAGS.index(name) for name in table["tx"]], np.intp)
         names, self.place_of = np.unique(table["link"].to_numpy(str), return_inverse=True)
         self.links = len(names)
 

@@ -139,7 +139,7 @@ def _with_a_tone(size: Floats) -> Floats:
     """Return how many times more sizes of noise scatter beside a tone of sizes [n]: as tried."""
     tried = np.linspace(0.0, 12.0, 49)
     spread = np.array([np.hypot(TRIED[0] + one, TRIED[1]).std() for one in tried])
-    return np.interp(size, tried, spread / spread[0])
+    return np.asarray(np.interp(size, tried, spread / spread[0]))
 
 
 def _backwards(scan: Scan, strength: float) -> None:

@@ -48,8 +48,12 @@ def tables(drawn: Draw, seed: int) -> Tables:
         rows["link"] = "next day " + rows["link"]
     rows = pd.concat([rows] * drawn.ratio, ignore_index=True)
     simulated, again = received(rows, rng), received(rows, rng)
-    four = (_suffered(clean, drawn, seed), clean, simulated, _suffered(again, drawn, seed))
-    return Tables(*(_kept(one, drawn.listed) for one in four))
+    return Tables(
+        recorded=_kept(_suffered(clean, drawn, seed), drawn.listed),
+        clean=_kept(clean, drawn.listed),
+        simulated=_kept(simulated, drawn.listed),
+        truth=_kept(_suffered(again, drawn, seed), drawn.listed),
+    )
 
 
 def known(_: Draw, seed: int) -> pd.DataFrame:

@@ -44,7 +44,7 @@ WITH_WAVES = (
 )  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 
-FAMILIES = tuple(sorted({*(family for _, family in SCHEDULE), *WITH_WAVES}))
+FAMILIES = tuple(sorted({*(family for _, family in SCHEDULE), *WITH_WAVES}))  # some wait for turns
 
 COUNTED = "level-control"  # is told from a path loss by counts
 

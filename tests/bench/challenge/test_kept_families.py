@@ -557,6 +557,47 @@ def test_a_car_is_in_the_way_of_anchors_that_look_away() -> None:
     assert 0.12 < behind.mean() < 0.22
 
 
+def test_pucks_ride_outside_by_no_more_than_a_rail_is_wide_in_bends_and_carts_do_not() -> None:
+    made, shift = (
+        _tables("cannery", ("pucks-ride-outside",)),
+        _shift("cannery", "pucks-ride-outside"),
+    )
+    rows = made.recorded
+    assert np.abs(shift).max() < 0.12 + 1e-9
+    assert not shift[rows["tx"].str.startswith("cart")].any()
+    seaming = (rows["environment"] == "seaming").to_numpy()
+    bend = (rows["tx_x_m"] - 9.5).abs().to_numpy() > 4.05
+    assert np.abs(shift[seaming & bend]).min() > 0
+    assert not shift[seaming & ((rows["tx_x_m"] - 9.5).abs() < 3.95)].any()
+    outward = rows["tx_x_m"] + 0.12 * np.sign(rows["tx_x_m"] - 9.5)
+    assert outward[seaming & bend].sub(9.5).abs().max() < 4.0 + 2.3 + 0.12 + 1e-9
+
+
+@pytest.mark.parametrize("ratio", [1, 3])
+def test_ranges_with_play_go_on_only_as_far_as_they_are_pushed(ratio: int) -> None:
+    world: Any = world_of("cannery")
+    made = world.tables(Draw(("play-in-the-filter",), ratio=ratio), 9)
+    for kept, plain in ((made.recorded, made.clean), (made.truth, made.simulated)):
+        off = (kept["range_m"] - plain["range_m"]).to_numpy()
+        assert np.abs(off).max() < 0.12 + 1e-9
+        copy = kept.groupby(["link", "time_s"]).cumcount()
+        links = kept.assign(copy=copy).groupby(["link", "copy"], sort=False)
+        moved = links["range_m"].diff().fillna(0.0).to_numpy()
+        assert np.allclose(np.abs(off[np.abs(moved) > 1e-9]), 0.12)  # at one end of the play
+        assert (moved * off <= 1e-9).all()  # pulled along, so behind
+        assert (np.abs(moved) > 1e-9).mean() > 0.2
+
+
+def test_brackets_poll_lots_in_a_row_and_some_lines_stand() -> None:
+    rows = _tables("cannery", ()).recorded
+    gaps = rows.groupby("link")["time_s"].diff().dropna()
+    assert np.allclose(gaps, 0.34)
+    lots = rows.groupby(rows["link"].str.extract(r"(\d+)")[0])
+    assert len(lots) == 24
+    assert lots["tx"].nunique().eq(1).all()
+    assert (lots["tx_x_m"].agg(np.ptp) == 0).sum() == 7
+
+
 @pytest.mark.parametrize("family", KEPT)
 def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
     alone = _tables(family, ("timestamp-jitter",)).shifts_m
