@@ -29,7 +29,7 @@ from bench.recordings.clean import clean
 WITH_BOTH = (
     "mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
-    "cowshed", "fairground", "foundry", "garage",
+    "cowshed", "fairground", "foundry", "cannery",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
@@ -46,7 +46,7 @@ def _world(name: str) -> Any:
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
         ValueError,
-        match="unknown family 'x'; known: abbey, attic, bakery, belfry, brewery, clinic, cowshed",
+        match="unknown family 'x'; known: abbey, attic, bakery, belfry, brewery, cannery, clinic",
     ):
         world_of("x")
 

@@ -18,7 +18,7 @@ from bench.physics.simulator import Simulator
 
 LATEST = (
     "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery",
-    "belfry", "cowshed", "fairground", *KEPT,
+    "belfry", "cowshed", "fairground", "garage", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -121,6 +121,7 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
+    "cannery": 12,
 }  # fmt: skip
 
 
@@ -132,7 +133,7 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     fifth = 8 if family in ("ferry", "stacks") else 5
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
-    links |= {"foundry": 102, "garage": 105}
+    links |= {"foundry": 102, "garage": 105, "cannery": 96}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -437,6 +438,7 @@ ROWS_OF = {
     "fairground": ("Ticket", "drifts"),
     "foundry": ("Pour", "longer"),
     "garage": ("Visit", "grown"),
+    "cannery": ("Lot", "gained"),
 }
 
 
@@ -555,6 +557,47 @@ def test_a_car_is_in_the_way_of_anchors_that_look_away() -> None:
     assert 0.12 < behind.mean() < 0.22
 
 
+def test_pucks_ride_outside_by_no_more_than_a_rail_is_wide_in_bends_and_carts_do_not() -> None:
+    made, shift = (
+        _tables("cannery", ("pucks-ride-outside",)),
+        _shift("cannery", "pucks-ride-outside"),
+    )
+    rows = made.recorded
+    assert np.abs(shift).max() < 0.12 + 1e-9
+    assert not shift[rows["tx"].str.startswith("cart")].any()
+    seaming = (rows["environment"] == "seaming").to_numpy()
+    bend = (rows["tx_x_m"] - 9.5).abs().to_numpy() > 4.05
+    assert np.abs(shift[seaming & bend]).min() > 0
+    assert not shift[seaming & ((rows["tx_x_m"] - 9.5).abs() < 3.95)].any()
+    outward = rows["tx_x_m"] + 0.12 * np.sign(rows["tx_x_m"] - 9.5)
+    assert outward[seaming & bend].sub(9.5).abs().max() < 4.0 + 2.3 + 0.12 + 1e-9
+
+
+@pytest.mark.parametrize("ratio", [1, 3])
+def test_ranges_with_play_go_on_only_as_far_as_they_are_pushed(ratio: int) -> None:
+    world: Any = world_of("cannery")
+    made = world.tables(Draw(("play-in-the-filter",), ratio=ratio), 9)
+    for kept, plain in ((made.recorded, made.clean), (made.truth, made.simulated)):
+        off = (kept["range_m"] - plain["range_m"]).to_numpy()
+        assert np.abs(off).max() < 0.12 + 1e-9
+        copy = kept.groupby(["link", "time_s"]).cumcount()
+        links = kept.assign(copy=copy).groupby(["link", "copy"], sort=False)
+        moved = links["range_m"].diff().fillna(0.0).to_numpy()
+        assert np.allclose(np.abs(off[np.abs(moved) > 1e-9]), 0.12)  # at one end of the play
+        assert (moved * off <= 1e-9).all()  # pulled along, so behind
+        assert (np.abs(moved) > 1e-9).mean() > 0.2
+
+
+def test_brackets_poll_lots_in_a_row_and_some_lines_stand() -> None:
+    rows = _tables("cannery", ()).recorded
+    gaps = rows.groupby("link")["time_s"].diff().dropna()
+    assert np.allclose(gaps, 0.34)
+    lots = rows.groupby(rows["link"].str.extract(r"(\d+)")[0])
+    assert len(lots) == 24
+    assert lots["tx"].nunique().eq(1).all()
+    assert (lots["tx_x_m"].agg(np.ptp) == 0).sum() == 7
+
+
 @pytest.mark.parametrize("family", KEPT)
 def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
     alone = _tables(family, ("timestamp-jitter",)).shifts_m
@@ -610,6 +653,9 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("garage", "banks-unlike", 0.05),
         ("garage", "late-sizes-squared", 0.05),
         ("garage", "converters-out-of-step", 0.05),
+        ("cannery", "refresh-steals-words", 0.05),
+        ("cannery", "spikes-taken-out", 0.05),
+        ("cannery", "blocks-read-backwards", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
