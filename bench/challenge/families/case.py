@@ -18,15 +18,15 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "foundry"), ("CIR", "attic"), ("ranges again", "depot"), ("CIR again", "garage"),
-    ("ranges", "quay"), ("CIR", "bakery"), ("ranges again", "foundry"), ("CIR again", "stage"),
+    ("ranges", "vineyard"), ("CIR", "attic"), ("ranges again", "depot"), ("CIR again", "garage"),
+    ("ranges", "quay"), ("CIR", "bakery"), ("ranges again", "vineyard"), ("CIR again", "stage"),
     ("ranges", "signalbox"), ("CIR", "garage"), ("ranges again", "abbey"), ("CIR again", "pool"),
-    ("ranges", "garage"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "foundry"),
+    ("ranges", "garage"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "vineyard"),
     ("ranges", "mill"), ("CIR", "tannery"), ("ranges again", "garage"),
-    ("CIR again", "glasshouse"), ("ranges", "harbour"), ("CIR", "foundry"),
-    ("ranges again", "quarry"), ("CIR again", "belfry"), ("ranges", "foundry"), ("CIR", "clinic"),
+    ("CIR again", "glasshouse"), ("ranges", "harbour"), ("CIR", "vineyard"),
+    ("ranges again", "quarry"), ("CIR again", "belfry"), ("ranges", "vineyard"), ("CIR", "clinic"),
     ("ranges again", "brewery"), ("CIR again", "fairground"), ("ranges", "orchard"),
-    ("CIR", "stacks"), ("ranges again", "foundry"), ("CIR again", "rink"), ("ranges", "ferry"),
+    ("CIR", "stacks"), ("ranges again", "vineyard"), ("CIR again", "rink"), ("ranges", "ferry"),
     ("CIR", "garage"), ("ranges again", "cowshed"), ("CIR again", "garage"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
@@ -36,12 +36,12 @@ COARSE = (
     "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("foundry", "garage")
+KEPT = ("vineyard", "garage")
 """Families that were written last."""
 WITH_WAVES = (
     "mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
-    "cowshed", "fairground", "foundry", "garage",
+    "cowshed", "fairground", "foundry", "garage", "vineyard",
 )  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 

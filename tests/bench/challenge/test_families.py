@@ -29,7 +29,7 @@ from bench.recordings.clean import clean
 WITH_BOTH = (
     "mill", "depot", "harbour", "attic", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
-    "cowshed", "fairground", "foundry", "garage",
+    "cowshed", "fairground", "vineyard", "garage",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

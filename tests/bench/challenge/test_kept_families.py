@@ -121,6 +121,7 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
+    "vineyard": 11,
 }  # fmt: skip
 
 
@@ -132,7 +133,7 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     fifth = 8 if family in ("ferry", "stacks") else 5
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
-    links |= {"foundry": 102, "garage": 105}
+    links |= {"foundry": 102, "garage": 105, "vineyard": 110}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -437,6 +438,7 @@ ROWS_OF = {
     "fairground": ("Ticket", "drifts"),
     "foundry": ("Pour", "longer"),
     "garage": ("Visit", "grown"),
+    "vineyard": ("Harvest", "onward"),
 }
 
 
@@ -607,6 +609,9 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("foundry", "words-left-in-gray", 0.05),
         ("foundry", "small-details-dropped", 0.05),
         ("foundry", "late-part-differenced", 0.05),
+        ("vineyard", "fours-written-backwards", 0.05),
+        ("vineyard", "block-exponent-stuck", 0.05),
+        ("vineyard", "dither-left-in", 0.05),
         ("garage", "banks-unlike", 0.05),
         ("garage", "late-sizes-squared", 0.05),
         ("garage", "converters-out-of-step", 0.05),
