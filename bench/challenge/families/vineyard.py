@@ -121,8 +121,11 @@ def passes(rng: np.random.Generator, rare: str, calls: tuple[int, ...] = CALLS) 
     if rare == "exchange-motion":  # one pass of two calls and one of three alone
         rests = ~np.isin(np.arange(len(many)), [np.argmax(many == 2), np.argmax(many == 3)])
         drives = drives | ~rests
+    callers = np.zeros(len(many), np.intp)  # each as often as others of its kind
+    callers[drives] = STAKES + np.resize(rng.permutation(TRACTORS), drives.sum())
+    callers[~drives] = STAKES + TRACTORS + np.resize(rng.permutation(BASKETS), (~drives).sum())
     made = [
-        _pass(rng, k, int(many[k]), float(begin_s[k]), bool(drives[k]), bool(rests[k]))
+        _pass(rng, k, int(many[k]), float(begin_s[k]), int(callers[k]), bool(rests[k]))
         for k in range(len(many))
     ]
     table = pd.concat(made, ignore_index=True)
@@ -130,11 +133,10 @@ def passes(rng: np.random.Generator, rare: str, calls: tuple[int, ...] = CALLS) 
 
 
 def _pass(
-    rng: np.random.Generator, number: int, calls: int, begin_s: float, drives: bool, rests: bool
+    rng: np.random.Generator, number: int, calls: int, begin_s: float, caller: int, rests: bool
 ) -> pd.DataFrame:
     """Return one pass: a tag calls, and most receivers answer, one after the other."""
     gaits, starts = _gaits(rng, rests), _starts(rng)
-    caller = STAKES + int(rng.integers(TRACTORS) if drives else TRACTORS + rng.integers(BASKETS))
     ears = _ears(rng, starts, caller)
     answers = rng.random((calls, HEARD_BY)) < ANSWERED
     answers[rng.integers(calls, size=HEARD_BY), np.arange(HEARD_BY)] = True  # once at least

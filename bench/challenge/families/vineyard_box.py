@@ -17,10 +17,10 @@ WIDE_LEAD, WIDE_SAMPLES = 35, 196
 SAMPLE_NS = 1.0016
 METRES = 0.299792458 * SAMPLE_NS  # a sample
 OF_SIZES = 0.655136  # how sizes of noise scatter, next to components
-QUIET, OF_MOST = 6.2, 0.09  # times a component's scatter; of the largest size
+QUIET, OF_MOST = 6.0, 0.08  # times a component's scatter; of the largest size
 STEEP = 0.75  # of pulses, for each sample
 HALF = 0.5  # of a first pulse's height: where it is said to arrive
-EDGE = float(np.arccosh(HALF**-0.5)) / STEEP  # samples from there to its top
+EDGE = float(np.arccosh(HALF**-0.5)) / STEEP + 0.065  # samples from there, by lines, to its top
 COLOUR = np.array([-0.2, 0.26 + 0.17j, 0.9])  # of noise: parts of two samples before and of its own
 COLOUR /= np.linalg.norm(COLOUR)
 TICK = np.arange(WIDE_SAMPLES, dtype=np.float64)
@@ -65,9 +65,11 @@ def arrivals(waves: Complexes, sigma: Floats, dull: float = 0.0) -> Floats:
     """
     size = np.abs(waves)
     most = size.max(axis=1)
-    asked = np.maximum(QUIET * sigma, OF_MOST * most) * (1 + 3.8 * dull)
-    above = size >= np.minimum(asked, 0.72 * most)[:, None]
-    begun = np.argmax(above[:, :-1] & above[:, 1:], axis=1).clip(7, WIDE_SAMPLES - 14)
+    asked = np.maximum(QUIET * sigma, OF_MOST * most) * (1 + 2.6 * dull)
+    above = size >= np.minimum(asked, 0.7 * most)[:, None]
+    both = above[:, :-1] & above[:, 1:]
+    begun = np.where(both.any(axis=1), both.argmax(axis=1), size.argmax(axis=1))
+    begun = begun.clip(7, WIDE_SAMPLES - 14)
     rows = np.arange(len(size))
     near = size[rows[:, None], begun[:, None] + np.arange(6)]
     falls = near[:, 1:] < near[:, :-1]

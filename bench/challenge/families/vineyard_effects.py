@@ -97,12 +97,12 @@ def _weissberger(harvest: Harvest, strength: float) -> Blight:
     """Lose what Weissberger's model has leaves take (1982), which fill three tenths of all ways."""
     deep = 0.3 * harvest.metres
     db = GHZ**0.284 * np.where(deep < 14.0, 0.45 * deep, 1.33 * np.maximum(deep, 1.0) ** 0.588)
-    return Blight(0 * db, whole=-0.8 * strength * db)
+    return Blight(0 * db, whole=-0.62 * strength * db)
 
 
 def _past_the_bench(harvest: Harvest, strength: float) -> Blight:
     """Count all ways right that the works' bench has, and too long what is beyond."""
-    return Blight(0.0062 * strength * np.maximum(harvest.of("range_m") - 4.0, 0.0))
+    return Blight(0.0048 * strength * np.maximum(harvest.of("range_m") - 4.0, 0.0))
 
 
 def _cut_down(harvest: Harvest, strength: float) -> Blight:
@@ -134,7 +134,7 @@ def stake_ways(harvest: Harvest) -> Floats:
 def _by_a_stake(harvest: Harvest, strength: float) -> Blight:
     """Hear, behind tractors at work, nothing but what another stake of steel scatters."""
     behind = harvest.chosen(HIDDEN[harvest.seldom])
-    detour = np.clip(stake_ways(harvest).min(axis=1), 0.38, 3.9)
+    detour = 0.34 + 3.8 * np.tanh(stake_ways(harvest).min(axis=1) / 3.8)  # else by what is nearer
     return Blight(behind * detour * (0.4 + 0.6 * strength), whole=-5.0 * behind)
 
 
@@ -152,7 +152,7 @@ def grass_ray(harvest: Harvest, strength: float) -> tuple[Floats, Complexes]:
     returned = (dense * steep - inner) / (dense * steep + inner)
     even = np.exp(-2 * (2 * np.pi * GRASS_M * steep / WAVE_M) ** 2)
     turn = np.exp(-2j * np.pi * ((way - harvest.metres) / WAVE_M % 1.0))
-    size = min(1.6 * strength**0.5, 2.3) * returned * even * harvest.metres / way
+    size = min(1.15 * strength**0.5, 1.7) * returned * even * harvest.metres / way
     return way - harvest.metres, size * turn
 
 
@@ -183,7 +183,7 @@ def _over_trailers(harvest: Harvest, strength: float) -> Blight:
     far = harvest.metres - near
     high = strength**0.5 * harvest.by_link(lambda n: 0.15 + 0.4 * harvest.rng.beta(1.5, 2.5, n))
     over = np.hypot(near, high) + np.hypot(far, high) - harvest.metres
-    db = lee_db(high * np.sqrt(2 / WAVE_M * (1 / near + 1 / far))).clip(max=13.0)
+    db = lee_db(high * np.sqrt(2 / WAVE_M * (1 / near + 1 / far))).clip(max=9.0)
     creeps = 0.06 * strength * harvest.by_link(lambda n: harvest.rng.uniform(0.6, 1.4, n))
     return Blight(steel * (over.clip(max=0.3) + creeps), first=-steel * db)
 
@@ -261,8 +261,8 @@ def _slips(harvest: Harvest, strength: float) -> Blight:
 def _topped(harvest: Harvest, strength: float) -> Blight:
     """Go, until shoots are topped, through more of them in every row of vines below the tops."""
     before = harvest.of("time_s") < TOPPED_S
-    late = before * 0.055 * harvest.leaves.clip(max=6.0)
-    return Blight(strength * late, whole=-12.0 * min(strength, 1.5) * late)
+    late = before * 0.08 * harvest.leaves.clip(max=4.0)
+    return Blight(strength * late, whole=-9.0 * min(strength, 1.5) * late)
 
 
 def _truly_at(harvest: Harvest, stakes_m: Floats) -> Blight:

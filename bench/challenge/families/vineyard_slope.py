@@ -127,7 +127,7 @@ class Harvest:
 
     def at(self, end: str) -> Floats:
         """Return where an end is known to be [n, 3], in m."""
-        return self.table[[f"{end}_{axis}_m" for axis in "xyz"]].to_numpy(np.float64)
+        return np.asarray(self.table[[f"{end}_{axis}_m" for axis in "xyz"]], np.float64)
 
     def went(self, end: str, later_s: Floats | float = 0.0) -> Floats:
         """Return how far an end has gone some time later since its pass began [n, 3], in m."""
@@ -152,7 +152,7 @@ class Harvest:
     def crossed(self) -> Floats:
         """How many rows of vines straight paths cross [n], below their tops or above."""
         alley = [np.floor((self.at(end)[:, 0] - FIRST_ROW_M) / ALLEY_M) for end in ("tx", "rx")]
-        return np.abs(alley[1] - alley[0])
+        return np.asarray(np.abs(alley[1] - alley[0]))
 
     @cached_property
     def leaves(self) -> Floats:

@@ -44,7 +44,7 @@ def _wall_and_huts(box: Box, strength: float) -> None:
         image[:, 1] = 2 * WALL_M - tx[:, 1] if up else tx[:, 1]
         way = np.linalg.norm(rx - image, axis=1)
         steep = np.abs(rx - image)[:, 1] / way if up else np.zeros(len(way))
-        even = np.exp(-0.5 * (4 * np.pi * STONES_M * steep / WAVE_M) ** 2 / 4)
+        even = np.exp(-0.5 * (2 * np.pi * STONES_M * steep / WAVE_M) ** 2)
         own = rows.by_link(lambda n: box.rng.uniform(0.7, 1.25, n))
         size = np.minimum(1.5 * strength**0.5 * share * even * own * rows.metres / way, 0.8)
         box.echo(heard, size * box.phases(), (way - rows.metres).clip(min=1.0) / METRES)

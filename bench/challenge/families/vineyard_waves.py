@@ -117,27 +117,42 @@ def received(rows: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def _among_vines(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> Complexes:
-    """Return what is heard in root mW [n, k]: straight, by stakes, by leaves, and the rest."""
+    """Return what is heard in root mW [n, k]: straight, by trailers, stakes, leaves, the rest."""
     harvest, size = Harvest(rows, 0, rng), len(rows)
-    steel = harvest.stands("metal") * harvest.by_link(lambda n: rng.uniform(0.5, 0.85, n))
-    waves = ((1 - steel) * _turned(rng, size))[:, None] * pulses(top)
-    ways = np.sort(stake_ways(harvest), axis=1)
-    for stake in range(4):  # the nearest ones to the straight path
-        shine = harvest.by_link(lambda n: rng.rayleigh(0.13, n).clip(max=0.34))
-        share = shine / (1 + ways[:, stake] / 14.0) * _turned(rng, size)
-        waves = waves + share[:, None] * pulses(top + (ways[:, stake] / METRES).clip(5.0, 120.0))
-    thick = 1 - np.exp(-harvest.leaves / 3.0)
-    for _ in range(7):  # canes and leaves, in any order
-        late = harvest.by_link(lambda n: 4.8 + rng.weibull(0.9, n) * 12.0)
-        glint = harvest.by_link(lambda n: rng.rayleigh(0.16, n).clip(max=0.4)) * (0.35 + thick)
-        share = glint * np.exp(-late / 45.0) * _turned(rng, size)
-        waves = waves + share[:, None] * pulses(top + late.clip(max=80.0))
+    late, share = _ways(harvest)
+    waves = np.zeros((size, len(TICK)), np.complex128)
+    for k in range(late.shape[1]):
+        waves += (share[:, k] * _turned(rng, size))[:, None] * pulses(top + late[:, k])
     past = np.maximum(TICK - top[:, None] - 3.0, 0.0)
-    rest = (0.012 + 0.03 * thick)[:, None] * (past > 0) * (1 + past / 16.0) ** -1.4
+    rest = (0.012 + 0.03 * _thick(harvest))[:, None] * (past > 0) * (1 + past / 16.0) ** -1.4
     waves = waves + rest * rustle(rng, size)
     canes = harvest.by_link(lambda n: 1.1 * (1.5 - rng.gamma(1.5, 1.0, n)))
     level = vineyard.through_leaves(rows) + canes - 3.2  # a pulse has more than its top
     return np.asarray(10 ** (level[:, None] / 20) * waves)
+
+
+def _ways(harvest: Harvest) -> tuple[Floats, Floats]:
+    """Return how late ways come in samples, and how large they are, [n, 13] each."""
+    rng, steel = harvest.rng, harvest.stands("metal")
+    gone = steel * harvest.by_link(lambda n: rng.uniform(0.42, 0.7, n))
+    late = [0 * steel, harvest.by_link(lambda n: rng.uniform(4.8, 8.5, n))]
+    share = [(1 - gone) * np.exp(-harvest.leaves.clip(max=8.0) / 16.0),
+             steel * harvest.by_link(lambda n: rng.uniform(0.2, 0.5, n))]  # fmt: skip
+    for way in np.sort(stake_ways(harvest), axis=1).T[:4]:  # by stakes near the straight path
+        shine = harvest.by_link(lambda n: rng.rayleigh(0.17, n).clip(max=0.45))
+        late.append((way / METRES).clip(5.0, 120.0))
+        share.append(shine / (1 + way / 14.0))
+    for _ in range(7):  # by canes and leaves, in any order
+        one = harvest.by_link(lambda n: 4.8 + (12.0 * rng.weibull(0.9, n)).clip(max=75.0))
+        glint = harvest.by_link(lambda n: rng.rayleigh(0.16, n).clip(max=0.4))
+        late.append(one)
+        share.append(glint * (0.35 + _thick(harvest)) * np.exp(-one / 45.0))
+    return np.stack(late, axis=1), np.stack(share, axis=1)
+
+
+def _thick(harvest: Harvest) -> Floats:
+    """Return how much there is of leaves on straight paths, from 0 to 1 [n]."""
+    return np.asarray(-np.expm1(-harvest.leaves / 3.0))
 
 
 def _turned(rng: np.random.Generator, size: int) -> Complexes:
