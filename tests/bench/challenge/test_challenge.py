@@ -20,7 +20,7 @@ from bench.errors import BenchError
 from bench.parallel import Spread
 from bench.recordings.table import Recordings
 
-DEVELOPED = ("quay", "clinic", "stage")
+DEVELOPED = ("quay", "clinic")
 
 
 @pytest.fixture(scope="module")

@@ -121,7 +121,7 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
-    "cannery": 12,
+    "cannery": 12, "vineyard": 11,
 }  # fmt: skip
 
 
@@ -133,7 +133,7 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     fifth = 8 if family in ("ferry", "stacks") else 5
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
-    links |= {"foundry": 102, "garage": 105, "cannery": 96}
+    links |= {"foundry": 102, "garage": 105, "cannery": 96, "vineyard": 110}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -439,6 +439,7 @@ ROWS_OF = {
     "foundry": ("Pour", "longer"),
     "garage": ("Visit", "grown"),
     "cannery": ("Lot", "gained"),
+    "vineyard": ("Harvest", "onward"),
 }
 
 
@@ -598,6 +599,55 @@ def test_brackets_poll_lots_in_a_row_and_some_lines_stand() -> None:
     assert (lots["tx_x_m"].agg(np.ptp) == 0).sum() == 7
 
 
+def test_rods_that_hang_plumb_are_off_up_the_slope_by_no_more_than_they_lean() -> None:
+    made, shift = _tables("vineyard", ("rods-hang-plumb",)), _shift("vineyard", "rods-hang-plumb")
+    rows = made.recorded
+    stakes = rows["rx"].str.startswith("stake").to_numpy()
+    up = (rows["tx_y_m"] - rows["rx_y_m"]) / rows["true_range_m"]
+    along = 0.12 * rows["tx_z_m"] * up
+    assert (np.abs(shift) <= 0.121 * rows["tx_z_m"] + 0.05)[stakes].all()
+    assert np.corrcoef(shift[stakes], along[stakes])[0, 1] > 0.99
+
+
+def test_wheels_that_slip_leave_pickers_and_what_rests_and_slide_down_the_slope() -> None:
+    made = _tables("vineyard", ("wheels-slip-downhill",))
+    shift, rows = _shift("vineyard", "wheels-slip-downhill"), made.recorded
+    on_foot = rows["tx"].str.startswith("basket") & rows["rx"].str.startswith("stake")
+    assert not shift[on_foot].any()
+    drives = rows["tx"].str.startswith("tractor") & rows["rx"].str.startswith("stake")
+    down = (rows["rx_y_m"] - rows["tx_y_m"]) / rows["true_range_m"]
+    moved = (drives & (np.abs(shift) > 0.02)).to_numpy()
+    assert np.median(shift[moved] * np.sign(down[moved])) > 0.02
+    assert np.abs(shift).max() < 0.085 * 2 * 1.9 * 9.0
+
+
+def test_shoots_are_late_until_they_are_topped_and_only_below_the_tops() -> None:
+    made, shift = _tables("vineyard", ("shoots-topped",)), _shift("vineyard", "shoots-topped")
+    rows = made.recorded
+    there = shift > 1e-12
+    assert 0.02 < there.mean() < 0.6
+    assert (shift > -1e-12).all()
+    assert rows["time_s"][there].max() < 0.55 * 7.2 * 3600
+    assert rows[["tx_z_m", "rx_z_m"]].min(axis=1)[there].max() < 1.9
+
+
+def test_ticks_that_are_cut_down_show_their_middles() -> None:
+    made = _tables("vineyard", ("range-rounding",))
+    ticks = made.recorded["range_m"].to_numpy() / 0.14 - 0.5
+    assert np.allclose(ticks, np.rint(ticks))
+    assert np.abs(made.recorded["range_m"] - made.clean["range_m"]).max() <= 0.07 + 1e-9
+
+
+def test_one_pass_calls_by_one_tag_and_tractors_hear_pickers() -> None:
+    rows = _tables("vineyard", ()).recorded
+    one = rows.groupby(rows["link"].str.extract(r"(\d+)")[0])["tx"].nunique()
+    assert one.eq(1).all()
+    peers = rows[rows["rx"].str.startswith("tractor")]
+    assert 0.05 < len(peers) / len(rows) < 0.2
+    assert (peers["tx"] != peers["rx"]).all()
+    assert rows["tx"].nunique() == 8
+
+
 @pytest.mark.parametrize("family", KEPT)
 def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
     alone = _tables(family, ("timestamp-jitter",)).shifts_m
@@ -650,6 +700,9 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("foundry", "words-left-in-gray", 0.05),
         ("foundry", "small-details-dropped", 0.05),
         ("foundry", "late-part-differenced", 0.05),
+        ("vineyard", "fours-written-backwards", 0.05),
+        ("vineyard", "block-exponent-stuck", 0.05),
+        ("vineyard", "dither-left-in", 0.05),
         ("garage", "banks-unlike", 0.05),
         ("garage", "late-sizes-squared", 0.05),
         ("garage", "converters-out-of-step", 0.05),
