@@ -27,7 +27,6 @@ from bench.discrepancy.locate.row_scatter import row_scatter
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
 
-
 SEARCHES = 4  # that share the error of one
 
 

@@ -82,9 +82,10 @@ def _surely_worse(sealed: View, found: Served | None, strike: Strike) -> bool:
     """Return whether an effect that strikes links at random makes held-out ones worse, for sure.
 
     Of waveforms: their ranges. It was seen in links one by one; a score of twenty figures asks for
-    its form in all. Nor do ranges that are farther in the median alone: where most links are struck
-    the typical simulated one is, and the spared are far from that. Nor does a score speak where chance may have spared every held-out link: all
-    are then a little worse with it, by what a forecast of rare things costs where none happens.
+    its form in all. Ranges that are farther in the median alone refuse nothing: where most links
+    are struck the typical simulated one is, too, and spared ones are far from that. Nor does a
+    score speak where chance may have spared every held-out link: all are then a little worse with
+    it, by what a forecast of rare things costs where none happens.
     """
     if found is None:
         return False

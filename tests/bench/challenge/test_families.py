@@ -210,14 +210,6 @@ def test_reported_noise_is_that_of_the_samples(family: str, name: str) -> None:
     assert reported[0] / reported[1] == pytest.approx(quiet[0] / quiet[1], rel=0.35)
 
 
-def test_fewer_symbols_change_no_level_by_themselves() -> None:
-    made = _world("clinic").tables(Draw(("level-control",), 2.0, 1), 5)
-    fell = np.asarray(made.recorded["rx_power_dbm"] - made.clean["rx_power_dbm"])
-    assert made.recorded["preamble_count"].mean() < 0.7 * made.clean["preamble_count"].mean()
-    quiet = (made.clean["rx_power_dbm"] < -78).to_numpy()
-    assert np.abs(fell[quiet]).max() < 0.3
-
-
 @pytest.mark.parametrize("family", KEPT)
 def test_an_empty_case_run_again_has_the_waveforms_of_the_clean_rows(family: str) -> None:
     number = next(n for n in range(20) if turn_of(n, (family,)).mode == "CIR again")
@@ -235,26 +227,6 @@ def test_the_kept_run_again_in_both_modes(mode: str, family: str) -> None:
     assert isinstance(case.simulated, Simulator)
     assert case.recorded.frame["link"].nunique() > 90
     assert set(case.recorded.frame) == set(case.truth.frame)
-
-
-def test_a_stale_reading_is_the_one_before_of_the_same_link() -> None:
-    made = _world("abbey").tables(Draw(("stale-reading",), 2.0, 2), 5)
-    for table in (made.recorded, made.truth):
-        again = table.groupby("link")["range_m"].diff() == 0
-        assert 0.1 < again.mean() < 0.4
-    stale = np.abs(made.shifts_m[0]) > 0
-    before = made.clean.groupby("link")["range_m"].shift(1)
-    assert np.allclose(made.recorded["range_m"][stale], before[stale])
-
-
-def test_the_abbeys_grilles_and_walls_touch_only_rows_that_list_them() -> None:
-    for name, kinds in (("diffraction", {"metal"}), ("material-delay", {"brick", "concrete"})):
-        made = _world("abbey").tables(Draw((name,), 1.0, 1), 5)
-        there = np.array([bool(kinds & {*row}) for row in made.recorded["obstacles"]])
-        later = made.shifts_m[0] > 0
-        assert later[there].all()
-        assert later.mean() < 0.5
-        assert not later[[not row for row in made.recorded["obstacles"]]].any()
 
 
 def test_a_deaf_receiver_of_the_clinic_loses_first_paths_behind_steel() -> None:
