@@ -24,11 +24,9 @@ from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.locate.hypotheses import OWN
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.locate.row_scatter import row_scatter
+from bench.discrepancy.select.settings import EVERYWHERE_SHARE, IN_PLACES_SHARE
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
-
-SEARCHES = 4  # that share the error of one
-
 
 def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floats | None:
     """Return how rows scatter within links (see `row_scatter`), None where that is not comparable.
@@ -64,7 +62,8 @@ def beyond_own_draws(
         sure = {found.cell.observable for found in beyond}
         kept = tuple(one for one in located.findings if one.cell.observable in sure)
         return replace(located, findings=kept or tuple(beyond), detectable=tried[0].detectable)
-    p = min(1.0, len(tried) * min(search.p for search in tried))
+    shares = (EVERYWHERE_SHARE, *[IN_PLACES_SHARE] * (len(tried) - 1))
+    p = min(1.0, *(search.p / share for search, share in zip(tried, shares, strict=True)))
     return replace(located, findings=(), p=p, detectable=tried[0].detectable)
 
 
@@ -76,11 +75,11 @@ def _searches(
     How rows scatter within links, and when, a link may have drawn, too: so all simulated versions
     count as one there, as in means.
     """
-    level, own = FAMILY_WISE / SEARCHES, comparison.distinct(view)
+    level, own = IN_PLACES_SHARE * FAMILY_WISE, comparison.distinct(view)
     one = _as_one(ensemble.first(own))
     covariates = _with_shared(view.covariates, one)
     both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
-    yield locate(one, _nowhere(one), seed, level, scatter=both)
+    yield locate(one, _nowhere(one), seed, EVERYWHERE_SHARE * FAMILY_WISE, scatter=both)
     yield locate(one, covariates, seed, level)
     yield locate(levelled(one), covariates, seed, level)
     beside, crowding = ensemble.beside(own), comparison.crowding(view)

@@ -93,7 +93,7 @@ def test_same_seed_same_answer_and_smallest_detectable_is_in_units():
 def test_the_recorded_version_counts_among_its_own_permutations():
     # So p is never below 1 / (permutations + 1): with 19 of them nothing is rarer than 5 %.
     ensemble, known = _comparison(8, lambda c: 5.0 * c.groups["wall"])
-    located = locate(ensemble, known, seed=0, permutations=19)
+    located = locate(ensemble, known, seed=0, alpha=0.05, permutations=19)
     assert located.p == 1 / 20
     assert min(f.p for f in located.findings) == 1 / 20
 

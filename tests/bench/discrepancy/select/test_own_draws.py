@@ -84,3 +84,22 @@ def test_what_a_link_has_drawn_of_the_scatter_of_its_rows_is_no_mismatch():
         found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
         alarms += locate_left(found, (), 0).significant
     assert alarms <= 2  # binomial(12, 0.05): more than 2 has probability 2 %
+
+
+def test_averaged_levels_make_no_rows_of_rare_levels_scatter_more():
+    """Recorded levels scatter more than means of simulated ones: more of them are extreme."""
+    alarms = 0
+    for seed in range(8):
+        search = search_of(seed, 2.0, 0, row_db=0.5)
+        frame, made = search.searched.frame, search.comparison.frame
+        rng = np.random.default_rng(seed)
+        ours = frame.assign(error_m=rng.normal(0, 0.02, len(frame)))
+        theirs = made.assign(
+            error_m=rng.normal(0, 0.02, len(made)),
+            rx_power_dbm=made["rx_power_dbm"] + rng.normal(0, 0.5, len(made)),
+        )
+        some = ("error_m", "rx_power_dbm")
+        rows = view(ours, link_codes(ours), np.arange(len(ours)), Window(), some, False)
+        found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
+        alarms += locate_left(found, (), 0).significant
+    assert alarms <= 1
