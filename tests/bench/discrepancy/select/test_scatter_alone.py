@@ -10,16 +10,24 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.link_mixture import Strike
-from bench.discrepancy.select.scatter_alone import scatter_alone
+from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
+from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import rows_beyond, weakened
+from bench.physics.base import Base
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
 from bench.physics.units import C_M_PER_NS
 
 LINK = np.repeat(np.arange(80), 4)
@@ -97,3 +105,47 @@ def test_what_blocks_links_takes_their_level() -> None:
     assert weakened(made[0], struck) > 6
     assert [weakened(one, struck) < 2 for one in made[1:]] == [True, True]
     assert weakened(Ensemble(("error_m",), ("m",), weak, LINK), struck) == 0
+
+
+def beside(jitter_m: float, more_m: float = 0.0) -> Strike | None:
+    """Return what is said of scatter beside a delay that is named; rows of a link may jump."""
+    rng = np.random.default_rng(6)
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in LINK], "true_range_m": rng.uniform(3, 20, 80)[LINK]}
+    )
+    recorded, simulated = (frame.assign(error_m=rng.normal(0, 0.02, len(LINK))) for _ in range(2))
+    recorded["error_m"] += 0.15 + jitter_m * rng.normal(size=len(LINK))
+    recorded["error_m"] += more_m * (rng.random(len(LINK)) < 0.3)
+    seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
+    kinds = {TimestampJitter.name: TimestampJitter}
+    search = Search(TableComparison(simulated, Window()), seen, seen, kinds, 0, work=seen)
+    nothing = Located((), 0.4, 2.0, 3.0, 1, {})
+    made = scatter_beside(search, (AntennaDelay(delay_ns=0.5),), nothing)
+    return made and made.strike
+
+
+def test_scatter_beside_a_name_is_found_where_nothing_else_stands_out() -> None:
+    made = beside(0.015)
+    assert made is not None
+    size = made.parameters[0]
+    assert size.low < 0.015 / (C_M_PER_NS * 1.0016) < size.high
+    assert beside(0.0) is None
+    assert beside(0.0, 0.4) is None  # jumps are no scatter
+
+
+def test_scatter_comes_on_top_of_what_the_simulator_has() -> None:
+    rng = np.random.default_rng(7)
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in LINK], "true_range_m": rng.uniform(3, 20, 80)[LINK]}
+    )
+    simulator, wider = (Simulator(Base(), (TimestampJitter(s),), 1, "it") for s in (0.08, 0.16))
+    made = wider.observe(scene(frame), 1, 999, cir=False).table(frame)
+    recorded = frame.assign(error_m=made["error_m"])
+    seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
+    kinds = {TimestampJitter.name: TimestampJitter}
+    search = Search(Resimulation(simulator, Window()), seen, seen, kinds, 0, work=seen)
+    nothing = Located((), 0.4, 2.0, 3.0, 1, {})
+    found = scatter_beside(search, (RangeScale(scale=0.0),), nothing)
+    assert found is not None
+    assert found.strike is not None
+    assert found.strike.parameters[0].low < 0.16 < found.strike.parameters[0].high

@@ -239,3 +239,20 @@ def test_what_is_said_to_be_worse_is_worse() -> None:
 def test_why_an_effect_was_not_added_goes_by_what_it_does_alone(gain: float, said: str) -> None:
     alone = Served(Estimate(gain, gain - 0.1, gain + 0.1, "nats"), False, 0.1, 0.1)
     assert said in sealed._why(alone)
+
+
+@pytest.mark.parametrize(("surely", "said"), [(False, True), (True, False)])
+def test_what_strikes_most_links_may_move_the_median_away(
+    monkeypatch: pytest.MonkeyPatch, surely: bool, said: bool
+) -> None:
+    """The mean is nearer by it; spared links are far from what most of them are."""
+    judged = Served(Estimate(1, -1, 3), True, 0.25, 0.3, medians_m=(0.03, 0.13), surely=surely)
+    monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    strike = Strike(LAG, ONE, (), np.empty(0, np.intp))
+    found = selection()
+    found = replace(found, added=(LAG,), verdicts=(named(LAG),),
+                    rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=False, links=LINKS)
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said

@@ -68,3 +68,23 @@ def test_a_law_over_where_devices_go_is_a_law() -> None:
 
     found = chosen(search_of(high, 11, raised(up)), ())
     assert "antenna-delay" not in found.names
+
+
+def test_a_cause_that_a_deformation_did_for_is_back_where_only_a_law_does_for_it() -> None:
+    """A lag beside a motion during the exchange is no lag that goes with the reply time."""
+
+    def moving(table: Recordings) -> Recordings:
+        speed = np.resize(np.sin(0.7 * np.arange(360)) * 1.2, len(table.frame))
+        reply_s = np.resize(np.linspace(2e-3, 9e-3, 11), len(table.frame))
+        return replace(
+            table, frame=table.frame.assign(radial_speed_m_per_s=speed, reply_time_s=reply_s)
+        )
+
+    def hidden(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
+        rows = moving(Recordings(frame, "rows")).frame
+        reply = (rows["reply_time_s"] / rows["reply_time_s"].mean()).to_numpy()
+        return np.asarray(rows["radial_speed_m_per_s"] * (0.06 + 0.04 * reply))
+
+    found = chosen(search_of(hidden, 11, moving), ())
+    assert {"exchange-motion", "time-lag"} <= {*found.names}
+    assert found.others == ()
