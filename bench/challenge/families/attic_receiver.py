@@ -97,8 +97,12 @@ class Reception:
         return np.random.default_rng([stream, 514, self.case])
 
     def signal(self) -> Complexes:
-        """Return waveforms from a little before the first path on."""
-        return np.where(self.behind > -6, self.waves, 0)
+        """Return waveforms from a little before the first path on, where they leave the noise.
+
+        What lies within it the receiver made itself: no rafter or board returns that.
+        """
+        size = np.abs(self.waves) / self.sigma[:, None]
+        return np.where(self.behind > -6, self.waves * (1 - np.exp(-((size / 3.6) ** 12))), 0)
 
     def first_height(self) -> Floats:
         """Return the height of the first path [n]."""

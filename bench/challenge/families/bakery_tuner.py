@@ -127,8 +127,9 @@ class Tuned:
         return 1 - self.ramp(4.5, 9.0)
 
     def signal(self) -> Complexes:
-        """Return waveforms from the front on."""
-        return np.asarray(self.begun() * self.wave)
+        """Return waveforms from the front on, but not the tuner's own noise: it is in no room."""
+        own = np.abs(self.wave) / self.sigma[:, None]
+        return np.asarray(self.begun() * np.clip(own - 3.0, 0.0, 1.0) * self.wave)
 
     def crest(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -129,8 +129,9 @@ class Heard:
         return 1 - self.from_(7.0, 5.0)
 
     def sound(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.sounding() * self.wave)
+        """Return waveforms from the first pulse on: what is loud enough not to be the ear's own."""
+        x = np.clip(np.abs(self.wave) / self.sigma[:, None] - 3.0, 0.0, 1.0)
+        return np.asarray(self.sounding() * np.sin(0.5 * np.pi * x) ** 2 * self.wave)
 
     def stroke(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -120,8 +120,12 @@ class Tap:
         return np.asarray(1 / (1 + np.exp(np.clip(1.6 * (self.past - 7.0), -40, 40))))
 
     def sound(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.wave * self.running())
+        """Return what has come in since the first pulse: samples that stand out of the noise.
+
+        Noise is the receiver's own: no tank returns it and no filter before it passes it.
+        """
+        power = np.square(np.abs(self.wave) / (3.6 * self.sigma[:, None]))
+        return np.asarray(self.wave * self.running() * (1 - 1 / (1 + power**6)))
 
     def peak(self) -> Floats:
         """Return the size of first pulses [n]."""

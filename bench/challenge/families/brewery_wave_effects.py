@@ -123,10 +123,11 @@ def _beside_opener(loud: Floats) -> Floats:
 def _canceller(tap: Tap, strength: float) -> None:
     """Take away more of an echo than there is of it: copies of other sign come after all."""
     later = int(tap.recipe(4).integers(11, 17))
-    left = tap.sound()
+    heard = tap.wave * tap.running()  # with its noise: it is taken away behind the receiver
+    left = heard.copy()
     for begin in range(later, left.shape[1]):
         left[:, begin] -= min(0.3 * strength, 0.8) * left[:, begin - later]
-    tap.wave = tap.wave + (left - tap.sound())
+    tap.wave = tap.wave + (left - heard)
 
 
 def _shines_through(tap: Tap, strength: float) -> None:

@@ -117,8 +117,12 @@ class Scan:
         return np.asarray(part * part * (3 - 2 * part))
 
     def signal(self) -> Complexes:
-        """Return waveforms from shortly before first pulses on [n, k]."""
-        return np.asarray(self.wave * self.since(-4.2))
+        """Return waveforms from shortly before first pulses on [n, k], if above the noise.
+
+        That is the scanner's own: whatever stands in the hall has not heard it.
+        """
+        over = np.abs(self.wave) / self.sigma[:, None] - 3.6
+        return np.asarray(self.wave * self.since(-4.2) * (0.5 + 0.5 * np.tanh(4 * over)))
 
     def first_pulse(self) -> Floats:
         """Return 1 as long as first pulses last, else 0 [n, k]."""

@@ -139,8 +139,9 @@ class Scope:
         return 1 - self.after(7.0, 5.0)
 
     def coming(self) -> Complexes:
-        """Return waveforms from the onset on."""
-        return np.asarray(self.trace * self.on())
+        """Return waveforms from the onset on, without samples that noise alone may have made."""
+        times = np.abs(self.trace) / self.sigma[:, None]
+        return np.asarray(self.trace * self.on() / (1 + np.exp(7 * (3.6 - times))))
 
     def height(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -91,8 +91,12 @@ class Scope:
 
     @property
     def heard(self) -> Complexes:
-        """Waveforms from shortly before the first path on."""
-        return np.where(self.after > -6, self.waves, 0)
+        """Waveforms from shortly before the first path on, as far as they came by the antenna.
+
+        What is not three times as large as noise is taken for noise, which comes after it.
+        """
+        larger = np.clip(np.abs(self.waves) / self.sigma[:, None] - 3, 0, 1)
+        return np.where(self.after > -6, self.waves * larger**2 * (3 - 2 * larger), 0)
 
     @property
     def tallest(self) -> Floats:

@@ -127,8 +127,12 @@ class Till:
         return 1 - self.since(5.5, 5.0)
 
     def heard(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.sounds() * self.now)
+        """Return waveforms from the first pulse on, and of these what is not the till's noise.
+
+        Nothing outside returns that, so whatever is not well above it is left out.
+        """
+        part = np.clip(np.abs(self.now) / (1.2 * self.sigma[:, None]) - 2.5, 0, 1)
+        return np.asarray(self.sounds() * (0.5 - 0.5 * np.cos(np.pi * part)) * self.now)
 
     def top(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -105,6 +105,14 @@ class Chain:
         """Return 0 before first paths and 1 from there on [n, k], rising over some samples."""
         return np.asarray(np.clip((self.past + 1) / over + 1, 0, 1))
 
+    def heard(self) -> Complexes:
+        """Return what has come since first paths began, if noise is not as large as that.
+
+        The set's noise is left out: it is made behind the aerial, where nothing rings or returns.
+        """
+        power = np.square(np.abs(self.cir) / self.sigma[:, None])
+        return np.asarray(self.cir * self.begun() * np.clip((power - 10) / 6, 0, 1))
+
     def top(self) -> Floats:
         """Return the size of the first path [n]."""
         return np.asarray(np.abs(np.where(np.abs(self.past - 2) < 3, self.cir, 0)).max(axis=1))

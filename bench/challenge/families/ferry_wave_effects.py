@@ -33,12 +33,12 @@ LAWS = {
 def _plates(chain: Chain, strength: float) -> None:
     longer, share = plate_ray(chain.lading(), strength)
     ray = share * turned(longer)
-    chain.cir = chain.cir + ray[:, None] * after_a_while(chain.cir * chain.begun(), longer / METRES)
+    chain.cir = chain.cir + ray[:, None] * after_a_while(chain.heard(), longer / METRES)
 
 
 def _behind_lorries(chain: Chain, strength: float) -> None:
     """Lose, on some links, all that comes straight: what leaks under a lorry comes in a bunch."""
-    ship, heard = chain.lading(), chain.cir * chain.begun()
+    ship, heard = chain.lading(), chain.heard()
     lorry = ship.each_link(lambda n: (chain.rng.random(n) < 0.21) * 1.0)
     late = ship.each_link(lambda n: 2.6 + chain.rng.gamma(3.0, 1.1, n)) * (0.6 + 0.4 * strength)
     hidden = chain.begun() * np.clip((12 - chain.past) / 4, 0, 1) * lorry[:, None]
@@ -74,7 +74,7 @@ def _mismatched(chain: Chain, strength: float) -> None:
     pair = chain.lasting(1).uniform(0.35, 0.75, 2) * [1, -1]
     lags = np.arange(3, 46)
     taps = 0.11 * min(strength, 2.4) * 0.9**lags * np.exp(1j * np.outer(pair, lags)).sum(axis=0)
-    heard = chain.cir * chain.begun()
+    heard = chain.heard()
     for lag, tap in zip(lags, taps, strict=True):
         chain.cir[:, lag:] += tap * heard[:, :-lag]
 

@@ -117,8 +117,12 @@ class Gauge:
         return 1 - self.beyond(6.0, 4.0)
 
     def signal(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.come() * self.seen)
+        """Return waveforms from the first pulse on, less the power that noise may have in them.
+
+        The gauge makes it after all that rings or reflects.
+        """
+        noise = np.square(3.2 * self.sigma[:, None] / np.maximum(np.abs(self.seen), 1e-9))
+        return np.asarray(self.come() * self.seen * np.sqrt(np.maximum(1 - noise, 0)))
 
     def tall(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -127,8 +127,9 @@ class Key:
         return 1 - self.later_than(7.5, 1.2)
 
     def sound(self) -> Complexes:
-        """Return waveforms from first pulses on."""
-        return np.asarray(self.has * self.begun())
+        """Return waveforms from first pulses on; what a key's noise could be does not count."""
+        apart = np.minimum(9 * (np.abs(self.has) / self.sigma[:, None] - 3.5), 50.0)
+        return np.asarray(self.has * self.begun() * np.exp(-np.exp(-apart)))
 
     def crest(self) -> Floats:
         """Return the size of first pulses [n]."""

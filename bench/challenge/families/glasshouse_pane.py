@@ -118,8 +118,12 @@ class Pane:
         return np.asarray(0.5 + 0.5 * np.cos(np.pi * np.clip((self.since - 7) / 4, 0, 1)))
 
     def signal(self) -> Complexes:
-        """Return waveforms from the first path on."""
-        return np.asarray(self.now * self.on())
+        """Return waveforms from the first path on, with what is lost in noise left out.
+
+        Noise comes in behind the cable, so neither panes nor a stub return it.
+        """
+        rise = np.clip(np.abs(self.now) / self.sigma[:, None] - 3.1, 0, 1)
+        return np.asarray(self.now * self.on() * rise * (2 - rise))
 
     def summit(self) -> Floats:
         """Return the size of the first path [n]."""

@@ -94,8 +94,12 @@ class Frames:
         return np.asarray(np.arange(WIDE_SAMPLES, dtype=np.float64) - self.onset[:, None])
 
     def wanted(self) -> Complexes:
-        """Return what is received from the first path on [n, k], the noise before it left out."""
-        return self.now * np.clip((self.late() + 8) / 3, 0, 1)
+        """Return what is received from the first path on [n, k], the radio's noise left out.
+
+        Before it that is all there is, and after it whatever is no larger than noise gets.
+        """
+        stands_out = 1 / (1 + np.exp(-8 * (np.abs(self.now) / self.spread[:, None] - 3.8)))
+        return np.asarray(self.now * np.clip((self.late() + 8) / 3, 0, 1) * stands_out)
 
     def tall(self) -> Floats:
         """Return how tall the first path is [n]."""

@@ -104,8 +104,12 @@ class Desk:
         return np.random.default_rng((self.week, 755, what))
 
     def heard(self) -> Complexes:
-        """Return waveforms with nothing before the first path."""
-        return np.where(self.after > -4, self.now, 0)
+        """Return waveforms with nothing before the first path, nor what is as small as noise.
+
+        Noise comes from the desk: shelves and cables have never heard it.
+        """
+        clear = np.clip(1.25 * np.abs(self.now) / self.sigma[:, None] - 4, 0, 1)
+        return np.where(self.after > -4, clear * self.now, 0)
 
     def first(self) -> Floats:
         """Return the size of the first path [n]."""

@@ -154,7 +154,7 @@ def _wrap(desk: Desk, strength: float) -> None:
 
 def _droops(desk: Desk, strength: float) -> None:
     """Lose gain after a strong sample, and win it back slowly: noise and all."""
-    pull = np.abs(desk.heard()) / desk.first()[:, None]
+    pull = np.abs(desk.now) * (desk.after > -4) / desk.first()[:, None]
     kernel = np.exp(-np.arange(120) / 22.0)
     size = 2 * len(PLACES)
     summed = np.fft.irfft(np.fft.rfft(pull, size) * np.fft.rfft(kernel, size), size)

@@ -90,8 +90,13 @@ class Trace:
         return np.asarray(np.arange(self.cir.shape[1]) - self.was[:, None], np.float64)
 
     def signal(self) -> Complexes:
-        """Return the waveforms without what comes before the first path."""
-        return self.cir * (self.since() > -7)
+        """Return what the antenna has: nothing before the first path, and no noise after it.
+
+        Of that is what is too small; it counts the less the smaller it is.
+        """
+        noise = 3.7 * (self.sigma * self.hiss)[:, None]
+        clear = 1 / (1 + (noise / np.maximum(np.abs(self.cir), 0.1 * noise)) ** 12)
+        return np.asarray(self.cir * (self.since() > -7) * clear)
 
     def height(self) -> Floats:
         """Return the largest size within five samples of the first path [n]."""

@@ -93,8 +93,12 @@ class Gate:
         return np.random.default_rng([self.season, what, 714])
 
     def signal(self) -> Complexes:
-        """Return waveforms from shortly before the first path on."""
-        return self.cir * (self.ago > -5.5)
+        """Return waveforms from shortly before the first path on, bare of the gate's own noise.
+
+        It is added behind the antenna, and is not what soil and trees send back.
+        """
+        bare = 1 - np.exp(-((np.abs(self.cir) / (3.7 * self.scatter[:, None])) ** 14))
+        return np.asarray(self.cir * (self.ago > -5.5) * bare)
 
     def crest(self) -> Floats:
         """Return the size of the first path [n]."""

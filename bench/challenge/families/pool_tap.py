@@ -101,8 +101,12 @@ class Tap:
         return np.random.default_rng([734, what, self.meet])
 
     def there(self) -> Complexes:
-        """Return waveforms without the noise before the first path."""
-        return self.waves * np.clip(self.since / 3 + 2.2, 0, 1)
+        """Return waveforms without the noise before the first path, and without that after it.
+
+        No water returns what the tap itself adds; that is whatever does not stand out.
+        """
+        out = np.clip(np.abs(self.waves) / (0.8 * self.sigma[:, None]) - 4, 0, 1)
+        return np.asarray(self.waves * np.clip(self.since / 3 + 2.2, 0, 1) * out)
 
     def crest(self) -> Floats:
         """Return the size of the first path [n]."""

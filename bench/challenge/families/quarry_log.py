@@ -105,8 +105,9 @@ class Log:
         return np.asarray(np.clip((10 - self.later) / 5, 0, 1))
 
     def heard(self) -> Complexes:
-        """Return waveforms from the begin of the first pulse on."""
-        return np.asarray(self.cir * self.begun())
+        """Return waveforms from the begin of the first pulse on, but for hiss that the log adds."""
+        louder = np.log(np.maximum(np.abs(self.cir) / self.sigma[:, None], 0.1) / 3.0) / np.log(1.4)
+        return np.asarray(self.cir * self.begun() * np.clip(louder, 0, 1))
 
     def loud(self) -> Floats:
         """Return the size of the first top [n]."""

@@ -124,8 +124,9 @@ class Record:
         return np.asarray(x * x * (3 - 2 * x))
 
     def heard(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.cir * self.open())
+        """Return waveforms from the first pulse on, where these are not the radio's own crackle."""
+        above = np.clip((np.abs(self.cir) / self.sigma[:, None] - 3.0) / 1.1, 0, 1)
+        return np.asarray(self.cir * self.open() * np.sin(0.5 * np.pi * above))
 
     def crest_size(self) -> Floats:
         """Return the size of first pulses [n]."""

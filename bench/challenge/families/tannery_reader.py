@@ -123,8 +123,9 @@ class Reading:
         return np.asarray(0.5 + 0.5 * np.cos(np.pi * np.clip((self.since - 4.0) / 5.0, 0, 1)))
 
     def voice(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.wave * self.begun())
+        """Return waveforms from the first pulse on that rise above the reader's murmur."""
+        rise = np.clip(np.abs(self.wave) / self.sigma[:, None] - 3.0, 0.0, 1.2) / 1.2
+        return np.asarray(self.wave * self.begun() * rise**3 * (10 - 15 * rise + 6 * rise**2))
 
     def top(self) -> Floats:
         """Return the size of first pulses [n]."""

@@ -101,8 +101,13 @@ class Probe:
         return np.random.default_rng([614, self.case, purpose])
 
     def arriving(self) -> Complexes:
-        """Return waveforms without the noise that comes before the first path."""
-        return np.where(self.since > -7, self.waves, 0)
+        """Return waveforms without noise: all before the first path, and what is small after it.
+
+        The probe adds it to what has arrived already, feeder and all.
+        """
+        power = np.square(np.abs(self.waves) / self.sigma[:, None])
+        kept = np.clip((power - 9.5) / (power + 1), 0, 0.5) / 0.5
+        return np.where(self.since > -7, self.waves * kept, 0)
 
     def height(self) -> Floats:
         """Return how high the first path is [n]."""

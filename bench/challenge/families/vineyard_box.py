@@ -142,8 +142,9 @@ class Box:
         return np.asarray(1 - self.late(5.5, 3.5))
 
     def heard(self) -> Complexes:
-        """Return waveforms from the first pulse on."""
-        return np.asarray(self.there() * self.now)
+        """Return waveforms from the first pulse on, apart from what the box rustles by itself."""
+        part = np.clip(np.abs(self.now) / self.sigma[:, None] - 3.1, 0.0, 1.0)
+        return np.asarray(self.there() * part**2 * (3 - 2 * part) * self.now)
 
     def height(self) -> Floats:
         """Return the height of first pulses [n]."""
