@@ -28,6 +28,7 @@ from bench.discrepancy.select.settings import EVERYWHERE_SHARE, IN_PLACES_SHARE
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.units import Floats
 
+
 def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floats | None:
     """Return how rows scatter within links (see `row_scatter`), None where that is not comparable.
 

@@ -13,7 +13,7 @@ OF_LINKS_SHARE: Final = 0.5  # of a mismatch of levels, that rows of a link must
 # for an effect that draws every link anew [convention]
 OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [convention]
 
-# --- What links have drawn (select/own_draws) -------------------------------------------------------
+# --- What links have drawn (select/own_draws) ----------------------------------------------------
 EVERYWHERE_SHARE: Final = 0.5  # of the error of a search, for what is off in all rows [convention]
 IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere else
 
