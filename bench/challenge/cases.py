@@ -22,9 +22,9 @@ from bench.challenge.families.case import (
     turn_of,
     world_of,
 )
+from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.data.columns import known_columns, with_motion
 from bench.discrepancy.data.observables import COUNT, observe
-from bench.discrepancy.method import base_of
 from bench.physics.base import LEAD_SAMPLES, Base
 from bench.physics.batch import Batch
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter

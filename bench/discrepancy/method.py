@@ -11,16 +11,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import pandas as pd
 
 from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confirm, headline
 from bench.discrepancy.counterpart import counted, covered
 from bench.discrepancy.data.checks import check_tables
-from bench.discrepancy.data.columns import has_waveforms, hidden, numeric, text_instead, with_motion
+from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
@@ -60,13 +60,11 @@ from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.discrepancy.working import WorkingRows
 from bench.physics.base import Base
-from bench.physics.effect import Effect, describe
+from bench.physics.effect import Effect
 from bench.physics.memory import keep_freed
 from bench.physics.simulator import Simulator
 from bench.recordings.places import cut_into_places, link_count
 from bench.recordings.table import Recordings
-
-SETTINGS = ("channel", "prf_mhz", "tx_power_dbm")
 
 
 @dataclass(frozen=True)
@@ -214,20 +212,6 @@ def compared_with(
     if isinstance(simulated, Recordings):
         return TableComparison(simulated.frame, window, seed, base)
     return Resimulation(replace(simulated, base=base), window)
-
-
-def base_of(recorded: pd.DataFrame, simulated: Simulator | Recordings) -> Base:
-    """Return the base with the radio settings that the recordings name, where they name one.
-
-    A base of another channel alone is decibels of difference that are no physics left out.
-    """
-    base = Base() if isinstance(simulated, Recordings) else simulated.base
-    known = {name: numeric(recorded, name) for name in SETTINGS}
-    only = {n: np.unique(v[np.isfinite(v)]) for n, v in known.items()}
-    given = {name: value[0] for name, value in only.items() if len(value) == 1}
-    whole = {p.name for p in describe(Base) if p.whole}
-    settings = {n: int(v) if n in whole else float(v) for n, v in given.items()}
-    return replace(base, **settings)  # type: ignore[arg-type]
 
 
 def _search(

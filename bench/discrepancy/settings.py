@@ -101,8 +101,7 @@ ROWS_P: Final = 0.01  # of single rows beyond all simulated ones, by exchange al
 RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [derived]
 
 # --- Where they differ (locate) ------------------------------------------------------------------
-FAMILY_WISE: Final = 0.025  # error of the whole search: of forty simulators that are right one
-# may be doubted, a rate that holds below 5 % in a few dozen tables, too [convention]
+FAMILY_WISE: Final = 0.025  # error of the whole search: below 5 % in few tables, too [convention]
 PERMUTATIONS: Final = 499  # p values down to 0.002 [cost]
 PERMUTED_AT_ONCE: Final = 100  # [cost]
 MOST_FINDINGS: Final = 12  # that are listed [convention]

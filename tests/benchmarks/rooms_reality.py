@@ -17,12 +17,13 @@ import numpy as np
 
 from bench.discrepancy.compare.calibration import rank_distance, separability
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.compare.skill import gain_interval, gains, tally
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.columns import with_motion
 from bench.discrepancy.data.observables import RANGE, window_of
 from bench.discrepancy.data.split import link_codes, thinned
-from bench.discrepancy.method import base_of, compared_with
+from bench.discrepancy.method import compared_with
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import read_simulator

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
+from bench.discrepancy.compare.radio import SETTINGS
 from bench.discrepancy.confirm import NOTHING
 from bench.discrepancy.data.own_columns import RULE
 from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.method import SETTINGS, Diagnosis
+from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw

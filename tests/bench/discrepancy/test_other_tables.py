@@ -11,8 +11,8 @@ import pytest
 
 from bench.discrepancy import NoMismatch, Options, diagnose
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.data.columns import known_columns
-from bench.discrepancy.method import base_of
 from bench.discrepancy.report.document import markdown, summary
 from bench.discrepancy.select.candidates import library, offered
 from bench.errors import BenchError
