@@ -27,4 +27,4 @@ def base_of(recorded: pd.DataFrame, simulated: Simulator | Recordings) -> Base:
     given = {name: value[0] for name, value in only.items() if len(value) == 1}
     whole = {p.name for p in describe(Base) if p.whole}
     settings = {n: int(v) if n in whole else float(v) for n, v in given.items()}
-    return replace(base, **settings)
+    return replace(base, **settings)  # type: ignore[arg-type]
