@@ -39,6 +39,7 @@ from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
+from bench.discrepancy.select.scatter_size import with_sizes
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.second_level import beyond_geometry, calmed
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
@@ -330,6 +331,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     if search.work is not None and added:
         last = state.guard.safely("last fit", journal.kept(settled), added)
         added = last(search.comparison, search.work, added)
+        added = state.guard.safely("size of scatter", with_sizes, added)(search, added)
     search.progress("checking that what was found looks like what was recorded")
     asis = Checked(added, state.rounds)
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)

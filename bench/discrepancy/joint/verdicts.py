@@ -19,11 +19,12 @@ from bench.discrepancy.joint.tone_or_noise import counterparts
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
-from bench.discrepancy.select.conclude import left_out, of_class, real, untold
+from bench.discrepancy.select.conclude import left_out, of_class, real
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import idle, swapped_for, unused
 from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect

@@ -11,7 +11,7 @@ import numpy as np
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.settings import LAW_OF_SCATTER
-from bench.discrepancy.select.scatter_alone import variances
+from bench.discrepancy.select.scatter_size import variances
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
 from bench.physics.effects.ranging.law import Law

@@ -18,9 +18,11 @@ from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.refute import Doubt, fits, swapped_for
+from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
+from bench.discrepancy.select.undetermined import undetermined, untold
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -292,31 +294,6 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
     return "" if found.adequate else f"looks most like {name}, but {found}"
 
 
-def untold(option: LeftOut) -> bool:
-    """Return whether nothing of an effect is told from zero: no value, nor its gain.
-
-    What bears a mark of its own needs neither.
-    """
-    if type(option.effect).marked or option.gain.likely_above_zero:
-        return False
-    known = {p.name: p.null for p in option.effect.parameters()}
-    nulls = [(one, known.get(one.name, 0.0)) for one in option.parameters]
-    sizes = [(one, null) for one, null in nulls if null is not None]
-    return bool(sizes) and not any(
-        one.determined and not one.low <= null <= one.high for one, null in sizes
-    )
-
-
-def undetermined(option: LeftOut) -> bool:
-    """Return whether recordings leave every size of an effect anywhere within its bounds.
-
-    Whatever it gains, something else would gain as much: a level that is off everywhere, say.
-    """
-    nulls = {p.name for p in option.effect.parameters() if p.null is not None}
-    sizes = [one for one in option.parameters if one.name in nulls]
-    return bool(sizes) and not any(one.determined for one in sizes)
-
-
 def _refuted(turn: Round, note: str) -> Unknown:
     """Return the verdict where what gained most is no name."""
     assert turn.explanation is not None
@@ -338,6 +315,8 @@ def left_out(
     guard = Guard()
     sizes = guard.safely("intervals", intervals_of, ())
     intervals = sizes(search.comparison, search.sharpest, others, effect)
+    rows = guard.safely("size of scatter", told_by_rows, intervals)
+    intervals = rows(search, others, effect, intervals)
     intervals = widened(intervals, effect, search.choice.wider.get(effect.physics, 1.0))
     known = guard.safely("value in a log", read_off, None)(search, effect)
     intervals = tuple(known if known and one.name == known.name else one for one in intervals)

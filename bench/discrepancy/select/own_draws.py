@@ -32,15 +32,21 @@ from bench.physics.units import Floats
 def within_links(comparison: Comparison, view: View, ensemble: Ensemble) -> Floats | None:
     """Return how rows scatter within links (see `row_scatter`), None where that is not comparable.
 
-    Not where simulated rows stand for several of a link, which then scatter less, nor where they
-    are of other links. Of the versions that are the rows' own.
+    Of the versions that are the rows' own.
     """
     own = comparison.distinct(view)
-    if isinstance(comparison, TableComparison):
-        picks = comparison.versions(view)[:own]
-        if not comparison.paired(view) or any(len(np.unique(p)) < len(p) for p in picks):
-            return None
-    return row_scatter(ensemble.first(own))
+    return row_scatter(ensemble.first(own)) if rows_of_their_own(comparison, view) else None
+
+
+def rows_of_their_own(comparison: Comparison, view: View) -> bool:
+    """Return whether every recorded row has simulated rows that are of its link, and its alone.
+
+    Simulated rows that stand for several of a link scatter less within it.
+    """
+    if not isinstance(comparison, TableComparison):
+        return True
+    picks = comparison.versions(view)[: comparison.distinct(view)]
+    return comparison.paired(view) and all(len(np.unique(p)) == len(p) for p in picks)
 
 
 def beyond_own_draws(

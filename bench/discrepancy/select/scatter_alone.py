@@ -15,22 +15,18 @@ from bench.discrepancy.compare.crps import cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
+from bench.discrepancy.select.scatter_size import beside_simulated, extras, sized, variances
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
-    CENTRAL_90,
-    FIT_MEMBERS,
     FORM_SHARE,
-    GAIN_DRAWS,
-    OFFSET_FIRST,
     SCATTER_OF_LINKS,
     STRIKE_NATS,
 )
@@ -100,15 +96,12 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
     """Return independent scatter of the size that rows of links miss, None where it is none."""
     if search.work is None or not beyond_causes(search, (*added, kind()), kind()).adequate:
         return None
-    made = versions(search.comparison, search.work, added)
-    if RANGE not in made.names:
-        return None
-    recorded, simulated = within(made)
+    made, recorded, simulated = beside_simulated(search, added)
     usable = np.isfinite(recorded)
     if not usable.any() or not np.isfinite(simulated).any():  # every link has one row
         return None
     spread, extra = variances(recorded, simulated)
-    if extra <= 0 or _kept_by_links(made) > SCATTER_OF_LINKS * extra:
+    if extra <= 0 or _kept_by_links(search, added) > SCATTER_OF_LINKS * extra:
         return None
     if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
         return None
@@ -116,25 +109,8 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
     evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
     if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
         return None  # normal rows of all links make both at once, a few wild links the first alone
-    effect, sizes = _sized(search, added, kind, _extras(made, recorded, simulated))
+    effect, sizes = sized(search, added, kind, extras(made, recorded, simulated))
     return Strike(effect, evidence, sizes, np.empty(0, np.intp), JUDGED)
-
-
-def variances(recorded: Floats, simulated: Floats) -> tuple[float, float]:
-    """Return the simulated variance within links, and how much more the recorded one is, in m2."""
-    spread = float(np.nanmean(simulated**2)) if np.isfinite(simulated).any() else np.inf
-    return spread, float(np.nanmean(recorded**2)) - spread
-
-
-def _kept_by_links(made: Ensemble) -> float:
-    """Return the variance between links beyond the simulated one, in square metres."""
-    code = np.unique(made.links, return_inverse=True)[1]
-    count = np.bincount(code)
-    means = np.stack([np.bincount(code, one) / count for one in made.versions_of(RANGE)])
-    inner = [np.nanmean(part**2) for part in (within(made)[0], within(made)[1])]
-    own = float(np.mean(1 / count))
-    between = np.var(means[0]) - inner[0] * own
-    return float(between - (np.var(means[1:], axis=1).mean() - inner[1] * own))
 
 
 def _nats(values: Floats, narrow: float, wide: float) -> Floats:
@@ -142,48 +118,14 @@ def _nats(values: Floats, narrow: float, wide: float) -> Floats:
     return np.asarray(values**2 / 2 * (1 / narrow - 1 / wide) - np.log(wide / narrow) / 2)
 
 
-def _extras(made: Ensemble, recorded: Floats, simulated: Floats) -> Floats:
-    """Return the variance that is missing, in m2: as found, then of links drawn again."""
-    code = np.unique(made.links, return_inverse=True)[1]
-    rng = np.random.default_rng(0)
-    links = int(code.max()) + 1
-    often = [np.ones(links), *(np.bincount(rng.integers(0, links, links), minlength=links)
-                               for _ in range(GAIN_DRAWS))]  # fmt: skip
-    own = np.nan_to_num(recorded**2)
-    theirs = np.nan_to_num(simulated**2).mean(axis=0)  # a row is known in all versions, or in none
-    known = np.isfinite(recorded) * 1.0
-    sums = [np.bincount(code, one, links) for one in (own - theirs, known)]
-    weights = np.stack(often)
-    return np.maximum((weights @ sums[0]) / np.maximum(weights @ sums[1], 1.0), 0.0)
-
-
-def _sized(
-    search: Search, added: Added, kind: type[Effect], extras_m2: Floats
-) -> tuple[Effect, tuple[ParameterEstimate, ...]]:
-    """Return the effect that adds a variance, with the interval of its size.
-
-    `extras_m2`: the variance, then as links drawn again say. Variance goes with a size squared; it
-    comes on top of what the simulator scatters by the same effect already.
-    """
+def _kept_by_links(search: Search, added: Added) -> float:
+    """Return the variance between links beyond the simulated one, in square metres."""
     assert search.work is not None
-    item = next(p for p in kind.parameters() if p.null is not None and p.fitted)
-    have = _simulated(search, kind, item.name)
-    more = kind.from_values({item.name: have + item.default})
-    made, bare = (
-        search.comparison.ensemble(search.work, some, FIT_MEMBERS, OFFSET_FIRST)
-        for some in ((*added, more), added)
-    )
-    moved = float(np.nanvar(made.simulated_of(RANGE) - bare.simulated_of(RANGE)))
-    sizes = np.sqrt(have**2 + item.default**2 * extras_m2 / max(moved, 1e-12))
-    size = float(np.clip(sizes[0], item.low, item.high))
-    low, high = np.clip(np.percentile(sizes[1:], CENTRAL_90), item.low, item.high)
-    bound = size >= item.high
-    told = ParameterEstimate(item.name, size, float(low), float(high), item.unit, bound)
-    return kind.from_values({item.name: size}), (told,)
-
-
-def _simulated(search: Search, kind: type[Effect], name: str) -> float:
-    """Return the size at which the simulator has an effect already, 0 where it has not."""
-    simulator = getattr(search.comparison, "simulator", None)
-    have = [one for one in getattr(simulator, "effects", ()) if one.physics == kind.name]
-    return float(getattr(have[0], name)) if have else 0.0
+    made = versions(search.comparison, search.work, added)
+    code = np.unique(made.links, return_inverse=True)[1]
+    count = np.bincount(code)
+    means = np.stack([np.bincount(code, one) / count for one in made.versions_of(RANGE)])
+    inner = [np.nanmean(part**2) for part in (within(made)[0], within(made)[1])]
+    own = float(np.mean(1 / count))
+    between = np.var(means[0]) - inner[0] * own
+    return float(between - (np.var(means[1:], axis=1).mean() - inner[1] * own))

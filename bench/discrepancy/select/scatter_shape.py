@@ -8,6 +8,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.adequacy import Adequacy
+from bench.discrepancy.select.settings import NO_SCATTER_SHARE
 from bench.discrepancy.select.within_links import components, drawn_by_rows
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
@@ -64,9 +65,15 @@ def steady(whole: Ensemble, rest: Ensemble) -> bool:
 
 
 def alike(recorded_m: Floats, simulated_m: Floats) -> bool:
-    """Return whether two scatters are of one shape, whatever their widths."""
-    from scipy.stats import ks_2samp
+    """Return whether two scatters are of one shape, whatever their widths.
 
+    Where simulated rows hardly scatter theirs is none: then whether recorded ones are normal.
+    """
+    from scipy.stats import ks_2samp, kstest
+
+    if np.var(simulated_m) < NO_SCATTER_SHARE * np.var(recorded_m):
+        normal = kstest(recorded_m / np.std(recorded_m), "norm")
+        return bool(normal.pvalue > SCATTER_SHAPE_P)
     own, other = (
         one / max(float(np.std(one)), LEAST_SCATTER_M) for one in (recorded_m, simulated_m)
     )

@@ -17,6 +17,11 @@ OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [co
 EVERYWHERE_SHARE: Final = 0.5  # of the error of a search, for what is off in all rows [convention]
 IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere else
 
+# --- Independent scatter (select/scatter_shape) ---------------------------------------------------
+NO_SCATTER_SHARE: Final = (
+    0.1  # of recorded variance: less than that has no shape to see [convention]
+)
+
 # --- Faults of the recorder (select/recorder) -----------------------------------------------------
 CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
 CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision

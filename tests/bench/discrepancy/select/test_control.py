@@ -12,8 +12,8 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select import controls
-from bench.discrepancy.select.conclude import untold
 from bench.discrepancy.select.controls import control_passed, struck_control
+from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Control, LeftOut
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_rounding import RangeRounding

@@ -20,6 +20,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
+from bench.discrepancy.select.scatter_size import told_by_rows, with_sizes
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import rows_beyond, weakened
 from bench.physics.base import Base
@@ -131,6 +132,29 @@ def test_scatter_beside_a_name_is_found_where_nothing_else_stands_out() -> None:
     assert size.low < 0.015 / (C_M_PER_NS * 1.0016) < size.high
     assert beside(0.0) is None
     assert beside(0.0, 0.4) is None  # jumps are no scatter
+
+
+@pytest.mark.parametrize("own_m", [0.0, 0.02])
+def test_the_size_of_scatter_is_what_rows_of_links_say(own_m: float) -> None:
+    """Whatever the simulator scatters by; beside it, nothing is heavy."""
+    rng = np.random.default_rng(8)
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in LINK], "true_range_m": rng.uniform(3, 20, 80)[LINK]}
+    )
+    recorded = frame.assign(error_m=rng.normal(0, np.hypot(own_m, 0.06), len(LINK)))
+    noise = rng.normal(0, 1, (3, len(LINK))) * own_m
+    simulated = pd.concat([frame.assign(error_m=one) for one in noise], ignore_index=True)
+    seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
+    search = Search(TableComparison(simulated, Window()), seen, seen, {}, 0, work=seen)
+    fitted = TimestampJitter(jitter_samples=0.1, heavy=0.4)
+    (made,) = with_sizes(search, (fitted,))
+    assert isinstance(made, TimestampJitter)
+    assert made.heavy == 0
+    (told,) = told_by_rows(search, (), fitted, ())
+    assert told.low < 0.06 / (C_M_PER_NS * 1.0016) < told.high
+    assert told.value == made.jitter_samples
+    delay = AntennaDelay(delay_ns=0.5)
+    assert with_sizes(search, (delay,)) == (delay,)
 
 
 def test_scatter_comes_on_top_of_what_the_simulator_has() -> None:

@@ -18,10 +18,11 @@ from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
-from bench.discrepancy.select.conclude import objection, of_class, undetermined
+from bench.discrepancy.select.conclude import objection, of_class
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Round, Selection
+from bench.discrepancy.select.undetermined import undetermined
 from bench.discrepancy.select.unnamed import unnamed
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.discrepancy.sets.choice import Choice
