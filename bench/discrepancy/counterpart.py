@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.settings import PAIRS_SHARE
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
 from bench.discrepancy.data.columns import numeric
@@ -15,14 +16,35 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import describe
 from bench.recordings.table import Recordings
 
+DEVICE_COLUMNS = ("tx", "rx")
+PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "xyz")
+
 
 def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[str, ...]:
     """Return how many rows of how many links each table has, and what was left out, in words."""
-    ours = f"recorded: {_words(recorded)}"
+    ours, same = f"recorded: {_words(recorded)}", _one_pair(recorded.frame)
     if not isinstance(simulated, Recordings):
-        return (ours,)
-    apart = _noise(recorded.frame, simulated.frame)
-    return (ours, f"simulated: {_words(simulated)}", *([apart] if apart else []))
+        return (ours, *([same] if same else []))
+    more = same, _noise(recorded.frame, simulated.frame)
+    return (ours, f"simulated: {_words(simulated)}", *(words for words in more if words))
+
+
+def _one_pair(frame: pd.DataFrame) -> str:
+    """Return what is wrong with links of which many are one pair of places, "" where few are.
+
+    Rows of one pair are near-copies; under many names they count as independent.
+    """
+    ends = [*DEVICE_COLUMNS, *PLACE_COLUMNS]
+    if not {"link", *ends} <= {*frame}:
+        return ""
+    first = frame.groupby("link")[ends].first()
+    pairs = len(first.drop_duplicates())
+    if pairs > PAIRS_SHARE * len(first):
+        return ""
+    return (
+        f"{len(first)} links are of {pairs} pairs of devices and places: rows of one pair under "
+        "several names count as independent, so all that follows seems surer than it is"
+    )
 
 
 def _noise(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:

@@ -31,7 +31,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
-from bench.discrepancy.select.conclude import verdicts
+from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
@@ -337,6 +337,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)
     held = state.guard.safely("marks", with_marks, held)(search, held)
     said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts, held.whole)
+    said = of_the_rest(said, held.rounds)
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
     out = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)

@@ -24,3 +24,5 @@ LEAST_STD: Final = 1e-9  # keeps a constant covariate finite [derived]
 MIX_DIGITS: Final = (
     6  # of a mean of a covariate, that are told: more are how it was added [derived]
 )
+PAIRS_SHARE: Final = 0.75  # of links that are pairs of their own, at least, or it is said
+# [convention]

@@ -83,6 +83,17 @@ def verdicts(
     return (*named, _unknown(last, "left after the named effects")) if worth else named
 
 
+def of_the_rest(said: tuple[Verdict, ...], rounds: tuple[Round, ...]) -> tuple[Verdict, ...]:
+    """Return the verdicts; what is unknown beside names is what these leave.
+
+    Causes of one set share the search before all of them.
+    """
+    left = rounds[-1].located.findings
+    if not left or not any(verdict.names for verdict in said):
+        return said
+    return tuple(replace(v, findings=left) if isinstance(v, Unknown) else v for v in said)
+
+
 def _marked(search: Search, named: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
     """Return the names whose mark recorded rows bear: they are there, whatever they remove."""
     each = ((v, v.options if isinstance(v, Ambiguous) else (v,)) for v in named)

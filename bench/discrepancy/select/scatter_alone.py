@@ -44,11 +44,30 @@ def scatter_alone(
     Only where every finding is of how far ranges spread, links keep nothing of it and no other
     cause makes it. The mean of a link's few rows scatters with them, so links may be off, too.
     """
-    kinds = [type(c.effect) for c in explanation.contenders if type(c.effect).independent]
+    kind = _kind(search, added, explanation)
     seen = {(f.cell.observable, f.cell.moment) for f in located.findings}
     scattered = {(RANGE, "spread"), (RANGE, "rows")}
     only = bool(scattered & seen) and seen <= scattered | {(RANGE, "link")}
-    return _scattering(search, added, kinds[0]) if kinds and only else None
+    return _scattering(search, added, kind) if kind and only else None
+
+
+def _kind(search: Search, added: Added, explanation: Explanation) -> type[Effect] | None:
+    """Return the independent scatter that is offered, None where something speaks against it.
+
+    Beside one simulated row a score hardly falls by it, and it may be no contender at all; where a
+    law or a grid is there it was one, and what these leave is none.
+    """
+    kinds = [type(c.effect) for c in explanation.contenders if type(c.effect).independent]
+    if kinds or search.choice.others or any(type(effect).marked for effect in added):
+        return next(iter(kinds), None)
+    return _offered(search, added)
+
+
+def _offered(search: Search, added: Added) -> type[Effect] | None:
+    """Return the library's independent scatter, None where it is not offered or there already."""
+    able = [k for k in search.kinds.values() if k.independent and not k.marked and k.without_cir]
+    named = {effect.physics for effect in added}
+    return next((kind for kind in able if kind.name not in named), None)
 
 
 def scatter_beside(search: Search, added: Added, located: Located) -> Round | None:
@@ -58,11 +77,10 @@ def scatter_beside(search: Search, added: Added, located: Located) -> Round | No
     asks for one thing alone. Rows of a link must scatter by more than another form of the causes
     could make them.
     """
-    able = [k for k in search.kinds.values() if k.independent and not k.marked and k.without_cir]
-    named = {effect.physics for effect in added}
-    if not added or not able or able[0].name in named or search.choice.others:
+    kind = _offered(search, added)
+    if not added or kind is None or search.choice.others:
         return None
-    found = _scattering(search, added, able[0])
+    found = _scattering(search, added, kind)
     if found is None or not _beyond_forms(search, added, found.effect):
         return None
     turn = announced(search, Round(located, None, None), (*added, found.effect), found.effect)

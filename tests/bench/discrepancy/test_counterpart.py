@@ -36,3 +36,15 @@ def test_noise_that_is_logged_louder_or_quieter_is_said() -> None:
         assert words in found[-1]
     assert len(counted(Recordings(quiet, "mine"), Recordings(quiet, "simulated"))) == 2
     assert len(counted(Recordings(quiet, "mine"), Recordings(ROWS, "simulated"))) == 2
+
+
+def test_links_of_which_many_are_one_pair_of_places_are_said() -> None:
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in range(8)], "tx": "t", "rx": "a", "error_m": 0.1}
+    )
+    for end, x in (("tx", [0.0, 0, 0, 0, 1, 1, 1, 1]), ("rx", 5.0)):
+        frame = frame.assign(**{f"{end}_{axis}_m": x if axis == "x" else 1.0 for axis in "xyz"})
+    found = counted(Recordings(frame, "mine"), Simulator(Base()))
+    assert found[-1].startswith("8 links are of 2 pairs of devices and places")
+    apart = frame.assign(tx_x_m=[0.5 * i for i in range(8)])
+    assert len(counted(Recordings(apart, "mine"), Simulator(Base()))) == 1

@@ -1,8 +1,16 @@
-"""What is said where nothing is found does not contradict the level of 5 %."""
+"""What is said where nothing is found, and of what names leave, does not contradict itself."""
 
 from __future__ import annotations
 
-from bench.discrepancy.select.verdict import NoMismatch
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.select.conclude import of_the_rest
+from bench.discrepancy.select.state import Round
+from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch, Unknown
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+
+ONE = Estimate(1.0, 0.5, 1.5, "nats")
 
 
 def test_a_small_p_that_was_not_enough_is_said_to_be() -> None:
@@ -10,3 +18,16 @@ def test_a_small_p_that_was_not_enough_is_said_to_be() -> None:
     assert str(NoMismatch(shift, 0.49)).startswith("no mismatch found (p = 0.49); a range shift")
     assert "(p = 0.024, not enough by itself)" in str(NoMismatch(shift, 0.024))
     assert str(NoMismatch({}, 0.02)) == "no mismatch found (p = 0.02, not enough by itself)"
+
+
+def test_what_is_unknown_beside_names_is_what_these_leave() -> None:
+    """Causes of one set share the search before all of them, which a named one may explain."""
+    cells = [Cell("error_m", "mean", Place()), Cell("error_m", "mean", Place("obstacle=glass"))]
+    before, after = (Finding(one, Estimate(0.2, 0.1, 0.3, "m"), 9.0, 0.002, 40, 9) for one in cells)
+    said = LeftOut(AntennaDelay(), (), ONE, 1.0, Control("", None)), Unknown((before,), ONE, {})
+    rounds = tuple(
+        Round(Located(some, 0.002, 9.0, 3.0, 1, {}), None, None) for some in ((before,), (after,))
+    )
+    assert of_the_rest(said, rounds)[1].findings == (after,)
+    assert of_the_rest(said[1:], rounds) == said[1:]
+    assert of_the_rest(said, rounds[:1]) == said

@@ -50,7 +50,7 @@ def found(of_rows_m: float, of_links_m: float, *moments: str, links: int = 80) -
     tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
     made = Contender(TimestampJitter(), tally, Estimate(0, 0, 0))
     told = Explanation((made,), tally, Estimate(0, 0, 0), tally, {}, {})
-    search = SimpleNamespace(comparison=TableComparison(simulated, Window()), work=seen, logged=())
+    search = Search(TableComparison(simulated, Window()), seen, seen, {}, 0, work=seen)
     cells = [
         SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=one))
         for one in moments or ("spread",)
