@@ -40,7 +40,8 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
         f"sealed before the run: sha256 `{seal(len(outcomes), seed, families)}`.",
         "",
         f"The detection limit is a signal-to-noise ratio of {LIMIT_Z:g} on the links that are "
-        "searched: of a test that knows the exact shape of the effect (ranges), of the most moved "
+        "searched: of a test that knows the exact shape of the effect (ranges); of scatter, "
+        "whose draws no test knows, of its variance (until seed 903127: of its draws); of the most moved "
         "observable's mean (waveforms, levels); of several causes, of the weakest beside the "
         "others. Intervals of shares: 95 %, Wilson. "
         f"Mean CPU time of a diagnosis: {_seconds(outcomes):.1f} s.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.challenge import blind, cases
@@ -60,6 +61,19 @@ def test_strength_counts_standard_deviations_of_a_matched_filter(case):
     assert case.above_limit == (case.strength_z >= LIMIT_Z)
     half = replace(case, shifts_m=np.zeros_like(case.shifts_m))
     assert half.strength_z != case.strength_z
+
+
+def test_of_scatter_no_test_knows_the_draws():
+    """Of 400 rows a third of the variance more is 4 standard deviations of a variance, no 10."""
+    rng = np.random.default_rng(0)
+    noise, jitter = rng.normal(0, 0.03, 400), rng.normal(0, 0.03 * np.sqrt(1 / 3), 400)
+    made = pd.DataFrame({"error_m": noise + jitter})
+    knowing, scatter = (
+        cases._matched(made, jitter[None], (name,))
+        for name in ("antenna-delay", "timestamp-jitter")
+    )
+    assert 8 < knowing < 12
+    assert 3 < scatter < 5.5
 
 
 def test_cases_do_not_show_their_answer(case):
