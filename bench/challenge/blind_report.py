@@ -41,9 +41,9 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
         "",
         f"The detection limit is a signal-to-noise ratio of {LIMIT_Z:g} on the links that are "
         "searched: of a test that knows the exact shape of the effect (ranges); of scatter, "
-        "whose draws no test knows, of its variance (until seed 903127: of its draws); of the most moved "
-        "observable's mean (waveforms, levels); of several causes, of the weakest beside the "
-        "others. Intervals of shares: 95 %, Wilson. "
+        "whose draws no test knows, of its variance (until seed 903127: of its draws); of the "
+        "most moved observable's mean (waveforms, levels); of several causes, of the weakest "
+        "beside the others. Intervals of shares: 95 %, Wilson. "
         f"Mean CPU time of a diagnosis: {_seconds(outcomes):.1f} s.",
         "",
     ]
