@@ -40,7 +40,7 @@ def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Exp
     if search.work is None or not added:
         return explanation
     able = tuple(c for c in explanation.contenders if _stands(search, added, c))
-    able = tuple(c for c in able if _beyond_marks(search, added, c))
+    able = tuple(c for c in able if beyond_marks(search, added, c.effect))
     return replace(explanation, contenders=able)
 
 
@@ -58,20 +58,20 @@ def _stands(search: Search, added: Added, contender: Contender) -> bool:
     return True
 
 
-def _beyond_marks(search: Search, added: Added, contender: Contender) -> bool:
+def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
     """Return whether scatter beside what bears a mark does more than another form of that would.
 
     Ranges that are rounded by chance, or twice, are off by twice the variance of those to the
     nearest step. Rows must scatter by more than that, too: wide scatter is fitted where little is.
     """
     marks = [effect for effect in added if type(effect).marked]
-    if not marks or not type(contender.effect).independent:
+    if not marks or not type(scatter).independent:
         return True
     rows, others = search.searched, [(e, without(added, e)) for e in marks]
     forms = [max(_change(search, rest, e), own_grids_m(rows, e)) for e, rest in others]
     most = FORMS_OF_MARK * max(forms)
     there = _scatter_m(search, added) ** 2 > (FORMS_OF_MARK + 1) * max(forms) ** 2
-    return there and _change(search, added, contender.effect) > most
+    return there and _change(search, added, scatter) > most
 
 
 def _change(search: Search, rest: Added, effect: Effect) -> float:

@@ -17,6 +17,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.elsewhere import beyond_marks
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.refute import announced
@@ -82,6 +83,8 @@ def scatter_beside(search: Search, added: Added, located: Located) -> Round | No
         return None
     found = _scattering(search, added, kind)
     if found is None or not _beyond_forms(search, added, found.effect):
+        return None
+    if not beyond_marks(search, added, found.effect):
         return None
     turn = announced(search, Round(located, None, None), (*added, found.effect), found.effect)
     assert turn.explanation is not None
