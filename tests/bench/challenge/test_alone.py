@@ -7,9 +7,9 @@ import pytest
 
 from bench.challenge.alone import shift_of
 from bench.challenge.cases import Case, drawn_of, make_case, recorded_with
-from bench.challenge.families.attic_wave_effects import OF_RANGES
+from bench.challenge.families.vineyard_wave_effects import OF_RANGES
 
-FAMILY = ("attic",)
+FAMILY = ("vineyard",)
 
 
 @pytest.fixture(scope="module")

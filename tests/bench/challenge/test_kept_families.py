@@ -18,7 +18,7 @@ from bench.physics.simulator import Simulator
 
 LATEST = (
     "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery",
-    "belfry", "cowshed", "fairground", "garage", *KEPT,
+    "belfry", "cowshed", "fairground", "garage", "cannery", "vineyard", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -121,7 +121,7 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
-    "cannery": 12, "vineyard": 11,
+    "cannery": 12, "vineyard": 11, "crag": 9, "chairlift": 10,
 }  # fmt: skip
 
 
@@ -133,7 +133,8 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     fifth = 8 if family in ("ferry", "stacks") else 5
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
-    links |= {"foundry": 102, "garage": 105, "cannery": 96, "vineyard": 110}
+    links |= {"foundry": 102, "garage": 105, "cannery": 96, "vineyard": 110, "crag": 108}
+    links |= {"chairlift": 104}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -440,6 +441,8 @@ ROWS_OF = {
     "garage": ("Visit", "grown"),
     "cannery": ("Lot", "gained"),
     "vineyard": ("Harvest", "onward"),
+    "crag": ("Ascent", "lengthens"),
+    "chairlift": ("Trip", "comes_to"),
 }
 
 
@@ -709,6 +712,12 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("cannery", "refresh-steals-words", 0.05),
         ("cannery", "spikes-taken-out", 0.05),
         ("cannery", "blocks-read-backwards", 0.05),
+        ("crag", "gaps-bridged", 0.05),
+        ("crag", "chopper-left-on", 0.05),
+        ("crag", "mean-taken-off", 0.05),
+        ("chairlift", "converter-sticks", 0.05),
+        ("chairlift", "late-sizes-inverted", 0.05),
+        ("chairlift", "lesser-of-pairs", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
