@@ -9,6 +9,13 @@ from numpy.typing import NDArray
 SPEED = "radial_speed_m_per_s"
 LONGEST_GAP_S = 2.0
 """Between rows further apart in time nothing is known of the motion: robots turn within seconds."""
+NEAREST_ROWS = 8
+"""Rows of a device before and after one, of which its velocity is taken: so many partners answer in
+one round."""
+OFF_LINE_M = 0.1
+"""Root mean square; where places of a device are farther from an even motion it turns, or its times
+belong to several of one name."""
+_AXES = "xyz"
 
 
 def with_radial_speed(frame: pd.DataFrame) -> pd.DataFrame:
@@ -57,3 +64,66 @@ def _slopes(time: NDArray[np.float64], true: NDArray[np.float64]) -> NDArray[np.
     climbed = np.r_[0.0, rise] + np.r_[rise, 0.0]
     span = before + after
     return np.where(span > 0, climbed / np.where(span > 0, span, 1.0), np.nan)
+
+
+def speed_by_places_m_per_s(frame: pd.DataFrame) -> NDArray[np.float64]:
+    """Return the radial speed of every row [n] in metres per second by where its devices are.
+
+    A device that is asked once by each of several partners moves between their rows, though no pair
+    has two. NaN where times, positions or devices are not known, or places contradict each other.
+    """
+    places = {end: [f"{end}_{axis}_m" for axis in _AXES] for end in ("tx", "rx")}
+    if not {"time_s", *places, *places["tx"], *places["rx"]} <= set(frame.columns):
+        return np.full(len(frame), np.nan)
+    time = frame["time_s"].to_numpy(np.float64, na_value=np.nan)
+    at = {end: frame[names].to_numpy(np.float64, na_value=np.nan) for end, names in places.items()}
+    rooms = ["environment"] if "environment" in frame else []
+    named = (frame.groupby([*rooms, end], dropna=False).ngroup() for end in places)
+    tx, rx = (
+        _velocity(np.asarray(one, np.intp), time, at[end])
+        for one, end in zip(named, places, strict=True)
+    )
+    moved, line = tx - rx, at["tx"] - at["rx"]
+    far = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
+    return np.asarray((moved * line).sum(axis=1) / far)
+
+
+def _velocity(
+    device: NDArray[np.intp], time: NDArray[np.float64], at: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the velocity [n, 3] of devices at [n, 3]: 0 where they never move, NaN where unknown.
+
+    The slope of a straight line through the nearest rows.
+    """
+    order = np.lexsort((time, device))
+    dt, by, known = _near(device[order], time[order], at[order])
+    count = np.maximum(known.sum(axis=0), 1)[:, None]
+    dt = np.where(known, dt - (dt * known).sum(axis=0) / count[:, 0], 0.0)
+    by = np.where(known[..., None], by - (by * known[..., None]).sum(axis=0) / count, 0.0)
+    span = (dt**2).sum(axis=0)
+    slope = (dt[..., None] * by).sum(axis=0) / np.where(span > 0, span, np.nan)[:, None]
+    off = ((by - dt[..., None] * slope) ** 2).sum(axis=(0, 2)) / count[:, 0]
+    out = np.empty_like(at)
+    out[order] = np.where(off[:, None] < OFF_LINE_M**2, slope, np.nan)
+    out[_still(device, at)] = 0.0
+    return out
+
+
+def _near(
+    device: NDArray[np.intp], time: NDArray[np.float64], at: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return times [k, n] and places [k, n, 3] of the nearest rows beside each, and which count."""
+    rows = np.arange(len(time))
+    away = rows + np.arange(-NEAREST_ROWS, NEAREST_ROWS + 1)[:, None]
+    near = np.clip(away, 0, len(time) - 1)
+    dt, by = time[near] - time, at[near] - at
+    known = (near == away) & (device[near] == device) & (np.abs(dt) <= LONGEST_GAP_S)
+    known &= np.isfinite(by).all(axis=-1)
+    return np.where(known, dt, 0.0), np.where(known[..., None], by, 0.0), known
+
+
+def _still(device: NDArray[np.intp], at: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which rows [n] are of a device that is in one place in all of them."""
+    groups = pd.DataFrame(at).groupby(device)
+    moves = groups.transform("max") - groups.transform("min")
+    return np.asarray((moves == 0).all(axis=1))

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.settings import FASTEST_M_PER_S, HIGH_QUANTILE, MOVING_SHARE, SLOWEST_M_PER_S
-from bench.recordings.motion import SPEED, radial_speed_m_per_s
+from bench.recordings.motion import SPEED, radial_speed_m_per_s, speed_by_places_m_per_s
 
 Floats = NDArray[np.float64]
 UNIT_AT_END = re.compile(r"_(s|ms|us|ns|m|mm|m_per_s|deg|rad|c|k|db|dbm|ppm|hz|mhz|ghz)$")
@@ -56,7 +56,8 @@ def with_motion(frame: pd.DataFrame) -> pd.DataFrame:
     """Return the table with the radial speed of its rows, NaN everywhere where none can be had.
 
     From positions in time within each link: rows of two links of one pair of devices are no
-    movement. Speeds that no vehicle has are times that do not belong together.
+    movement. Speeds that no vehicle has are times that do not belong together. Where rows of links
+    move, one that is alone in its link has the speed of its devices among all their links.
     """
     if SPEED in frame or not {"time_s", "true_range_m", "link"} <= set(frame.columns):
         return frame
@@ -68,4 +69,7 @@ def with_motion(frame: pd.DataFrame) -> pd.DataFrame:
     moves = len(known) > MOVING_SHARE * len(speed)
     typical = float(np.quantile(known, HIGH_QUANTILE)) if moves else 0.0
     plausible = SLOWEST_M_PER_S < typical < FASTEST_M_PER_S
-    return frame.assign(**{SPEED: speed if plausible else np.nan})
+    if not plausible:
+        return frame.assign(**{SPEED: np.nan})
+    alone = ~np.isfinite(speed)
+    return frame.assign(**{SPEED: np.where(alone, speed_by_places_m_per_s(frame), speed)})

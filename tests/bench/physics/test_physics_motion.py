@@ -7,12 +7,18 @@ import pandas as pd
 import pytest
 from physics_scenes import line, seen
 
+from bench.discrepancy.data.columns import with_motion
 from bench.physics.effects.ranging.exchange_motion import ExchangeMotion
 from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.scene import scene
-from bench.recordings.motion import SPEED, radial_speed_m_per_s, with_radial_speed
+from bench.recordings.motion import (
+    SPEED,
+    radial_speed_m_per_s,
+    speed_by_places_m_per_s,
+    with_radial_speed,
+)
 
 
 def drive(n: int = 200, speed: float = 2.0) -> pd.DataFrame:
@@ -46,6 +52,35 @@ def test_a_speed_that_is_given_is_kept_and_none_is_made_without_times() -> None:
     assert SPEED not in with_radial_speed(line())
     assert not scene(line()).has(SPEED)
     assert scene(drive()).has(SPEED)
+
+
+def rounds(count: int, start_s: float, speed: float = 2.0) -> pd.DataFrame:
+    """A car that four masts hear in turn, so many rounds of them."""
+    masts = np.array([[0.0, 5, 3], [12, -4, 3], [24, 5, 3], [36, -4, 3]])
+    which, turn = np.tile(np.arange(4), count), np.arange(4 * count)
+    time = start_s + 0.05 * turn
+    car = np.stack([3 + speed * (time - start_s), 0 * time, 1 + 0 * time], axis=1)
+    ends = {f"tx_{a}_m": car[:, i] for i, a in enumerate("xyz")}
+    ends |= {f"rx_{a}_m": masts[which, i] for i, a in enumerate("xyz")}
+    frame = pd.DataFrame(ends | {"time_s": time, "tx": "car", "rx": [f"m{i}" for i in which]})
+    return frame.assign(
+        true_range_m=np.linalg.norm(car - masts[which], axis=1),
+        link=[f"run {start_s} heard by m{i}" for i in which],
+    )
+
+
+def test_a_row_that_is_alone_in_its_link_has_the_speed_of_its_devices() -> None:
+    frame = pd.concat([rounds(5, 0.0), rounds(1, 100.0)], ignore_index=True)
+    assert np.isnan(radial_speed_m_per_s(frame)[20:]).all()
+    line = (frame["tx_x_m"] - frame["rx_x_m"]) / frame["true_range_m"]
+    assert with_motion(frame)[SPEED].to_numpy()[20:] == pytest.approx(2.0 * line.to_numpy()[20:])
+
+
+def test_places_that_contradict_each_other_are_no_motion() -> None:
+    frame = pd.concat([rounds(1, 0.0), rounds(1, 0.01).assign(tx_y_m=7.0)], ignore_index=True)
+    assert np.isnan(speed_by_places_m_per_s(frame)).all()
+    assert np.isnan(speed_by_places_m_per_s(frame.drop(columns="rx_z_m"))).all()
+    assert speed_by_places_m_per_s(rounds(2, 0.0, speed=0.0)) == pytest.approx(0.0)
 
 
 def test_a_lag_makes_an_error_of_lag_times_speed() -> None:
