@@ -3,12 +3,14 @@
 A device that stands still has one value of every coordinate, so any law over coordinates is some
 constant per device, and with few devices some law fits any such constants. What of it differs
 between devices alone is told from their own delays by nothing (Mundlak 1978); and where in a plan
-the origin lies is no physics. So such a law counts as far as it holds within devices.
+the origin lies is no physics. So such a law counts as far as it holds within devices, and one that
+goes with something else as far as devices have no constant of their own times that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,16 +36,43 @@ def constants_of_devices(devices: Mapping[str, NDArray[np.object_]]) -> Floats:
     return np.stack(columns, axis=1).astype(np.float64)
 
 
+def times_of(given: Material, law: GridLaw, free: float) -> Floats:
+    """Return what a law multiplies its function of places with [n, k]: 1 where that is nothing.
+
+    `free` is its free constant. A factor, or, where that is about places, the form itself.
+    """
+    factor = given.factors[law.by]
+    if not over_places((factor.text,)):
+        return factor.weights[:, None]
+    if over_places((law.names[0],)):
+        return np.ones((len(factor.weights), 1))
+    return replace(law, by=0).design(given, free)
+
+
+def own_of_devices(constants: Floats, times: Floats | None = None) -> tuple[Floats, ...]:
+    """Return what devices may have of their own [n, d]: constants, and as many of each `times`.
+
+    `times` [n, k] that are the same in all rows make no others.
+    """
+    more = [] if times is None else [one for one in times.T if np.ptp(one) > 0]
+    sizes = [max(float(np.sqrt(np.mean(one**2))), 1e-12) for one in more]
+    scaled = (constants * (one / size)[:, None] for one, size in zip(more, sizes, strict=True))
+    return (constants, *scaled)
+
+
 def told_from_delays(given: Material, structure: Structure, found: Fitted) -> float:
     """Return the log-likelihood that a structure gains beside constants of every device.
 
-    Infinite for what is not about places, and where devices are not known.
+    Beside constants times what it goes with, too. Infinite for what is not about places, and where
+    devices are not known.
     """
     parts = _parts(given, structure, found)
     if parts is None or not given.devices:
         return np.inf
-    own = constants_of_devices(given.devices)
-    return _gained(given, own, parts)
+    law = structure if isinstance(structure, GridLaw) else None
+    times = times_of(given, law, law.free_value(found)) if law else None
+    own = own_of_devices(constants_of_devices(given.devices), times)
+    return _gained(given, np.hstack(own), parts)
 
 
 def told_from_detectors(given: Material, structure: Structure, found: Fitted) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.law.between import constants_of_devices, over_places
+from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
 from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
@@ -32,19 +32,27 @@ def told_law(contest: Contest, law: str, names: Set) -> bool:
     return any(told_from_delays(contest, rest, parts, LAW_NATS) for rest in ((), names))
 
 
-def told_from_delays(contest: Contest, rest: Set, parts: tuple[Floats, ...], price: float) -> bool:
+def told_from_delays(
+    contest: Contest,
+    rest: Set,
+    parts: tuple[Floats, ...],
+    price: float,
+    times: Floats | None = None,
+) -> bool:
     """Return whether a law about places is worth its price in nats beside delays of devices.
 
     Of its `parts` [n, k] only what varies within devices counts: what differs between them alone
-    may be their delays. True where devices are not known.
+    may be their delays. Of a law that goes with something else, `times` [n, k], it may be what they
+    have of their own in proportion to that: a clock's offset, times the reply time. True where
+    devices are not known.
     """
     frame = contest.rows.frame.iloc[contest.known]
     devices = {end: frame[end].astype(str).to_numpy(object) for end in ENDS if end in frame}
     if not devices:
         return True
-    own = LAW_M * constants_of_devices(devices)
+    delays = {OWN_DELAYS: own_of_devices(LAW_M * constants_of_devices(devices), times)}
+    own = np.hstack(delays[OWN_DELAYS])
     within = tuple(part - own @ np.linalg.lstsq(own, part, rcond=None)[0] for part in parts)
-    delays = {OWN_DELAYS: (own,)}
     lead = nats_with(contest, rest, {**delays, "within": within}) - nats_with(contest, rest, delays)
     return lead >= price
 

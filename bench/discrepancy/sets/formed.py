@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.law.between import over_places
+from bench.discrepancy.law.between import over_places, times_of
 from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.likelihood import effective_share
 from bench.discrepancy.law.material import Material, material
@@ -49,7 +49,7 @@ class Formed:
     """A law with its free constant fitted: `parts` [n, 1] of its shape, what it `pays` in nats.
 
     `over` are the columns that it is about, "" for devices and categories; `offset`: whether a
-    constant stands beside it.
+    constant stands beside it; `times` [n, k]: see `times_of`.
     """
 
     name: str
@@ -57,6 +57,7 @@ class Formed:
     pays: float
     over: frozenset[str]
     offset: bool
+    times: Floats
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
         law
         for law in laws_of(every, part)
         if not over_places(tuple(law.over))
-        or told_from_delays(contest, names, law.parts, law.pays + NAME_NATS)
+        or told_from_delays(contest, names, law.parts, law.pays + NAME_NATS, law.times)
     )
     return list(islice(told, FORMS_TRIED))
 
@@ -167,7 +168,8 @@ def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
     factor = every.factors[law.by]
     over = {column.text for column in [over_what(every, law.at)] if law.at >= 0}
     over |= {"" if factor.group else factor.text} if law.by else set()
-    return Formed(f"{law.form}: {law.expression}", parts, pays, frozenset(over), law.offset)
+    name = f"{law.form}: {law.expression}"
+    return Formed(name, parts, pays, frozenset(over), law.offset, times_of(every, law, free))
 
 
 def _bends(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.sets.choose import chosen
+from bench.discrepancy.sets.choose import _contest, chosen
+from bench.discrepancy.sets.formed import formed
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, warmth
 from tests.bench.discrepancy.sets.test_sets import search_of
@@ -58,6 +59,17 @@ def test_a_law_over_where_devices_stand_is_no_more_than_their_delays() -> None:
     found = chosen(search_of(delays, 11, raised(np.zeros(1))), ())
     assert found.names == ("antenna-delay",)
     assert found.others == ()
+
+
+def test_a_law_of_heights_times_the_reply_time_is_no_more_than_clocks() -> None:
+    def clocks(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return 150.0 * frame["reply_time_s"].to_numpy() * (frame["rx"].map(HEIGHTS_M) > 1.8)
+
+    made = _contest(search_of(clocks, 11, raised(np.zeros(1))), ())
+    assert made is not None
+    laws = formed(made[0], ("clock-offset",), ("clock-offset",))
+    assert not [one.name for one in laws if {"rx_z_m", "reply_time_s"} <= one.over]
+    assert made[0].settled().names == ("clock-offset",)
 
 
 def test_a_law_over_where_devices_go_is_a_law() -> None:
