@@ -340,10 +340,10 @@ STACKED_ROWS: Final = 2048  # of several replicates that are simulated as one ba
 # enough to pay for the calls, few enough to stay near the processor (changes nothing but time)
 
 # --- Memory (changes nothing but time) -----------------------------------------------------------
-KEPT_REPLICATES: Final = 24  # detected replicates that are remembered
+KEPT_REPLICATES: Final = 96  # detected replicates that are remembered, up to 2 MB each
 KEPT_PATH_REPLICATES: Final = 256  # of those from paths alone, which are small
 KEPT_STEPS: Final = 96  # batches after a step of the chain, up to 5 MB each
-KEPT_NOISE: Final = 64  # blocks of noise and tails that are drawn again, up to 2 MB each
+KEPT_NOISE: Final = 128  # blocks of noise and tails that are drawn again, up to 2 MB each
 KEPT_ROWS: Final = 16  # tables of rows that are told apart without looking at their values
 KEPT_TABLES: Final = 24  # matched tables with CIRs
 KEPT_SHAPES: Final = 96  # figures of the CIRs of a matched table with effects, 0.4 MB each

@@ -53,9 +53,9 @@ class Form:
     smooth: bool = True
     offset: tuple[bool, ...] = (False, True)
 
-    def bounds(self, column: Column, value: float) -> tuple[float, float]:
+    def bounds(self, screened: Floats, value: float) -> tuple[float, float]:
         """Return between which values the free constant is searched around a screened one."""
-        grid = np.sort(self.grid(column))
+        grid = np.sort(screened)
         at = int(np.argmin(np.abs(grid - value)))
         low, high = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
         if self.name == "power":
@@ -145,7 +145,8 @@ def _spacing(values: Floats, least: float) -> float:
     """
     span = float(values[-1] - values[0])
     short = span / np.arange(LAW_FEW_TURNS, span / least, LAW_CYCLE_STEP)
-    found = [p for p in short if _on_grid(values, float(p), LAW_GRID_P / len(short))]
+    alike = short[_resultants(values, short) > LAW_ONE_PHASE]
+    found = [p for p in alike if _on_grid(values, float(p), LAW_GRID_P / len(short))]
     return float(max(found, default=0.0))
 
 
@@ -159,14 +160,16 @@ def _on_grid(values: Floats, period: float, level: float) -> bool:
     place = np.cumsum(np.diff(values, prepend=values[0]) > period / 2)
     count = np.bincount(place)
     middle = np.bincount(place, values) / count
-    length = min(_resultant(values, period), _resultant(middle, period))
+    every = np.array([period])
+    length = float(min(_resultants(values, every)[0], _resultants(middle, every)[0]))
     chance = max(1 - length**2, 0.0) ** (len(count) - 1)
     return length > LAW_ONE_PHASE and chance < level
 
 
-def _resultant(values: Floats, period: float) -> float:
-    """Return how far places [n] are of one phase of a period: 1 all of them, 0 not at all."""
-    return float(abs(np.exp(1j * TURN * values / period).mean()))
+def _resultants(values: Floats, periods: Floats) -> Floats:
+    """Return how far places [n] are of one phase of each period [P]: 1 all, 0 none of them."""
+    phases = np.exp(1j * TURN * values[None, :] / periods[:, None])
+    return np.asarray(np.abs(phases.mean(axis=1)))
 
 
 def _harmonics(column: Column) -> Floats:

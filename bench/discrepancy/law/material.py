@@ -21,7 +21,7 @@ from bench.discrepancy.law.settings import (
 )
 from bench.physics.formula.algebras import Numbers
 from bench.physics.formula.parse import tree, walk
-from bench.physics.formula.units import column_unit, stem, unit
+from bench.physics.formula.units import column_unit, factor_of, stem
 
 Floats = NDArray[np.float64]
 _AXES = "xyz"
@@ -293,4 +293,4 @@ def _positions(frame: pd.DataFrame, true_m: Floats) -> dict[str, Floats]:
 
 def base_values(of: Column) -> Floats:
     """Return a column's values in base units: angles in radians."""
-    return of.values * unit(of.unit).factor
+    return of.values * factor_of(of.unit)

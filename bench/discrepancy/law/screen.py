@@ -15,19 +15,24 @@ from bench.discrepancy.law.settings import LAW_ALIKE, LAW_CLIP, LAW_REFINED
 from bench.discrepancy.law.structures import GridLaw, cost
 
 Floats = NDArray[np.float64]
+Grids = dict[tuple[Form, int], Floats]
+Scored = tuple[float, GridLaw]  # its gain in nats, complexity paid
 
 
 @dataclass(frozen=True)
-class _Target:
-    """What is explained, and the factors' sums that all forms share."""
+class _Screened:
+    """A form over column `at` at screened constants `grid` [G], with sums that targets share.
 
-    residual_m: Floats
-    weights: Floats  # [n, K]
+    `among` are sums over rows [G, K] of products of its `parts`, per constant and factor; `means`
+    of the parts themselves.
+    """
 
-    @property
-    def total(self) -> float:
-        """Sum of squares."""
-        return float((self.residual_m**2).sum())
+    form: Form
+    at: int
+    grid: Floats
+    parts: tuple[Floats, ...]
+    among: list[list[Floats]]
+    means: list[Floats]
 
 
 def promising(given: Material, rows: float) -> list[GridLaw]:
@@ -36,43 +41,68 @@ def promising(given: Material, rows: float) -> list[GridLaw]:
     Residuals are taken once as they are and once cut, so that neither a few wild rows nor a
     law that moves few rows far is lost.
     """
-    weights = np.stack([factor.weights for factor in given.factors], axis=1)
     cut = LAW_CLIP * first_scale(given.residual_m)
-    chosen: dict[tuple[object, ...], GridLaw] = {}
-    for target in (given.residual_m, np.clip(given.residual_m, -cut, cut)):
-        scored = list(_scored(given, _Target(target, weights), rows))
+    targets = given.residual_m, np.clip(given.residual_m, -cut, cut)
+    grids, chosen = _grids(given), dict[tuple[object, ...], GridLaw]()
+    for scored in _scored(given, grids, targets, rows):
         scored.sort(key=lambda one: -one[0])
         for _, law in scored[:LAW_REFINED]:
             chosen.setdefault((law.shape.text, law.at, law.by, law.offset), law)
-    return [_bracketed(given, law) for law in chosen.values()]
+    return [_bracketed(law, grids[law.shape, law.at]) for law in chosen.values()]
 
 
-def _bracketed(given: Material, law: GridLaw) -> GridLaw:
-    """Return the structure with the interval that its free constant is searched in."""
-    return replace(law, bounds=law.shape.bounds(over_what(given, law.at), law.value))
-
-
-def _scored(given: Material, target: _Target, rows: float) -> Iterator[tuple[float, GridLaw]]:
-    """Yield every structure at its best screened constant, with its gain in nats."""
+def _grids(given: Material) -> Grids:
+    """Return the constants that are screened [G] of every form over every column that can show."""
     pairs = [(CONSTANT, -1), *((form, at) for at in range(len(given.columns)) for form in FORMS)]
-    grids = [(form, at, form.grid(over_what(given, at))) for form, at in pairs]
-    count = sum(len(grid) > 0 for _, _, grid in grids)
-    for form, at, grid in grids:
-        if not len(grid):
-            continue
-        parts = form.basis(over_what(given, at), grid)
-        for offset in form.offset:
-            removed = _removed(parts, target, offset)
-            best = removed.argmax(axis=0)
-            for by in range(len(given.factors)):
-                law = _law(given, form, at, by, offset, float(grid[best[by]]), count)
-                if law is not None:
-                    yield _gain(removed[best[by], by], target, rows) - cost(law, rows), law
+    grids = {(form, at): form.grid(over_what(given, at)) for form, at in pairs}
+    return {pair: grid for pair, grid in grids.items() if len(grid)}
 
 
-def _gain(removed: float, target: _Target, rows: float) -> float:
-    """Return the gain in nats of removing a part of the sum of squares."""
-    left = max(1 - removed / max(target.total, 1e-300), 1e-12)
+def _bracketed(law: GridLaw, grid: Floats) -> GridLaw:
+    """Return the structure with the interval that its free constant is searched in."""
+    return replace(law, bounds=law.shape.bounds(grid, law.value))
+
+
+def _scored(
+    given: Material, grids: Grids, targets: tuple[Floats, ...], rows: float
+) -> list[list[Scored]]:
+    """Return of every target [n] all structures at their best constants, with gains in nats."""
+    weights = np.stack([factor.weights for factor in given.factors], axis=1)
+    squared, out = weights**2, [list[Scored]() for _ in targets]
+    for (form, at), grid in grids.items():
+        one = _screened(given, form, at, grid, squared)
+        for target, scored in zip(targets, out, strict=True):
+            to_r = [(part * target) @ weights for part in one.parts]
+            for offset in form.offset:
+                removed = _removed(one, to_r, target @ weights, squared.sum(axis=0), offset)
+                laws = _best(given, one, offset, removed, len(grids))
+                total = float((target**2).sum())
+                scored += [(_gain(r, total, rows) - cost(law, rows), law) for r, law in laws]
+    return out
+
+
+def _screened(given: Material, form: Form, at: int, grid: Floats, squared: Floats) -> _Screened:
+    """Return a form over a column with the sums of its parts; `squared` weights [n, K]."""
+    parts = form.basis(over_what(given, at), grid)
+    among = [[(a * b) @ squared for b in parts] for a in parts]
+    return _Screened(form, at, grid, parts, among, [part @ squared for part in parts])
+
+
+def _best(
+    given: Material, one: _Screened, offset: bool, removed: Floats, pairs: int
+) -> Iterator[tuple[float, GridLaw]]:
+    """Yield what a form with each factor removes [G, K] at its best constant, and that law."""
+    best = removed.argmax(axis=0)
+    for by in range(len(given.factors)):
+        value = float(one.grid[best[by]])
+        law = _law(given, one.form, one.at, by, offset, value, pairs)
+        if law is not None:
+            yield removed[best[by], by], law
+
+
+def _gain(removed: float, total: float, rows: float) -> float:
+    """Return the gain in nats of removing a part of a total sum of squares."""
+    left = max(1 - removed / max(total, 1e-300), 1e-12)
     return float(-rows / 2 * np.log(left))
 
 
@@ -88,21 +118,19 @@ def _law(
     return GridLaw(form, at, by, offset, value, (value, value), choices, names)
 
 
-def _removed(parts: tuple[Floats, ...], target: _Target, offset: bool) -> Floats:
-    """Return the sum of squares [G, K] that least squares removes, per free value and factor."""
-    r, w = target.residual_m, target.weights
-    squared = w**2
-    to_r = [(part * r) @ w for part in parts]
-    among = [[(a * b) @ squared for b in parts] for a in parts]
+def _removed(one: _Screened, to_r: list[Floats], of_r: Floats, own: Floats, offset: bool) -> Floats:
+    """Return the sum of squares [G, K] that least squares removes, per free value and factor.
+
+    `to_r` are sums of the parts times the target, `of_r` [K] of the target, `own` [K] of weights.
+    """
+    among, start = one.among, np.zeros(len(of_r))
     sizes = [row[i] for i, row in enumerate(among)]
-    start = np.zeros(w.shape[1])
     if offset:
-        own = np.maximum(squared.sum(axis=0), 1e-300)
-        of_r, means = r @ w, [part @ squared for part in parts]
+        own, means = np.maximum(own, 1e-300), one.means
         to_r = [t - m * of_r / own for t, m in zip(to_r, means, strict=True)]
         among = [[v - a * b / own for v, b in zip(row, means)] for row, a in zip(among, means)]  # noqa: B905
         start = of_r**2 / own
-    return start + (_one if len(parts) == 1 else _two)(among, to_r, sizes)
+    return start + (_one if len(one.parts) == 1 else _two)(among, to_r, sizes)
 
 
 def _one(among: list[list[Floats]], to_r: list[Floats], sizes: list[Floats]) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
@@ -44,17 +45,31 @@ def unit(text: str) -> Unit:
     """
     import sympy  # half a second, that a diagnosis without laws does not have to wait
 
-    factor, kind, sign = 1.0, sympy.Integer(1), 1
+    kind = sympy.Integer(1)
+    for _, base, power in _powers(text):
+        kind *= sympy.Symbol(base, positive=True) ** power if base else 1
+    return Unit(factor_of(text), kind)
+
+
+@lru_cache(maxsize=512)
+def factor_of(text: str) -> float:
+    """Return how many base units a unit has, as `unit` says. Raises BenchError as it does."""
+    factor = 1.0
+    for size, _, power in _powers(text):
+        factor *= size**power
+    return factor
+
+
+def _powers(text: str) -> Iterator[tuple[float, str, int]]:
+    """Yield size, base and power of every unit in a text. Raises BenchError where one is none."""
+    sign = 1
     for part in re.split(r"((?<!\*)\*(?!\*)|/)", text.replace(" ", "") or "1"):
         if part in ("*", "/"):
             sign = 1 if part == "*" else -1
             continue
         found = _POWER.fullmatch(part)
         name, power = (found[1], int(found[2])) if found else (part, 1)
-        size, base = _size(name, text)
-        factor *= size ** (sign * power)
-        kind *= sympy.Symbol(base, positive=True) ** (sign * power) if base else 1
-    return Unit(factor, kind)
+        yield *_size(name, text), sign * power
 
 
 def _size(name: str, text: str) -> tuple[float, str]:

@@ -192,3 +192,12 @@ def test_only_laws_need_sympy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "True"]
+
+
+def test_the_size_of_a_unit_needs_no_symbols() -> None:
+    code = "import sys; from bench.physics.formula.units import factor_of; "
+    code += "print(factor_of('deg') * factor_of('1/ms'), 'sympy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    size, loaded = done.stdout.split()
+    assert float(size) == unit("deg").factor * unit("1/ms").factor
+    assert loaded == "False"

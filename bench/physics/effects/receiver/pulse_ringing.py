@@ -9,8 +9,9 @@ import numpy as np
 from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.filters import convolved, decaying, echo_taps, filtered
+from bench.physics.loops import parts
 from bench.physics.randomness import Draws
-from bench.physics.units import Complexes, Reals, amplitude, energy, scaled, squared
+from bench.physics.units import Complexes, amplitude, energy, scaled, squared
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,17 @@ class PulseRinging(Effect):
         taps = echo_taps(self.ring_delay_ns / period_ns, turn * on)
         if self.first_alone <= 0:
             return filtered(waveform, *taps)
-        heard = waveform * self._weights(waveform)
-        return np.asarray(waveform - heard + filtered(heard, *taps), np.complex64)
+        heard = self._heard(waveform)
+        made = waveform - heard
+        made += filtered(heard, *taps)
+        return made
 
-    def _weights(self, waveform: Complexes) -> Reals:
-        """Return how much of every sample [n, S] echoes: all of the strongest path."""
-        away = np.arange(waveform.shape[1]) - squared(waveform).argmax(axis=1)[:, None]
-        near = np.abs(away) < 2 * self.pulse_fwhm
-        return np.where(near, 1, 1 - self.first_alone).astype(np.float32)
+    def _heard(self, waveform: Complexes) -> Complexes:
+        """Return what of every sample [n, S] echoes: all of the strongest path."""
+        made: Complexes = (parts(waveform) * np.float32(1 - self.first_alone)).view(np.complex64)
+        reach = int(np.ceil(2 * self.pulse_fwhm)) - 1
+        at = squared(waveform).argmax(axis=1)[:, None] + np.arange(-reach, reach + 1)
+        row, column = np.nonzero((at >= 0) & (at < waveform.shape[1]))
+        near = row, at[row, column]
+        made[near] = waveform[near]
+        return made

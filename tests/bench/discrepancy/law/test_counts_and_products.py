@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.law import unexplained
+from bench.discrepancy.law import forms, unexplained
 from bench.discrepancy.law.forms import _periods
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import Column, material
+from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.search import Proposal, propose
 
 
@@ -85,3 +86,21 @@ def test_what_an_effect_leaves_where_it_acts_is_no_law_beside_it(
         search.work = object()
         found = SimpleNamespace(added=())
         assert unexplained._beyond_names(search, found, law) is holds  # type: ignore[arg-type]
+
+
+def test_screening_asks_every_column_for_its_periods_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    frame, error, links = crowded(1)
+    every = material(frame, error, links)
+    asked: list[int] = []
+
+    def spacing(values: np.ndarray, least: float) -> float:
+        asked.append(len(values))
+        return 0.0
+
+    monkeypatch.setattr(forms, "_spacing", spacing)
+    laws = promising(every, float(len(error)))
+    waved = [column for column in every.columns if column.unit in ("s", "m")]
+    assert laws
+    assert waved
+    assert len(asked) <= len(waved)
+    assert all(law.bounds[0] <= law.value <= law.bounds[1] for law in laws)
