@@ -210,6 +210,7 @@ STEP_OF_WAY: Final = 0.1  # finite differences: of the way from null [derived]
 STEP_OF_BOUNDS: Final = (0.002, 0.25)  # and at least, at most, of the bounds
 STEP_DB: Final = 1.0  # of a level
 AT_BOUND: Final = 1e-3  # of the bounds: nearer is at the bound [derived]
+MOVED_M: Final = 1e-3  # that an effect does more, to see which of its values change [derived]
 
 # --- What could be removed at all (fit/reference_regression) -------------------------------------
 REGRESSION_ROWS: Final = 4000  # at most [cost]

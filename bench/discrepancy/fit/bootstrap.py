@@ -136,19 +136,27 @@ def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Float
 def latent_intervals(
     comparison: Comparison, view: View, added: Added, effect: Effect
 ) -> tuple[ParameterEstimate, ...]:
-    """Return the values an effect holds with 90 % intervals, none where it holds none."""
+    """Return the values an effect holds with 90 % intervals, none where it holds none.
+
+    Half of the variance is that of links drawn again, half that of what all links scatter by: the
+    few links that tell of one level or heading may lie close by chance.
+    """
     found = latent_values(view, effect)
     made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
-    if found is None or made is None:
+    whole = residual_range(comparison, view, common((*added, effect), view), RESIDUAL_MEMBERS)
+    if found is None or made is None or whole is None:
         return ()
     names, unit, values = found
-    residual = made[1]
-    centre = values(np.arange(len(residual)), residual, True)
+    residual, every = made[1], np.arange(len(made[1]))
+    centre = values(every, residual, True)
     links = np.unique(view.links)
-    draws = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
+    own = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
+    left = [whole[1][rows] for rows in _exchanged(view.links, links)]
+    all_alike = np.stack([values(every, one, False) for one in left])
     wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(len(links) - 1, 1)))
     wide *= np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
-    half = LEAST_HALF + wide * _spread(draws) * np.sqrt(len(links) / max(len(links) - 1, 1))
+    spread = np.sqrt((_spread(own) ** 2 + _spread(all_alike) ** 2) / 2)
+    half = LEAST_HALF + wide * spread * np.sqrt(len(links) / max(len(links) - 1, 1))
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
         for name, v, h in zip(names, centre, half, strict=True)
@@ -172,3 +180,19 @@ def _resampled(codes: Rows, links: Rows) -> list[Rows]:
         np.concatenate([rows[link] for link in rng.choice(links, len(links))])
         for _ in range(VALUE_DRAWS)
     ]
+
+
+def _exchanged(codes: Rows, links: Rows) -> list[Rows]:
+    """Return for every row one of another link's [n], one link for all rows of one.
+
+    `VALUE_DRAWS` times: what a link keeps stays with it, whichever link it falls to.
+    """
+    rng = np.random.default_rng(1)
+    rows = {link: np.flatnonzero(codes == link) for link in links}
+    out = []
+    for _ in range(VALUE_DRAWS):
+        taken = np.empty(len(codes), np.intp)
+        for link, other in zip(links, rng.choice(links, len(links)), strict=True):
+            taken[rows[link]] = rng.choice(rows[other], len(rows[link]))
+        out.append(taken)
+    return out

@@ -34,17 +34,11 @@ class ParameterEstimate:
         return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}{edge}"
 
 
-def widened(
-    items: tuple[ParameterEstimate, ...], effect: Effect, times: float
-) -> tuple[ParameterEstimate, ...]:
-    """Return estimates with intervals so many times wider, within the bounds of parameters."""
+def within_bounds(item: ParameterEstimate, effect: Effect) -> ParameterEstimate:
+    """Return an estimate with its interval cut at the physical bounds of the parameter."""
     bounds = {p.name: (p.low, p.high) for p in effect.parameters()}
-    out = []
-    for one in items:
-        low, high = bounds.get(one.name, (-inf, inf))
-        below, above = (times * abs(end - one.value) for end in (one.low, one.high))
-        out.append(replace(one, low=max(one.value - below, low), high=min(one.value + above, high)))
-    return tuple(out)
+    low, high = bounds.get(item.name, (-inf, inf))
+    return replace(item, low=max(item.low, low), high=min(item.high, high))
 
 
 def profiled(

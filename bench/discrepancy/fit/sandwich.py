@@ -48,7 +48,7 @@ def parameter_intervals(
     free = free_parameters(type(effect))
     moving = [p for p in free if p.high > p.low]
     values = np.array([float(getattr(effect, p.name)) for p in moving])
-    steps = np.array([_step(p, v) for p, v in zip(moving, values, strict=True)])
+    steps = np.array([difference_step(p, v) for p, v in zip(moving, values, strict=True)])
 
     edges = np.array([(p.low, p.high) for p in moving]).reshape(-1, 2)
     centre = np.clip(values, edges[:, 0] + steps, edges[:, 1] - steps)
@@ -69,7 +69,7 @@ def parameter_intervals(
     )
 
 
-def _step(item: Parameter, value: float) -> float:
+def difference_step(item: Parameter, value: float) -> float:
     """Return the step of the differences, inwards where a bound is near."""
     if by_level(item):
         return STEP_DB

@@ -8,7 +8,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally, fall, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.fit.estimate import widened
+from bench.discrepancy.fit.doubt import with_doubt
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents, nearly_as_good
@@ -328,7 +328,10 @@ def left_out(
     intervals = sizes(search.comparison, search.sharpest, others, effect)
     rows = guard.safely("size of scatter", told_by_rows, intervals)
     intervals = rows(search, others, effect, intervals)
-    intervals = widened(intervals, effect, search.choice.wider.get(effect.physics, 1.0))
+    if effect.physics in search.choice.unsure:
+        doubted = guard.safely("what else it may do", with_doubt, intervals)
+        unsure = search.choice.unsure[effect.physics]
+        intervals = doubted(search.comparison, search.sharpest, others, effect, intervals, unsure)
     known = guard.safely("value in a log", read_off, None)(search, effect)
     intervals = tuple(known if known and one.name == known.name else one for one in intervals)
     unknown = Control(type(effect).control, None)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.sets.believed import Unsure
+
 Set = tuple[str, ...]
 
 
@@ -15,9 +17,9 @@ class Choice:
     """The names of most evidence, `others` (laws, faults of the set-up) beside them.
 
     `nats` maps names to the evidence that each brings beside the rest; `rivals` to other names
-    that could stand in its place, some beside a constant (`constants_m`, by rival); `wider` to how
-    many times less is known of what it does than if the rest were known; `shifts_m` to what it does
-    to every row [n], names and others alike.
+    that could stand in its place, some beside a constant (`constants_m`, by rival); `unsure` to
+    what else it may do, in the set and beside causes left out; `shifts_m` to what it does to every
+    row [n], names and others alike.
     `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
     aside as measured that a law says are known before (see `mistaken`). `tied`: names that a device
     which stands elsewhere took the place of, though these do as well. `forms_do`: beside the names,
@@ -28,7 +30,7 @@ class Choice:
     others: Set = ()
     nats: dict[str, float] = field(default_factory=dict)
     rivals: dict[str, Set] = field(default_factory=dict)
-    wider: dict[str, float] = field(default_factory=dict)
+    unsure: dict[str, Unsure] = field(default_factory=dict)
     shifts_m: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     beside: Set = ()
     view: int = -1

@@ -44,6 +44,7 @@ from bench.discrepancy.sets.settings import (
     RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
+from bench.discrepancy.sets.unsure import unsure
 from bench.discrepancy.sets.weigh import weighed
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
@@ -120,7 +121,8 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which it has; `usual`: see `usual_levels`. `pays`: nats, by form.
+    the evidence, `known` which it has; `usual`: see `usual_levels`. `pays`: nats, by form. `able`
+    are the causes that took part to the end.
     """
 
     def __init__(
@@ -141,7 +143,7 @@ class Contest:
         every = [block for blocks in self.single.values() for block in blocks.items()]
         self.evidence = evidence.with_blocks(evidence.blocks | dict(every))
         self._nats: dict[Set, float] = {}
-        self._able: Set = ()
+        self.able: Set = ()
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
@@ -159,7 +161,7 @@ class Contest:
             tuple(one for one in best if one not in self.library),
             {one: self.brings(best, one) for one in names},
             {o: tuple(sorted({*able[o], *beside[o]})) for o in names},
-            {one: self._wider(best, one) for one in names},
+            {one: unsure(self, best, one) for one in names},
             self.shifts(best),
             constants_m={o: m for some in (delays, *beside.values()) for o, m in some.items()},
             tied=tied if set(but_not(placed, first)) <= set(best) else (),
@@ -172,7 +174,7 @@ class Contest:
     @property
     def likeliest(self) -> Set:
         """The set of most worth, of causes that took part to the end."""
-        return self._physical(self._able)
+        return self._physical(self.able)
 
     def most(self) -> float:
         """Return the worth of the best set."""
@@ -190,8 +192,8 @@ class Contest:
         return first
 
     def _best_able(self) -> Set:
-        self._able = self._taking_part()
-        return self._physical(self._able)
+        self.able = self._taking_part()
+        return self._physical(self.able)
 
     def _weigh(self, causes: Set) -> int:
         self._nats = {}
@@ -251,9 +253,10 @@ class Contest:
 
     def worth(self, causes: Set) -> float:
         """Return the log evidence of a set less what its names must bring."""
-        return self.nats(causes) - sum(map(self._price, causes))
+        return self.nats(causes) - sum(map(self.price, causes))
 
-    def _price(self, one: str) -> float:
+    def price(self, one: str) -> float:
+        """Return the nats that a cause must bring."""
         if one in self.library | self.untold:
             return NAME_NATS
         if one in self.pays:
@@ -306,8 +309,8 @@ class Contest:
         for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
             lead = made.of(causes).nats - made.of(but(causes, one)).nats
             if lead < NAME_NATS * self.crowding:
-                self._able = but(self._able, one)
-                causes = self._beyond_deformed(self._physical(self._able))
+                self.able = but(self.able, one)
+                causes = self._beyond_deformed(self._physical(self.able))
         return causes
 
     def _beyond_forms(self, causes: Set) -> Set:
@@ -319,8 +322,8 @@ class Contest:
             self.pays[law.name] = law.pays
             self.library -= set(held.names)
             able = dict.fromkeys((*sorted(self.library), *causes, law.name))
-            self._able = tuple(one for one in able if one not in held.names)
-            causes = self._physical(self._able)
+            self.able = tuple(one for one in able if one not in held.names)
+            causes = self._physical(self.able)
             causes = self._at_usual_levels(self._beyond_deformed(causes))
         return causes
 
@@ -334,13 +337,3 @@ class Contest:
         other.widest |= dict.fromkeys(off, 1.0)  # no more than a share of what a cause does
         with_it, without_it = (other.of((*one, *bent, *off)).nats for one in (causes, rest))
         return (with_it - without_it) / self.crowding
-
-    def _wider(self, causes: Set, name: str) -> float:
-        """Return how much wider what a name does scatters where the others are not known."""
-        made = self.evidence.of(causes)
-        mine = np.isin(made.places, self.evidence.places[name])
-        columns = self.evidence.columns[:, made.places[mine]]
-        both = made.covariance[np.ix_(mine, mine)]
-        alone = np.linalg.inv(np.linalg.inv(made.covariance)[np.ix_(mine, mine)])
-        spread = [float(np.einsum("ij,jk,ik->", columns, one, columns)) for one in (both, alone)]
-        return float(np.sqrt(max(spread[0], 1e-30) / max(spread[1], 1e-30)))

@@ -44,12 +44,14 @@ Columns = Mapping[str, Parts]
 class Weighed:
     """A set with its log evidence in nats, the factors [k] of its columns and their covariance.
 
-    `places` [k] are its columns; `variance_m2` that of rows, `ratio` that of link offsets to it.
+    `places` [k] are its columns, `sizes` [k] the variances that their factors have before;
+    `variance_m2` that of rows, `ratio` that of link offsets to it.
     """
 
     causes: tuple[str, ...]
     nats: float
     places: NDArray[np.intp]
+    sizes: Floats
     factors: Floats
     covariance: Floats
     variance_m2: float
@@ -186,6 +188,20 @@ class Evidence:
         mine = np.isin(made.places, self.places[cause])
         return np.asarray(self.columns[:, made.places[mine]] @ made.factors[mine])
 
+    def broadly(self, made: Weighed, cause: str) -> tuple[Floats, Floats, Floats]:
+        """Return factors [k] of a cause, their covariance, and that if all others were known.
+
+        Before, causes have at least the size that is typical: that of most evidence is none where
+        another cause does the same, though either may do it.
+        """
+        product, mine = self._product(made.ratio)[0], np.isin(made.places, self.places[cause])
+        inner = product[np.ix_(made.places, made.places)] / made.variance_m2
+        precision = inner + np.diag(1 / np.maximum(made.sizes, 1.0))
+        covariance = np.asarray(np.linalg.inv(precision), np.float64)
+        factors = covariance @ product[made.places, -1] / made.variance_m2
+        alone = np.asarray(np.linalg.inv(precision[np.ix_(mine, mine)]), np.float64)
+        return factors[mine], covariance[np.ix_(mine, mine)], alone
+
     def _product(self, ratio: float) -> tuple[Floats, float]:
         """Return X' V^-1 X of all columns, the residual last, and log |V|, rows of variance 1."""
         if ratio not in self._products:
@@ -265,4 +281,7 @@ def _weighed(
     volume = float(np.log(sizes[form.owner]).sum() - 2 * np.log(root.diagonal()).sum())
     nats = -0.5 * (count * np.log(2 * np.pi * variance) + log + volume + quadratic)
     nats -= SMALLEST_STEP_NATS * len(form.causes)
-    return Weighed(form.causes, float(nats), form.places, factors, covariance, variance, ratio)
+    of_columns = sizes[form.owner]
+    return Weighed(
+        form.causes, float(nats), form.places, of_columns, factors, covariance, variance, ratio
+    )

@@ -60,3 +60,4 @@ MISTAKEN_NATS: Final = 12.0  # that a law over a column that was set aside must 
 AS_SIMULATED: Final = (0.7, 1.8)  # of the simulated variance, what is left then [convention]
 HUMP_STEPS: Final = 60  # of expectation and maximisation, of two humps of ranges [cost]
 SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a centre [derived]
+LEAST_SHARE: Final = 0.01  # of belief, that a set is asked for what else a name may do [cost]

@@ -86,6 +86,22 @@ def test_intervals_hold_the_lobe():
     assert near.low - far.high < _lobe(np.radians(45)) < near.high - far.low
 
 
+def test_intervals_hold_where_few_links_tell_of_a_heading():
+    held = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        seen = _view(lambda heading: 0 * heading)
+        few = np.sort(rng.permutation(len(seen.frame))[:150])
+        frame = seen.frame.iloc[few].reset_index(drop=True)
+        frame["error_m"] = 0.01 * rng.standard_t(4, len(few))
+        frame["range_m"] = frame["true_range_m"] + frame["error_m"]
+        some = view(frame, link_codes(frame), np.arange(len(few)), Window(), ("error_m",), False)
+        found = pattern_curve(WORLD, some, ())
+        assert found is not None
+        held += [p.low <= 0 <= p.high for p in latent_intervals(WORLD, some, (), found)]
+    assert np.mean(held) > 0.87
+
+
 def test_lengths_of_lists_must_match():
     with pytest.raises(BenchError, match="expected 2 values in bias_m"):
         PatternCurve((0.0, 90.0), (0.0,))

@@ -1,0 +1,154 @@
+"""Intervals with what is not known of other causes: beside them an effect may do something else.
+
+The interval of a parameter, as rows give it with all others known, is as many times wider as the
+joint fit of a set leaves more open; and it holds 90 % over all the sets that may be there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.fit.bootstrap import ESTIMATORS, latent_values
+from bench.discrepancy.fit.estimate import ParameterEstimate, within_bounds
+from bench.discrepancy.fit.sandwich import difference_step
+from bench.discrepancy.fit.search import revalued
+from bench.discrepancy.sets.believed import Unsure
+from bench.discrepancy.settings import (
+    INTERVAL_LEVEL,
+    LEAST_CURVATURE,
+    MOVED_M,
+    RESIDUAL_MEMBERS,
+)
+from bench.physics.effect import Effect
+
+Floats = NDArray[np.float64]
+Estimates = tuple[ParameterEstimate, ...]
+QUANTILE = float(norm.ppf((1 + INTERVAL_LEVEL) / 2))
+
+
+def with_doubt(
+    comparison: Comparison,
+    view: View,
+    others: Added,
+    effect: Effect,
+    intervals: Estimates,
+    known: Unsure,
+) -> Estimates:
+    """Return the intervals of an effect beside `others` with what sets leave open of it."""
+    ways = moved_by(comparison, view, others, effect, known.columns, intervals)
+    every = known.columns.T @ known.columns
+    out = []
+    for one in intervals:
+        way = ways.get(one.name)
+        made = _of_rows(one, every, known) if way is None else _of_sets(one, way, known)
+        out.append(within_bounds(made, effect))
+    return tuple(out)
+
+
+def _of_rows(one: ParameterEstimate, every: Floats, known: Unsure) -> ParameterEstimate:
+    """Return the interval of a value of which nobody knows how it goes with what an effect does.
+
+    As many times wider as that is less known, over all rows.
+    """
+    both, alone = (float(np.sum(every * c)) for c in (known.sets[0].covariance, known.alone))
+    times = np.sqrt(both / max(alone, LEAST_CURVATURE))
+    below, above = one.value - one.low, one.high - one.value
+    return replace(one, low=one.value - times * below, high=one.value + times * above)
+
+
+def _of_sets(one: ParameterEstimate, way: Floats, known: Unsure) -> ParameterEstimate:
+    """Return the interval of a value that changes so with the factors [k] of an effect."""
+    alone = float(way @ known.alone @ way)
+    if alone <= 0:
+        return one
+    half = max(one.value - one.low, one.high - one.value) / QUANTILE
+    wide = [half * np.sqrt(float(way @ made.covariance @ way) / alone) for made in known.sets]
+    first = known.sets[0].factors
+    middle = [one.value + float(way @ (made.factors - first)) for made in known.sets]
+    share = [made.share for made in known.sets]
+    low, high = (_quantile(p, middle, wide, share) for p in TAILS)
+    return replace(one, low=min(low, one.value), high=max(high, one.value))
+
+
+TAILS = ((1 - INTERVAL_LEVEL) / 2, (1 + INTERVAL_LEVEL) / 2)
+
+
+def _quantile(p: float, middle: list[float], wide: list[float], share: list[float]) -> float:
+    """Return a quantile of a mixture of normal distributions."""
+    ends = [m + s * float(norm.ppf(p)) for m, s in zip(middle, wide, strict=True)]
+    if max(ends) - min(ends) <= 0:
+        return ends[0]
+
+    def beyond(x: float) -> float:
+        below = norm.cdf((x - np.array(middle)) / np.array(wide))
+        return float(np.array(share) @ below) - p
+
+    return float(brentq(beyond, min(ends), max(ends)))
+
+
+def moved_by(
+    comparison: Comparison,
+    view: View,
+    others: Added,
+    effect: Effect,
+    shifts_m: Floats,
+    intervals: Estimates,
+) -> dict[str, Floats]:
+    """Return how much each value [k] of an effect changes where it does more by shifts [n, k].
+
+    In its unit per shift: to first order, of a fit by least squares. Nothing of values that are
+    fitted in another way.
+    """
+    if type(effect) not in ESTIMATORS:
+        return _of_parameters(comparison, view, others, effect, shifts_m, intervals)
+    latent = latent_values(view, effect)
+    assert latent is not None
+    names, _, values = latent
+    every, now = np.arange(len(shifts_m)), _change_m(comparison, view, others, effect)
+    here = values(every, now, False)
+    moved = [(values(every, now + MOVED_M * one, False) - here) / MOVED_M for one in shifts_m.T]
+    pairs = zip(names, np.stack(moved, axis=1), strict=True)
+    return {name: way for name, way in pairs if np.isfinite(way).all()}
+
+
+def _of_parameters(
+    comparison: Comparison,
+    view: View,
+    others: Added,
+    effect: Effect,
+    shifts_m: Floats,
+    intervals: Estimates,
+) -> dict[str, Floats]:
+    """Return the same for parameters of the library's effects, those that are determined."""
+    items = {item.name: item for item in type(effect).parameters()}
+    slopes = {}
+    for one in (i for i in intervals if i.name in items and i.determined):
+        item = items[one.name]
+        step = difference_step(item, one.value)
+        ends = np.clip([one.value - step, one.value + step], item.low, item.high)
+        low, high = (
+            _change_m(comparison, view, others, revalued(effect, {one.name: float(end)}))
+            for end in ends
+        )
+        if np.abs(high - low).max() > MOVED_M:
+            slopes[one.name] = (high - low) / (ends[1] - ends[0])
+    if not slopes:
+        return {}
+    ways = np.linalg.lstsq(np.stack(list(slopes.values()), axis=1), shifts_m, rcond=None)[0]
+    return dict(zip(slopes, ways, strict=True))
+
+
+def _change_m(comparison: Comparison, view: View, others: Added, effect: Effect) -> Floats:
+    """Return what an effect does to the mean simulated range of every row [n], in metres."""
+    made, bare = (
+        comparison.ensemble(view, added, RESIDUAL_MEMBERS).simulated_of(RANGE).mean(axis=0)
+        for added in ((*others, effect), others)
+    )
+    return np.asarray(np.nan_to_num(made - bare))

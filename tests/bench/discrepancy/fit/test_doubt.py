@@ -1,0 +1,81 @@
+"""Intervals hold what an effect may do beside causes of which less is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import View, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.fit.doubt import with_doubt
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.sets.believed import Believed, Unsure
+from bench.physics.base import Base
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.power_curve import PowerCurve
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.simulator import Simulator
+
+WORLD = Resimulation(Simulator(Base(), (), 3), Window())
+ONE = ParameterEstimate("scale", 0.01, 0.009, 0.011, "m/m")
+LEVEL = ParameterEstimate("bias_m[-85 dBm]", 0.02, 0.01, 0.03, "m")
+
+
+@pytest.fixture(scope="module")
+def seen() -> View:
+    rng = np.random.default_rng(0)
+    range_m = rng.uniform(2, 20, 200)
+    frame = pd.DataFrame(
+        {"link": [f"l{i // 4}" for i in range(200)], "true_range_m": range_m, "error_m": 0.0}
+    )
+    frame["range_m"], frame["rx_power_dbm"] = range_m, rng.uniform(-95, -70, 200)
+    return view(frame, link_codes(frame), np.arange(200), Window(), ("error_m",), False)
+
+
+def _known(columns: np.ndarray, *sets: tuple[float, float, float]) -> Unsure:
+    """Return what sets of a share, a factor and a variance say; 1 is the variance alone."""
+    made = [Believed(s, np.array([f]), np.array([[v]])) for s, f, v in sets]
+    return Unsure(columns, tuple(made), np.eye(1))
+
+
+def _interval(
+    seen: View, known: Unsure, one: ParameterEstimate = ONE, effect: Effect | None = None
+) -> ParameterEstimate:
+    (made,) = with_doubt(WORLD, seen, (), effect or RangeScale(scale=0.01), (one,), known)
+    return made
+
+
+def _of_range(seen: View) -> np.ndarray:
+    return 0.01 * seen.scene.true_range_m[:, None]
+
+
+def test_what_the_joint_fit_leaves_open_counts(seen: View):
+    made = _interval(seen, _known(_of_range(seen), (1.0, 1.0, 4.0)))
+    assert made.low == pytest.approx(0.008, abs=1e-5)
+    assert made.high == pytest.approx(0.012, abs=1e-5)
+
+
+def test_a_cause_that_may_be_there_moves_the_end_on_its_side(seen: View):
+    made = _interval(seen, _known(_of_range(seen), (0.7, 1.0, 1.0), (0.3, 2.0, 1.0)))
+    assert made.high > 0.0195
+    assert made.low == pytest.approx(ONE.low, abs=2e-4)
+    rare = _interval(seen, _known(_of_range(seen), (0.98, 1.0, 1.0), (0.02, 2.0, 1.0)))
+    assert rare.high < 0.0125
+
+
+def test_intervals_stay_within_the_bounds_of_physics(seen: View):
+    made = _interval(seen, _known(_of_range(seen), (1.0, 1.0, 1e4)))
+    (scale,) = (p for p in RangeScale.parameters() if p.name == "scale")
+    assert (made.low, made.high) == (scale.low, scale.high)
+
+
+def test_a_curve_moves_where_the_other_cause_does(seen: View):
+    weak = 0.1 * (seen.frame["rx_power_dbm"].to_numpy()[:, None] < -80)
+    curve = PowerCurve((-97.0, -50.0), (0.02, 0.02))
+    known = _known(weak, (0.5, 0.0, 1.0), (0.5, 1.0, 1.0))
+    assert _interval(seen, known, LEVEL, curve).high > 0.1
+    strong = ParameterEstimate("bias_m[-70 dBm]", 0.02, 0.01, 0.03, "m")
+    assert _interval(seen, known, strong, curve).high < 0.06
