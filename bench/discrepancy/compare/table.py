@@ -16,7 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from bench.discrepancy.compare.as_simulated import AsSimulated
+from bench.discrepancy.compare.as_simulated import AsReceived, AsSimulated
 from bench.discrepancy.compare.ensemble import Ensemble, stack
 from bench.discrepancy.compare.matching import (
     by_link,
@@ -39,6 +39,7 @@ from bench.discrepancy.compare.table_waveforms import TableWaveforms
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import (
+    LEVEL,
     RANGE,
     Floats,
     Observables,
@@ -98,7 +99,7 @@ class TableComparison:
             pairs = zip(made, near, strict=True)
             made = [replace(one, values=one.values + more) for one, more in pairs]
             return stack(view.recorded, made, view.links)
-        whole = any(effect.last or effect.first for effect in added)
+        whole = any(e.last or e.first or e.own_curve for e in added)
         changes = (
             [self._of_whole(seen, view, added, first + i, p) for i, p in enumerate(picks)]
             if whole
@@ -125,17 +126,39 @@ class TableComparison:
     def _of_whole(
         self, seen: Observables, view: View, added: Added, replicate: int, pick: Rows
     ) -> Floats:
-        """Return what the effects change [n, p] where one acts on the range as it was simulated.
+        """Return what the effects change [n, p] where one acts on what was simulated as a whole.
 
-        Rounding depends on what is rounded: the matched row's own error is in the range.
+        Rounding depends on what is rounded: the matched row's own error is in the range. What
+        follows the level does so with the matched row's level.
         """
         numbers = range(replicate, replicate + 1)
-        if RANGE not in seen.names:
-            return self._change(seen, view, added, numbers)[0]
-        given = np.nan_to_num(seen.column(RANGE)[pick])
-        change = self._change(seen, view, (AsSimulated(given), *added), numbers)[0]
-        change[:, seen.names.index(RANGE)] -= given
+        given_m, given_db = np.zeros(len(view.rows)), np.zeros(len(view.rows))
+        if RANGE in seen.names and any(effect.last or effect.first for effect in added):
+            given_m = np.nan_to_num(seen.column(RANGE)[pick])
+            added = (AsSimulated(given_m), *added)
+        if LEVEL in seen.names and any(effect.own_curve for effect in added):
+            received = self._received(seen, view, replicate, pick)
+            given_db, added = received.level_db, (received, *added)
+        change = self._change(seen, view, added, numbers)[0]
+        for name, given in ((RANGE, given_m), (LEVEL, given_db)):
+            if name in seen.names:
+                change[:, seen.names.index(name)] -= given
         return change
+
+    def _received(self, seen: Observables, view: View, replicate: int, pick: Rows) -> AsReceived:
+        """Return what levels of matched rows depart by from the bare base; remembered."""
+
+        def departs() -> AsReceived:
+            here = self._nearer(seen, view, pick)[:, seen.names.index(LEVEL)]
+            bare = self._bare(view, replicate).column(LEVEL)
+            return AsReceived(np.nan_to_num(seen.column(LEVEL)[pick] + here - bare))
+
+        return self._departures.get((view.number, replicate, pick.tobytes()), departs)
+
+    @cached_property
+    def _departures(self) -> Memory[AsReceived]:
+        """What levels of replicates depart by, remembered: one and the same is no other effect."""
+        return Memory(KEPT_PATH_REPLICATES)
 
     @cached_property
     def waveforms(self) -> TableWaveforms:

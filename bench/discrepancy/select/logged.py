@@ -9,6 +9,7 @@ a raised noise floor is in the noise that is logged, whatever ranges do.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from bench.discrepancy.select.settings import (
     SPARE_LINKS,
 )
 from bench.discrepancy.select.state import Search, State
+from bench.discrepancy.select.within_links import rows_per_link
 from bench.discrepancy.settings import FIT_MEMBERS
 from bench.physics.effect import Effect
 from bench.physics.effects.receiver.level_control import LevelControl, accumulated_share
@@ -48,7 +50,7 @@ class Logged:
 
     `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
     settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
-    that whole symbols have.
+    that whole symbols have; `links` [n] tells the links, None where every row counts as its link.
     """
 
     level_dbm: Floats
@@ -57,6 +59,7 @@ class Logged:
     devices: Floats
     freedom: float
     rounding_db2: float
+    links: NDArray[np.intp] | None = None
 
     def known(self, *columns: Floats) -> NDArray[np.bool_]:
         """Return the rows [n] in which some columns are known."""
@@ -100,7 +103,7 @@ def logs(search: Search, rows: View) -> Logged:
     groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
     devices = np.stack([np.ones(len(frame)), *groups], axis=1)
     links = len(np.unique(rows.links)) / search.comparison.crowding(rows) ** 2
-    return Logged(level, count_db, noise_db, devices, links, rounding)
+    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links)
 
 
 def _simulated(search: Search, rows: View) -> tuple[Floats, Floats]:
@@ -124,22 +127,45 @@ def _simulated(search: Search, rows: View) -> tuple[Floats, Floats]:
 def ends_early(seen: Logged) -> float:
     """Return the nats for counts that fall where levels are strong, 0 where that is not known.
 
-    Beside counts that every device has of its own; by a step or a slope from some level on, of
-    which one costs as much as was tried.
+    Beside counts that every device has of its own; by a step, a slope or a ramp from some level on,
+    of which one costs as much as was tried.
     """
     rows = seen.known(seen.level_dbm, seen.count_db)
     if not rows.any():
         return 0.0
     own, count, level = seen.devices[rows], seen.count_db[rows], seen.level_dbm[rows]
-    forms = [form for knot in np.quantile(level, LOGGED_LEVELS) for form in _falling(level, knot)]
-    brought = [_brings(count, own, form[:, None], seen, seen.rounding_db2) for form in forms]
+    forms = _falling(level)
+    freedom = _independent(seen, rows, count, own, forms)
+    brought = [_brings(count, own, form[:, None], freedom, seen.rounding_db2) for form in forms]
     return max(brought) - float(np.log(len(forms)))
 
 
-def _falling(level_dbm: Floats, knot_dbm: float) -> tuple[Floats, Floats]:
-    """Return what falls from a level on, by a slope and by a step, [n] each."""
-    over = np.maximum(level_dbm - knot_dbm, 0)
-    return -over, -(over > 0).astype(np.float64)
+def _falling(level_dbm: Floats) -> list[Floats]:
+    """Return what falls from some level on: slopes, steps, and ramps that end at another, [n] each.
+
+    Accumulation ends somewhere between its longest and its shortest.
+    """
+    knots = np.quantile(level_dbm, LOGGED_LEVELS)
+    over = [np.maximum(level_dbm - knot, 0) for knot in knots]
+    pairs = [(a, b) for a, b in combinations(knots, 2) if b > a]
+    ramps = [np.clip(level_dbm - a, 0, b - a) for a, b in pairs]
+    return [-one for one in (*over, *ramps)] + [-(one > 0).astype(np.float64) for one in over]
+
+
+def _independent(
+    seen: Logged, rows: NDArray[np.bool_], values: Floats, null: Floats, forms: list[Floats]
+) -> float:
+    """Return how many independent values [n] there are beside what some forms leave of them.
+
+    Rows of one link count as far as they have nothing in common (the design effect: Kish 1965),
+    beside the form that leaves least.
+    """
+    if seen.links is None:
+        return seen.freedom
+    every = (_rest(values, np.column_stack([null, form])) for form in forms)
+    left = min(every, key=lambda one: float(np.sum(one**2)))
+    code = np.unique(seen.links[rows], return_inverse=True)[1]
+    return seen.freedom * rows_per_link(left, code)
 
 
 def as_simulated(seen: Logged) -> float:
@@ -166,7 +192,7 @@ def louder(seen: Logged) -> float:
         return 0.0
     spare, noise, own = NOISE_FORMULA_DB**2, seen.noise_db[rows], seen.devices[rows]
     null = np.nan_to_num(seen.count_db[rows])[:, None]
-    return max(_brings(noise, null, way, seen, spare) for way in (own[:, :1], own))
+    return max(_brings(noise, null, way, seen.freedom, spare) for way in (own[:, :1], own))
 
 
 def _louder_db(seen: Logged) -> float:
@@ -197,25 +223,31 @@ def judged_by(search: Search, effect: Effect) -> str:
     return f"told by the {column} that is logged; gain on held-out links, which does not decide"
 
 
-def _brings(values: Floats, null: Floats, ways: Floats, seen: Logged, spare: float) -> float:
+def _brings(values: Floats, null: Floats, ways: Floats, count: float, spare: float) -> float:
     """Return the nats that `ways` [n, k] bring for values [n] beside `null` [n, j].
 
-    Links count, not rows; each factor pays half the logarithm of their number (Schwarz 1978), and
-    what is `spare` of the variance is none to be explained. A first factor below zero is none.
+    `count` values are independent, not all; each factor pays half the logarithm of their number
+    (Schwarz 1978), and what is `spare` of the variance is none to be explained. A first factor
+    below zero is none.
     """
     both = np.hstack([null, ways])
     factors = np.linalg.lstsq(both, values, rcond=None)[0]
-    freedom = seen.freedom - both.shape[1]
+    freedom = count - both.shape[1]
     if freedom < SPARE_LINKS or (ways.shape[1] == 1 and factors[-1] <= 0):
         return 0.0
     before, after = (_left(values, design) + spare * len(values) for design in (null, both))
-    cost = 0.5 * ways.shape[1] * np.log(seen.freedom)
+    cost = 0.5 * ways.shape[1] * np.log(count)
     return float(0.5 * freedom * np.log(max(before, 1e-300) / max(after, 1e-300)) - cost)
 
 
 def _left(values: Floats, design: Floats) -> float:
     """Return the squares that a regression on a design [n, k] leaves of values [n]."""
-    return float(np.sum((values - design @ np.linalg.lstsq(design, values, rcond=None)[0]) ** 2))
+    return float(np.sum(_rest(values, design) ** 2))
+
+
+def _rest(values: Floats, design: Floats) -> Floats:
+    """Return what a regression on a design [n, k] leaves of values [n]."""
+    return np.asarray(values - design @ np.linalg.lstsq(design, values, rcond=None)[0])
 
 
 def _level_control(search: Search, rows: View, seen: Logged) -> Effect:

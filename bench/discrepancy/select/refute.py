@@ -20,6 +20,7 @@ from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.own_scatter import OWN, beyond_causes
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
+from bench.discrepancy.select.second_level import calmed
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left, loses, margin, scored
 from bench.discrepancy.settings import (
@@ -223,8 +224,12 @@ def _most_missed(search: Search, added: Added, effect: Effect) -> bool:
 
 
 def _left(search: Search, rounds: tuple[Round, ...], added: Added) -> bool:
-    """Return whether the effects that hold leave anything: else what was refuted was not needed."""
-    return not added or locate_left(search, added, len(rounds)).significant
+    """Return whether the effects that hold leave anything: else what was refuted was not needed.
+
+    What another form of theirs would do to levels is nothing left.
+    """
+    turn = len(rounds)
+    return not added or calmed(search, added, locate_left(search, added, turn), turn).significant
 
 
 def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None) -> Adequacy:

@@ -21,6 +21,8 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import moves_ranges
 from bench.discrepancy.select.settings import (
+    CURVE_NEIGHBOURS,
+    CURVE_ROWS,
     LEVEL_FOLDS,
     LEVEL_HARMONICS,
     LEVEL_LEFT,
@@ -76,7 +78,38 @@ def calmed(search: Search, added: Added, located: Located, turn: int) -> Located
         return again
     small = _missed(left[known], design[known], rows.links[known]) < LEVEL_LEFT
     small = small or float(np.sqrt(np.mean((left - shift)[known] ** 2))) < LEVEL_PRINTED_DB
+    small = small or _of_a_curve(search, rows, added, left)
     return replace(again, findings=()) if small else located
+
+
+def _of_a_curve(search: Search, rows: View, added: Added, left_db: Floats) -> bool:
+    """Return whether a receiver's curve over the level explains what is left of levels [n].
+
+    Of any form, steps among them: rows of other links at which as much arrives are off by as much,
+    but for those beside a step.
+    """
+    known = next((one for one in added if one.own_curve), None)
+    if known is None or not np.isfinite(left_db).all():
+        return False
+    arriving, read = (
+        search.comparison.ensemble(rows, some, FIT_MEMBERS).simulated_of(LEVEL).mean(axis=0)
+        for some in (without(added, known), added)
+    )
+    guess = _of_neighbours(left_db, arriving, np.unique(rows.links, return_inverse=True)[1])
+    missed = left_db - np.where(read != arriving, guess, 0.0)
+    after, before = (np.sort(one**2)[: int(CURVE_ROWS * len(one))] for one in (missed, left_db))
+    return bool(after.sum() < LEVEL_LEFT * before.sum())
+
+
+def _of_neighbours(values: Floats, over: Floats, codes: NDArray[np.intp]) -> Floats:
+    """Return the mean of values [n] of the rows of left-out links next to each in `over` [n]."""
+    out = np.empty_like(values)
+    for fold in range(LEVEL_FOLDS):
+        held = codes % LEVEL_FOLDS == fold
+        apart = np.abs(over[held][:, None] - over[~held])
+        near = np.argpartition(apart, CURVE_NEIGHBOURS, axis=1)[:, :CURVE_NEIGHBOURS]
+        out[held] = values[~held][near].mean(axis=1)
+    return out
 
 
 def _missed(left_db: Floats, design: Floats, links: NDArray[np.intp]) -> float:
@@ -115,7 +148,9 @@ def _reasons(
             out.append(_harmonics(heading_rad(rows.scene)))
         acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
         if effect is None and known.physics == LevelControl.name:
-            out.append(_over_levels(rows.recorded.column(LEVEL), np.any(bent != 0, axis=1)))
+            arriving = search.comparison.ensemble(rows, without(added, known), FIT_MEMBERS)
+            level = arriving.simulated_of(LEVEL).mean(axis=0)  # recorded ones hold what is asked
+            out.append(_over_levels(level, np.any(bent != 0, axis=1)))
         if bent.any() and not acts.all():
             out.append(acts[:, None].astype(np.float64))
         if any(OBSTACLES in way for way in known.needs):

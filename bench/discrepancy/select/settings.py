@@ -9,6 +9,7 @@ from typing import Final
 
 # --- Rows of one link are alike (select/adequacy) -------------------------------------------------
 FEWEST_SEVERAL: Final = 12  # links of several rows, to say whether they are alike [convention]
+SEVERAL_ROWS: Final = 2.0  # of a link, in the mean, to say what they have in common [derived]
 OF_LINKS_SHARE: Final = 0.5  # of a mismatch of levels, that rows of a link must have in common
 # for an effect that draws every link anew [convention]
 OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [convention]
@@ -80,6 +81,8 @@ LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
 LEVEL_PRINTED_DB: Final = 0.1  # to which levels are printed; from paths they are no finer
+CURVE_NEIGHBOURS: Final = 2  # rows at nearly the same level: more blur a step [convention]
+CURVE_ROWS: Final = 0.9  # those that a curve misses least: others lie beside its steps [convention]
 LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may leave [convention]
 
 # --- A curve without a name (select/unnamed) ------------------------------------------------------

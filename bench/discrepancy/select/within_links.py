@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import LEVEL, RANGE
-from bench.discrepancy.select.settings import FEWEST_SEVERAL
+from bench.discrepancy.select.settings import FEWEST_SEVERAL, SEVERAL_ROWS
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
     MAD_TO_STD,
@@ -135,3 +135,17 @@ def components(values: Floats, code: NDArray[np.intp]) -> tuple[float, float]:
     mean = np.bincount(place, values) / count
     within = float(((values - mean[place]) ** 2).sum() / (len(values) - len(count)))
     return float(np.var(mean)) - within * float(np.mean(1 / count)), within
+
+
+def rows_per_link(values: Floats, code: NDArray[np.intp]) -> float:
+    """Return as how many independent values those [n] of a link count in the mean, 1 at least.
+
+    By what rows of a link, told by `code` [n], have in common (the design effect: Kish 1965).
+    """
+    links = len(np.unique(code))
+    rows = len(values) / max(links, 1)
+    if links < FEWEST_SEVERAL or rows < SEVERAL_ROWS:
+        return 1.0
+    between, within = components(values, code)
+    alike = max(between, 0.0) / max(max(between, 0.0) + within, 1e-300)
+    return float(rows / (1 + (rows - 1) * alike))

@@ -66,6 +66,15 @@ def test_counts_that_fall_with_the_level_show_a_control_of_any_form() -> None:
         assert logged.ends_early(seen) > LOGGED_NATS
 
 
+def test_rows_that_end_early_by_chance_count_by_rows_and_those_of_a_link_by_links() -> None:
+    rng, links = np.random.default_rng(3), np.arange(160) % 40
+    early = rng.random(160) < np.clip((LEVEL + 95) / 12, 0.2, 0.8)
+    seen = replace(_logs(-1.0 * early, np.zeros(160)), links=links)
+    assert logged.ends_early(seen) > LOGGED_NATS
+    own = replace(_logs(rng.normal(size=40)[np.arange(160) // 4], np.zeros(160)))
+    assert logged.ends_early(replace(own, links=np.arange(160) // 4)) < LOGGED_NATS
+
+
 def test_counts_that_devices_are_set_to_or_that_rise_show_none() -> None:
     for count_db in (np.zeros(160), -3.0 * DEVICES[:, 1], 0.1 * np.maximum(LEVEL + 84, 0)):
         seen = _logs(count_db, np.zeros(160))

@@ -11,7 +11,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.select import second_level
+from bench.discrepancy.select import refute, second_level
 from bench.discrepancy.select.second_level import calmed, predicts
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
@@ -19,6 +19,7 @@ from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.two_rays import fading_db, fading_ways, pulling_ways, rays
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -102,6 +103,18 @@ def _level_search(slope_db: float, seen: tuple[str, ...] = ("rx_power_dbm",)):
     return search, SimpleNamespace(findings=findings, significant=True)
 
 
+def _stepped_search(slope_db: float):
+    """Return a search whose levels are turned down in steps of 5 dB, and what was located."""
+    search, located = _level_search(slope_db)
+    assert search.work is not None
+    frame = search.work.frame
+    warm = slope_db * (frame["temperature_c"] - 20) / 20
+    level = search.comparison.ensemble(search.work, (), 1).simulated_of("rx_power_dbm")[0]
+    frame = frame.assign(rx_power_dbm=level - 1.6 * np.floor((level + 97) / 5) + warm)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), ("rx_power_dbm",), False)
+    return Search(search.comparison, rows, rows, {}, 0, work=rows), located
+
+
 def test_what_a_named_pattern_does_to_levels_is_nothing_left() -> None:
     pattern = (AntennaPattern(delay_m=0.1),)
     search, located = _level_search(0.0)
@@ -110,6 +123,21 @@ def test_what_a_named_pattern_does_to_levels_is_nothing_left() -> None:
     assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
     search, located = _level_search(0.0, ("rx_power_dbm", "error_m"))
     assert calmed(search, pattern, located, 1) is located  # type: ignore[arg-type]
+
+
+def test_a_refused_name_was_not_needed_where_names_have_another_form(monkeypatch) -> None:
+    pattern = (AntennaPattern(delay_m=0.1),)
+    for slope_db, left in ((0.0, False), (3.0, True)):
+        search, located = _level_search(slope_db)
+        monkeypatch.setattr(refute, "locate_left", lambda *_, found=located: found)
+        assert refute._left(search, (), pattern) is left  # type: ignore[arg-type]
+
+
+def test_a_control_in_many_steps_is_a_form_of_one_and_a_warmth_is_none() -> None:
+    control = (LevelControl(compression=0.4, shift_db=-10.0),)
+    for slope_db, left in ((0.0, False), (3.0, True)):
+        search, located = _stepped_search(slope_db)
+        assert calmed(search, control, located, 1).significant is left  # type: ignore[arg-type]
 
 
 def test_a_level_off_everywhere_is_left_beside_a_delay() -> None:

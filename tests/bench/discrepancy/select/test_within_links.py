@@ -7,7 +7,7 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.select.adequacy import link_by_link, row_by_row
-from bench.discrepancy.select.within_links import of_links
+from bench.discrepancy.select.within_links import of_links, rows_per_link
 
 LINKS, ROWS, MEMBERS = 40, 2, 6
 LINK = np.repeat(np.arange(LINKS), ROWS)
@@ -52,3 +52,11 @@ def test_what_links_keep_is_no_fading() -> None:
         fading, obstacle = (Ensemble(rest.names, rest.units, v, LINK) for v in (by_rows, by_links))
         assert bool(link_by_link(fading, rest)) is refused
         assert link_by_link(obstacle, rest) == ""
+
+
+def test_rows_count_as_far_as_those_of_a_link_have_nothing_in_common() -> None:
+    rng, code = np.random.default_rng(5), np.repeat(np.arange(50), 4)
+    assert rows_per_link(rng.normal(size=200), code) > 3
+    alike = rng.normal(size=50)[code] + 0.1 * rng.normal(size=200)
+    assert rows_per_link(alike, code) < 1.1
+    assert rows_per_link(rng.normal(size=50), np.arange(50)) == 1
