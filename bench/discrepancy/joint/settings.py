@@ -94,4 +94,6 @@ LONGER_ODDS: Final = (
     0.75  # that a struck link reads longer than a spared one, at least [convention]
 )
 LONGER_M: Final = 0.03  # by which struck links read longer, in the median [convention]
+SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which read short by far where
+# both ways are moved alike: of eight so moved, in six draws of seven [derived]
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck

@@ -35,6 +35,7 @@ from bench.discrepancy.joint.settings import (
     NAME_NATS,
     NAME_SHARE,
     PREDICTED_P,
+    SHORT_OF_STRUCK,
     STRIKE_ALIKE,
     STRIKE_POINTS,
 )
@@ -42,7 +43,9 @@ from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
+from bench.discrepancy.sets.settings import STRAY_LINK_M, STRAY_LINK_STD
 from bench.discrepancy.settings import (
+    MAD_TO_STD,
     PROFILE_90_NATS,
     ROWS_STRUCK_SHARE,
     SCORE_FIRST,
@@ -160,7 +163,8 @@ def _witnessed(comparison: Comparison, found: Found) -> bool:
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
     known = np.isfinite(offset_m)
     longer = is_longer(offset_m[known], struck[known])
-    return longer and not predicted(given.known[able], struck[able])
+    short = longer and as_often_short(offset_m[known], struck[known])
+    return longer and not short and not predicted(given.known[able], struck[able])
 
 
 def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
@@ -171,6 +175,17 @@ def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
     ranks = rankdata(offset_m)[struck].sum() - len(hit) * (len(hit) + 1) / 2
     far = float(np.median(hit) - np.median(calm))
     return bool(ranks / (len(hit) * len(calm)) > LONGER_ODDS and far > LONGER_M)
+
+
+def as_often_short(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
+    """Return whether links [L] read short by far, half as many as are struck.
+
+    Nothing makes a way shorter than a straight one: what moves links both ways obstructs none.
+    """
+    calm = offset_m[~struck] - np.median(offset_m[~struck])
+    wide = MAD_TO_STD * float(np.median(np.abs(calm)))
+    short = calm < -max(STRAY_LINK_M, STRAY_LINK_STD * wide)
+    return bool(short.sum() > SHORT_OF_STRUCK * struck.sum())
 
 
 def predicted(known: Floats, struck: NDArray[np.bool_]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -16,11 +16,13 @@ from bench.discrepancy.law.likelihood import fixed, iterated, linear
 from bench.discrepancy.law.material import Factor, Material
 from bench.discrepancy.law.settings import (
     LAW_DEVICE_ROWS,
+    LAW_EVERY_RATE,
+    LAW_OWN_RATE,
     LAW_RATIO_DOUBT,
     LAW_RATIOS,
     LAW_SAME_PLACE_M,
 )
-from bench.discrepancy.law.structures import Fitted
+from bench.discrepancy.law.structures import Fitted, Structure
 
 Floats = NDArray[np.float64]
 _FAR_END = {"tx": "rx", "rx": "tx"}
@@ -321,3 +323,16 @@ def _off(given: Material, factor: Factor) -> bool:
     size = np.abs(given.residual_m[mine]) / np.maximum(given.true_range_m[mine], 1e-9)
     least = min(abs(ratio - 1) for ratio in LAW_RATIOS) / 2
     return bool(mine.any() and np.median(size) > least)
+
+
+def of_a_rate(structure: Structure, values: Sequence[float]) -> bool:
+    """Return whether a law of such constants says that ranges are in a unit that nobody listed.
+
+    In proportion to the true range and nothing beside it, by more than crystals and light can be
+    off (see `LAW_OWN_RATE`, `LAW_EVERY_RATE`): of all rows, or of one device's.
+    """
+    own = structure.where.startswith(("tx is ", "rx is "))
+    if structure.form != "linear" or structure.columns != ("true_range_m",) or len(values) > 1:
+        return False
+    least = LAW_OWN_RATE if own else LAW_EVERY_RATE
+    return (own or not structure.where) and abs(values[0]) >= least

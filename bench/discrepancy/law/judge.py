@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.law.faults import of_a_rate
 from bench.discrepancy.law.found import FoundLaw, LawConstant, Rival, SetupFault
 from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.law.material import Floats, Material
 from bench.discrepancy.law.meaning import looks_like
 from bench.discrepancy.law.search import Candidate, Proposal
-from bench.discrepancy.law.settings import LAW_EVERY_RATE, LAW_OWN_RATE, LAW_RATIO_DOUBT
+from bench.discrepancy.law.settings import LAW_RATIO_DOUBT
 from bench.discrepancy.settings import ONE_SIDED_95
 
 
@@ -104,18 +105,14 @@ def setup_fault(proposal: Proposal) -> SetupFault | None:
 def _other_unit(proposal: Proposal) -> SetupFault | None:
     """Return the unit that nobody listed in which a law says ranges are, None where it says none.
 
-    In proportion to the true range and nothing beside it, by more than crystals and light can be
-    off (see `LAW_OWN_RATE`, `LAW_EVERY_RATE`), and known as well as a listed unit must be.
+    Known as well as a listed unit must be (see `of_a_rate`).
     """
-    structure, (rate, *more) = proposal.best.structure, proposal.constants
-    own = structure.where.startswith(("tx is ", "rx is "))
-    if structure.form != "linear" or structure.columns != ("true_range_m",) or more:
-        return None
-    if (structure.where and not own) or abs(rate.value) < (LAW_OWN_RATE if own else LAW_EVERY_RATE):
+    structure, rate = proposal.best.structure, proposal.constants[0]
+    if not of_a_rate(structure, [one.value for one in proposal.constants]):
         return None
     if (rate.high - rate.low) / 2 > ONE_SIDED_95 * LAW_RATIO_DOUBT * abs(rate.value):
         return None
     ratio = LawConstant("ratio", 1 + rate.value, 1 + rate.low, 1 + rate.high, "1")
-    who = f", where {structure.where}" if own else ""
+    who = f", where {structure.where}" if structure.where else ""
     words = f"a unit or counter of another rate (measured = {ratio} x true range){who}"
-    return SetupFault("unit", (structure.where,) if own else (), words, (ratio,))
+    return SetupFault("unit", (structure.where,) if structure.where else (), words, (ratio,))

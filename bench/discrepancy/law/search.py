@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
-from bench.discrepancy.law.faults import faults
+from bench.discrepancy.law.faults import faults, of_a_rate
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, unmoved
 from bench.discrepancy.law.material import Material
@@ -120,10 +120,19 @@ def _told(given: Material, one: Candidate, share: float, rows: float) -> bool:
 def _preferred(ranked: tuple[Candidate, ...]) -> Candidate:
     """Return the best; a fault of the set-up that does about as well goes first.
 
-    One device that stands elsewhere is as good as a law of the bearing for its rows alone.
+    One device that stands elsewhere is as good as a law of the bearing for its rows alone; and what
+    is in proportion to the true range there is a unit, which a power of nearly one only bends.
     """
     near = [one for one in ranked if ranked[0].nats - one.nats < LAW_TIED_NATS]
-    return next((one for one in near if one.structure.fault), ranked[0])
+    listed = next((one for one in near if one.structure.fault), None)
+    return listed or next((one for one in near if _unbent(one, ranked[0])), ranked[0])
+
+
+def _unbent(one: Candidate, best: Candidate) -> bool:
+    """Return whether a law is a rate of ranges where the best is another law of the distance."""
+    structure, other = one.structure, best.structure
+    same = (structure.columns, structure.where) == (other.columns, other.where)
+    return same and of_a_rate(structure, [value for _, value, _ in one.fitted.constants])
 
 
 def _distinct(best: Candidate, tied: list[Candidate]) -> tuple[Candidate, ...]:

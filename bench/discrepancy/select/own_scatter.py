@@ -18,6 +18,7 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.select.adequacy import Adequacy
+from bench.discrepancy.select.in_turn import apart_in_turn
 from bench.discrepancy.select.logged import logs
 from bench.discrepancy.select.settings import EXTRA_SCATTER_M
 from bench.discrepancy.select.state import Search
@@ -38,21 +39,27 @@ def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return whether independent scatter is told from that which other causes make themselves.
 
     Of rows beside their link: that of clocks must be likelier by 3 nats than one whose variance
-    goes with the noise that was not simulated over the signal, or with how far devices move.
+    goes with the noise that was not simulated over the signal, or with how far devices move. And it
+    is drawn for every row, so rows that follow each other must differ as any two do.
     """
-    asked = type(effect).independent and not type(effect).marked and search.work is not None
-    rest = without(added, effect)
-    own = _own_scatter(search, search.work, rest) if asked and search.work is not None else {}
-    if not own:
+    if not type(effect).independent or type(effect).marked or search.work is None:
         return Adequacy(True)
-    assert search.work is not None
+    rest = without(added, effect)
     made = versions(search.comparison, search.work, rest)
     if RANGE not in made.names:
         return Adequacy(True)
+    if notes := _own_notes(made, _own_scatter(search, search.work, rest)):
+        return Adequacy(False, 1.0, note=notes[0])
+    return apart_in_turn(made, numeric(search.work.frame, "time_s"), search.seed)
+
+
+def _own_notes(made: Ensemble, own: dict[str, Floats]) -> list[str]:
+    """Return which of named causes' own scatters, by what to say, rows may scatter by."""
+    if not own:
+        return []
     left, simulated = _beside(made)
     spread = max(float(np.nanmean(simulated**2)), LEAST_SCATTER_M**2)
-    notes = [note for note, goes in own.items() if not _even(left, spread, goes)]
-    return Adequacy(False, 1.0, note=notes[0]) if notes else Adequacy(True)
+    return [note for note, goes in own.items() if not _even(left, spread, goes)]
 
 
 def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:

@@ -23,6 +23,13 @@ NO_SCATTER_SHARE: Final = (
     0.1  # of recorded variance: less than that has no shape to see [convention]
 )
 
+# --- Rows that follow each other (select/in_turn) -------------------------------------------------
+IN_TURN_ROWS: Final = 3  # of a link, at least: two differ by as much in either turn [derived]
+IN_TURN_SHARE: Final = 0.5  # of what rows of a link scatter by, less than which rows that follow
+# each other differ by where most of it is not drawn for each, as `LAW_OF_SCATTER` [convention]
+IN_TURN_P: Final = 0.01  # that rows in random turns differ by so little [convention]
+IN_TURN_DRAWS: Final = 400  # of random turns [cost]
+
 # --- Faults of the recorder (select/recorder) -----------------------------------------------------
 CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
 CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision

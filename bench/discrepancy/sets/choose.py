@@ -44,6 +44,7 @@ from bench.discrepancy.sets.settings import (
     RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
+from bench.discrepancy.sets.steady import same_in_every_link
 from bench.discrepancy.sets.unsure import unsure
 from bench.discrepancy.sets.weigh import weighed
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -151,7 +152,8 @@ class Contest:
         first = self._at_usual_levels(self._beyond_deformed(whole))
         placed = misplaced(self, first)
         tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
-        best = moves_every_row(self, self._beyond_forms(restored(self, placed, whole)))
+        held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
+        best = moves_every_row(self, held)
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
         able = {one: rivals(self, best, one) for one in names}

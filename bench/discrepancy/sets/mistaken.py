@@ -32,6 +32,7 @@ from bench.discrepancy.sets.settings import (
     LAW_M,
     LEAST_WEIGHT,
     MISTAKEN_NATS,
+    RIVAL_NATS,
 )
 
 if TYPE_CHECKING:
@@ -89,16 +90,24 @@ class _Asked:
         """Return whether a law beats the set, or a constant, by a price in nats.
 
         And leaves what is simulated, nearer to that than the set alone: a figure that follows the
-        noise leaves less.
+        noise leaves less. Or leaves nothing for names to do: the mean of what these did is its own,
+        and a figure that follows the noise knows of no delay.
         """
         contest, rest = self.contest, tuple(one for one in self.best if one not in gone)
         made = {law.name: law.parts}
         none = nats_with(contest, rest, {CONSTANT: (np.full((len(contest.known), 1), LAW_M),)})
         lead = nats_with(contest, rest, made) - law.pays - max(contest.nats(self.best), none)
-        before = contest.evidence.of(self.best).variance_m2
+        if lead <= price:
+            return False
+        before = np.inf if self._needless(law, gone) else contest.evidence.of(self.best).variance_m2
         left = reweighed(contest, rest, made)
-        every = (left.variance_m2, _whole(left))
-        return lead > price and any(self._alike(one, before) for one in every)
+        return any(self._alike(one, before) for one in (left.variance_m2, _whole(left)))
+
+    def _needless(self, law: Formed, gone: Set) -> bool:
+        """Return whether names do nothing any more where a law is in place."""
+        rest, made = tuple(one for one in self.best if one not in gone), {law.name: law.parts}
+        brings = nats_with(self.contest, self.best, made) - nats_with(self.contest, rest, made)
+        return bool(gone) and brings < RIVAL_NATS
 
     def _alike(self, after_m2: float, before_m2: float) -> bool:
         """Return whether a law leaves what is simulated, nearer to that than before it."""

@@ -15,7 +15,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.mixture import Mixture, mixed
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.strikes import is_longer, predicted, strike_beside
+from bench.discrepancy.joint.strikes import as_often_short, is_longer, predicted, strike_beside
 from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.base import Base
 from bench.physics.effect import Effect
@@ -119,6 +119,16 @@ def test_struck_links_must_read_longer_and_by_chance():
     assert is_longer(offset_m + 0.3 * struck, struck)
     assert not is_longer(offset_m - 0.3 * struck, struck)
     assert not is_longer(offset_m, struck)
+
+
+@pytest.mark.parametrize(("short", "often"), [(0, False), (3, False), (8, True)])
+def test_what_makes_as_many_ways_shorter_strikes_none(short: int, often: bool) -> None:
+    """Two nodes hang at each other's place: links of theirs read long, others short, by metres."""
+    rng = np.random.default_rng(3)
+    offset_m, struck = rng.normal(0, 0.05, 80), np.arange(80) < 9
+    offset_m[struck] += rng.uniform(2, 4, 9)
+    offset_m[40 : 40 + short] -= rng.uniform(0.5, 4, short)
+    assert as_often_short(offset_m, struck) is often
     known = rng.normal(size=(80, 3))
     assert not predicted(known, struck)
     known[:, 1] += 2 * struck

@@ -39,7 +39,7 @@ def test_speed_times_the_reply_time_is_no_time_shift() -> None:
     speed = ("radial_speed_m_per_s",)
     alone = SimpleNamespace(form="linear", columns=speed, where="", fault="")
     product = SimpleNamespace(form="linear", columns=speed, where="reply time", fault="")
-    constants = (SimpleNamespace(name="a"),)
+    constants = (SimpleNamespace(name="a", value=0.1),)
     for structure, kind in ((alone, "time shift"), (product, None)):
         best = SimpleNamespace(structure=structure)
         made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))

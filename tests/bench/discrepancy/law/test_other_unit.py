@@ -5,11 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import cast
 
+import numpy as np
 import pytest
 
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.judge import setup_fault
-from bench.discrepancy.law.search import Proposal
+from bench.discrepancy.law.likelihood import Fit
+from bench.discrepancy.law.search import Candidate, Proposal, _preferred
+from bench.discrepancy.law.structures import Fitted
 
 BESIDE = LawConstant("b", 0.1, 0.09, 0.11, "m")
 
@@ -38,3 +41,27 @@ def test_what_is_in_proportion_and_no_clock_is_a_unit(
     if made is not None:
         assert made.kind == "unit"
         assert made.size[0].value == pytest.approx(1 + rate)
+
+
+def bent(form: str, where: str, nats: float, *values: float) -> Candidate:
+    """Return a law over the true range that is worth some nats."""
+    structure = SimpleNamespace(form=form, columns=("true_range_m",), where=where, fault="")
+    constants = tuple(("a", value, "1") for value in values)
+    fitted = Fitted(constants, Fit(np.array(values), np.zeros(1), 0.1, 0.0))
+    return Candidate(structure, fitted, nats)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("where", "nats", "rate", "first"),
+    [
+        ("rx is stake4", 398.0, 2.08, "linear"),
+        ("rx is stake4", 396.0, 2.08, "power"),  # that bends after all
+        ("rx is stake5", 398.0, 2.08, "power"),
+        ("rx is stake4", 398.0, 2e-5, "power"),
+    ],
+)
+def test_a_power_of_one_does_not_hide_a_unit(
+    where: str, nats: float, rate: float, first: str
+) -> None:
+    power = bent("power", "rx is stake4", 400.0, 54.2, 0.996, -0.2)
+    assert _preferred((power, bent("linear", where, nats, rate))).structure.form == first

@@ -42,7 +42,8 @@ def test_scatter_of_a_logged_noise_is_no_jitter(
     noise = SimpleNamespace(noise_db=np.full(ROWS, 3.0))
     monkeypatch.setattr(own_scatter, "logs", lambda *_: noise)
     frame = pd.DataFrame({"rx_power_dbm": level})
-    search = SimpleNamespace(logged=logged, work=SimpleNamespace(frame=frame), comparison=None)
+    work = SimpleNamespace(frame=frame)
+    search = SimpleNamespace(logged=logged, work=work, comparison=None, seed=0)
     jitter = TimestampJitter()
     assert beyond_causes(search, (jitter,), jitter).adequate is named  # type: ignore[arg-type]
 
@@ -66,9 +67,9 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
 
     monkeypatch.setattr(own_scatter, "versions", lambda _, rows, added: ensemble(rows, added, 8))
     recorded = SimpleNamespace(names=())  # nothing to ask of the shape of the scatter
-    work = SimpleNamespace(rows=links, recorded=recorded)
+    work = SimpleNamespace(rows=links, recorded=recorded, frame=pd.DataFrame(index=links))
     comparison = SimpleNamespace(ensemble=ensemble)
-    search = SimpleNamespace(logged=(), work=work, comparison=comparison)
+    search = SimpleNamespace(logged=(), work=work, comparison=comparison, seed=0)
     jitter = TimestampJitter()
     found = beyond_causes(search, (beside, jitter), jitter)  # type: ignore[arg-type]
     assert found.adequate is named
