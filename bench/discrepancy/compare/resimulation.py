@@ -12,6 +12,7 @@ from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import Observables, Window
 from bench.discrepancy.settings import UNLIMITED_MEMBERS
 from bench.errors import BenchError
+from bench.physics.outcome import Outcome
 from bench.physics.simulator import Simulator
 
 
@@ -50,6 +51,11 @@ class Resimulation:
         simulators = [self._cropped(self.with_effects(added), view) for added in many]
         made = self.stages.variants(simulators, view.scene, 0, view.waveform)
         return [None if one is None else _beside(view, one) for one in made]
+
+    def outcome(self, view: View, added: Added, number: int) -> Outcome:
+        """Return one simulated version of recorded rows with its samples, in the window alone."""
+        simulator = self._cropped(self.with_effects(added), view)
+        return simulator.observe(view.scene, replicate=number)
 
     def distinct(self, view: View) -> int:
         """Return how many members repeat nothing of each other: any number."""

@@ -54,6 +54,7 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.memory import Memory
+from bench.physics.outcome import Outcome
 from bench.physics.simulator import Simulator
 
 CHANGED = ("error_m", "rx_power_dbm")
@@ -110,6 +111,11 @@ class TableComparison:
             values = seen.values[pick] + self._nearer(seen, view, pick) + change
             replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
+
+    def outcome(self, view: View, added: Added, number: int) -> Outcome:
+        """Return one matched version of recorded rows with its samples, with effects `added`."""
+        versions = self.versions(view)
+        return self.waveforms.outcome(view, versions[number % len(versions)], added, number)
 
     def _changes(self, seen: Observables, view: View, added: Added, numbers: range) -> list[Floats]:
         """Return what the effects change in every replicate, each [n, p].

@@ -58,6 +58,10 @@ class TableWaveforms:
             for one in self._some(view, picks[at : at + most], added, replicates[at : at + most])
         ]
 
+    def outcome(self, view: View, pick: Rows, added: Added, replicate: int) -> Outcome:
+        """Return one matched version, its samples with it."""
+        return self._observed(view, [pick], added, [replicate], True)[0]
+
     def _some(
         self, view: View, picks: Sequence[Rows], added: Added, replicates: Sequence[int]
     ) -> list[Observables]:

@@ -20,6 +20,7 @@ from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
 from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
     BEAM,
@@ -40,7 +41,7 @@ from bench.discrepancy.joint.settings import (
     STEPS,
 )
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.tone_or_noise import counterparts, told_apart
+from bench.discrepancy.joint.tone_or_noise import counterparts, steady, told_apart
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.errors import BenchError
 from bench.physics.effect import Effect
@@ -72,6 +73,7 @@ class Sets:
         able = [kind for kind in kinds if kind.name not in have]
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
+        self.quiet = Quiet(self.given)
         self._plains: Memory[Fit] = Memory(KEPT)
         self._evidences: Memory[float] = Memory(KEPT)
 
@@ -138,9 +140,13 @@ class Sets:
 
         By this sets are compared: how likely a fit is says nothing of what devices have of their
         own, so one cause that differs from device to device would lose to another that scatters.
+        With what samples of noise alone say of a tone, which the statistics of rows do not show.
         """
+        return self._evidences.get(fit.effects, lambda: self._evidence(fit))
+
+    def _evidence(self, fit: Fit) -> float:
         parts = fit.moments, fit.responses, fit.parameters
-        return self._evidences.get(fit.effects, lambda: evidence(self.given, *parts))
+        return evidence(self.given, *parts) + self.quiet.nats(fit.effects)
 
     def worth(self, fit: Fit) -> float:
         """Return the evidence of a set without what it does not need, in nats."""
@@ -257,8 +263,19 @@ class Sets:
         least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
         near = [one for one in made if self.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]
-        best = {one.names[-1]: one.effects[-1] for one in sorted([*near, *same], key=self.evidence)}
+        able = [one for one in (*near, *same) if not self._told(fit, one)]
+        best = {one.names[-1]: one.effects[-1] for one in sorted(able, key=self.evidence)}
         return tuple(best[one] for one in reversed(best) if one != name)
+
+    def _told(self, fit: Fit, other: Fit) -> bool:
+        """Return whether samples of noise alone tell two sets apart, and the first is likelier.
+
+        No form of a noise floor makes these alike within a record, as a tone does.
+        """
+        said = self.quiet.nats(fit.effects) - self.quiet.nats(other.effects)
+        if not steady(self.given, other):
+            said = max(said, steady(self.given, fit))
+        return said >= CLASS_NATS and self.evidence(fit) - self.evidence(other) >= CLASS_NATS
 
     def _same(self, fit: Fit, rest: Fit, name: str, least: float) -> list[Fit]:
         """Return sets with what may do the same as one that does well, where that is not told."""

@@ -75,6 +75,18 @@ SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set 
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 DB_PER_NEPER: Final = 8.686  # of an amplitude [derived]
 TONE_FADING_DB: Final = 3.0  # of a tone where its fit begins: half that of a Rayleigh channel
+QUIET_FEWEST: Final = 24  # samples of noise alone in a record, to say how they scatter: of fewer
+# the colour of the noise moves that by more than it is uncertain [derived]
+QUIET_LOUDER: Final = 1.26  # times the power before the path, up to which samples behind the last
+# path hold noise alone: one decibel [convention]
+QUIET_SMOOTH: Final = 8  # samples that this power is averaged over, as many as are before the path
+QUIET_MEMBERS: Final = 4  # simulated versions of them [cost]
+QUIET_ERROR: Final = 0.01  # of the mean squared power over the square, 2 of noise, by which that of
+# a receiver is off: samples are whole numbers, and clipped [convention]
+QUIET_MOST_NATS: Final = 100.0  # that they may say: that is beyond doubt, and a share of it asks no
+# more of another name than NAME_NATS [derived]
+STEADY_PARTS: Final = (0.5, 1.0)  # of what a steady tone does, that another does: two that beat do
+# half [derived]
 RISE_NS: Final = 2.0  # of an edge of 500 MHz: by at most so much a level moves it [derived]
 LOUDER: Final = 3.0  # times what a refused name brings, from where on another stands without it
 BOUNDS_INFORMATION: Final = 12.0  # of a parameter that lies anywhere between its bounds [derived]

@@ -62,6 +62,14 @@ def told_apart(given: Statistics, fit: Fit, name: str) -> float:
     return _logged(given, fit, effect) if NOISE in given.names else float("inf")
 
 
+def steady(given: Statistics, fit: Fit) -> float:
+    """Return the nats by which early samples speak for the tone of a set, 0 where it has none."""
+    tone = NarrowbandInterference.name
+    if tone not in fit.names:
+        return 0.0
+    return steadied(given, fit.moments, fit.responses[fit.names.index(tone)])
+
+
 def steadied(given: Statistics, moments: Moments, response: Floats) -> float:
     """Return the nats by which early samples scatter as little as a tone's `response` [L, p] says.
 

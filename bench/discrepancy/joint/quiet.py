@@ -1,0 +1,127 @@
+"""How the samples that hold nothing but noise scatter within a record: a tone makes them alike.
+
+Before the first path there are some ten samples; behind the last one there may be a hundred. The
+mean of the squared power of noise is twice the square of its mean power; a tone of K times its
+power beside it takes K^2 / (1 + K)^2 off (Rice 1945), half as much where two tones of one size
+beat, and a louder noise nothing. So a set with a tone is likelier, or less likely, than one with a
+noise floor of the same power by how much the recorded samples have of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from bench.discrepancy.compare.records import recorded_samples, simulated_samples
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.joint.settings import (
+    KEPT,
+    QUIET_ERROR,
+    QUIET_FEWEST,
+    QUIET_LOUDER,
+    QUIET_MEMBERS,
+    QUIET_MOST_NATS,
+    QUIET_SMOOTH,
+    STEADY_PARTS,
+)
+from bench.discrepancy.joint.statistics import Floats, Statistics
+from bench.discrepancy.settings import NOISE_BEFORE_NS
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.memory import Memory
+
+
+@dataclass(frozen=True)
+class Heard:
+    """Recorded rows: which samples are `quiet` [K], their ratio's mean and its standard error."""
+
+    quiet: NDArray[np.bool_]
+    ratio: float
+    error: float
+
+
+class Quiet:
+    """What quiet samples say of sets with a tone in them."""
+
+    def __init__(self, given: Statistics) -> None:
+        self.given = given
+        self._ratios: Memory[float] = Memory(KEPT)
+        self._heard = self._listened()
+
+    def nats(self, effects: Added) -> float:
+        """Return by how much likelier a set is than one with noise in place of its tone, in nats.
+
+        0 where it has none, or where too few samples are quiet.
+        """
+        rest = tuple(one for one in effects if not isinstance(one, NarrowbandInterference))
+        if self._heard is None or len(rest) == len(effects):
+            return 0.0
+        before, after = self._ratio(rest, self._heard), self._ratio(effects, self._heard)
+        return speaks(self._heard.ratio - before, after - before, self._heard.error)
+
+    def _listened(self) -> Heard | None:
+        """Return the recorded rows as heard, None where too few samples are quiet."""
+        given = self.given
+        recorded = recorded_samples(given.comparison, given.rows)
+        bare = simulated_samples(given.comparison, given.rows, given.beside, 0)
+        if recorded is None or bare is None:
+            return None
+        quiet = quiet_samples(*recorded) & quiet_samples(*bare)
+        if quiet.sum() < QUIET_FEWEST:
+            return None
+        ours, theirs = (ratios(samples[0][:, quiet]) for samples in (recorded, bare))
+        links = given.of_links(ours[:, None])[:, 0]
+        square = links.var() / given.links + theirs.var() / (QUIET_MEMBERS * len(np.unique(theirs)))
+        return Heard(quiet, float(ours.mean()), float(np.sqrt(square + QUIET_ERROR**2)))
+
+    def _ratio(self, added: Added, heard: Heard) -> float:
+        """Return the mean ratio of quiet samples of simulated rows with effects."""
+        return self._ratios.get(added, lambda: self._simulated(added, heard))
+
+    def _simulated(self, added: Added, heard: Heard) -> float:
+        given, every = self.given, []
+        for number in range(QUIET_MEMBERS):
+            effects = (*given.beside, *added)
+            made = simulated_samples(given.comparison, given.rows, effects, number)
+            assert made is not None  # the bare rows have samples
+            every.append(float(ratios(made[0][:, heard.quiet]).mean()))
+        return float(np.mean(every))
+
+
+def speaks(left: float, tone: float, error: float) -> float:
+    """Return the nats by which a ratio that is `left` is a `tone`'s rather than noise's.
+
+    Both as differences from the ratio of noise, `tone` that of a steady tone: of one whose size
+    changes within a record a part is seen, any as likely. What is as far on the other side speaks
+    for neither.
+    """
+    near, parts = -abs(left), np.linspace(*STEADY_PARTS, 11)
+    each = 0.5 * (near**2 - np.square(near - parts * tone)) / error**2
+    nats = float(logsumexp(each)) - np.log(len(parts))
+    return float(np.clip(min(nats, 0.0) if left > 0 else nats, -QUIET_MOST_NATS, QUIET_MOST_NATS))
+
+
+def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
+    """Return which samples [K] of rows [n, K] hold noise alone, as those before the path do.
+
+    Those before it, and those from where on the mean power is that of these.
+    """
+    power, at = np.nanmean(magnitude**2, axis=0), np.nanmean(delay, axis=0)
+    early = np.asarray(at < NOISE_BEFORE_NS)
+    if not early.any():
+        return early
+    smooth = np.convolve(power, np.full(QUIET_SMOOTH, 1 / QUIET_SMOOTH), "same")
+    loud = np.flatnonzero(~early & ~(smooth <= QUIET_LOUDER * power[early].mean()))
+    return np.asarray(early | (np.arange(len(power)) > loud.max(initial=early.sum())))
+
+
+def ratios(magnitude: Floats) -> Floats:
+    """Return the mean squared power over the squared mean power of each row [n] of samples [n, K].
+
+    Beside the mean power of every sample, as some may hold a little of a tail. 2 of noise.
+    """
+    power = magnitude**2
+    power = power / np.nanmean(power, axis=0)
+    return np.asarray(np.nanmean(power**2, axis=1) / np.nanmean(power, axis=1) ** 2)

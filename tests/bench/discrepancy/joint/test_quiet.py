@@ -1,0 +1,90 @@
+"""Samples that hold nothing but noise: how they scatter tells a tone from a noise floor."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.joint import quiet
+from bench.discrepancy.joint.quiet import Quiet, quiet_samples, ratios, speaks
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
+
+ROWS, SAMPLES, BEFORE = 240, 100, 12
+TONE, FLOOR = NarrowbandInterference(level_db=0.0), NoiseFloor(level_db=3.0)
+
+
+def test_what_is_before_the_path_and_behind_the_last_one_is_quiet():
+    rng = np.random.default_rng(0)
+    magnitude, delay = _samples(rng, 0.0)
+
+    found = quiet_samples(magnitude, delay)
+
+    assert found[: BEFORE - 3].all()
+    assert not found[BEFORE : BEFORE + 20].any()
+    assert found[-40:].all()
+    assert not quiet_samples(magnitude[:, BEFORE:], delay[:, BEFORE:]).any()
+
+
+def test_a_tone_makes_quiet_samples_alike_as_rice_says():
+    rng = np.random.default_rng(1)
+    noise, tone = (ratios(_quiet(rng, power)).mean() for power in (0.0, 1.0))
+
+    assert noise == pytest.approx(2.0, abs=0.05)
+    assert noise - tone == pytest.approx(0.25, abs=0.04)
+
+
+def test_a_ratio_speaks_for_a_tone_or_for_noise_or_for_neither():
+    assert speaks(-0.2, -0.2, 0.03) > 10
+    assert speaks(0.0, -0.2, 0.03) < -3
+    assert speaks(0.12, -0.2, 0.03) > -3  # less alike than noise: some other thing
+    assert speaks(0.12, -0.2, 0.03) <= 0
+    assert abs(speaks(0.0, -0.01, 0.03)) < 0.1  # a weak tone does nothing to see
+    assert speaks(-0.1, -0.2, 0.03) > 0  # two tones that beat
+
+
+@pytest.mark.parametrize(("power", "for_a_tone"), [(1.0, True), (0.0, False)])
+def test_sets_with_a_tone_are_likelier_where_one_was_recorded(monkeypatch, power, for_a_tone):
+    heard = _heard(monkeypatch, power)
+
+    assert heard.nats(()) == heard.nats((FLOOR,)) == 0.0
+    assert (heard.nats((TONE,)) > 3) if for_a_tone else (heard.nats((TONE,)) < -3)
+
+
+def test_where_hardly_a_sample_is_quiet_nothing_is_said(monkeypatch):
+    assert _heard(monkeypatch, 1.0, samples=BEFORE + 30).nats((TONE,)) == 0.0
+
+
+def _heard(monkeypatch, power: float, samples: int = SAMPLES) -> Quiet:
+    """Return recorded rows with a tone of this power over the noise's, none where it is 0."""
+    recorded = _samples(np.random.default_rng(2), power, 1.0 if power else 2.0, samples)
+
+    def simulated(comparison, rows, added, number):
+        tone = any(isinstance(one, NarrowbandInterference) for one in added)
+        return _samples(np.random.default_rng([3, number]), float(tone), 1.0, samples)
+
+    monkeypatch.setattr(quiet, "recorded_samples", lambda comparison, rows: recorded)
+    monkeypatch.setattr(quiet, "simulated_samples", simulated)
+    links = np.repeat(np.arange(ROWS // 4), 4)
+    means = lambda values: values.reshape(-1, 4, values.shape[1]).mean(axis=1)  # noqa: E731
+    given = SimpleNamespace(
+        comparison=None, rows=None, beside=(), links=ROWS // 4, code=links, of_links=means
+    )
+    return Quiet(given)
+
+
+def _samples(rng, tone: float, noise: float = 1.0, samples: int = SAMPLES):
+    """Return rows with a path of 20 samples amid noise of a power, beside a tone of a power."""
+    delay = np.tile(np.arange(samples) - float(BEFORE), (ROWS, 1))
+    path = np.where((delay >= -2) & (delay < 20), 30.0, 0.0)
+    return np.abs(_wave(rng, tone, noise, samples) + path), delay
+
+
+def _quiet(rng, tone: float):
+    return np.abs(_wave(rng, tone, 1.0, SAMPLES))
+
+
+def _wave(rng, tone: float, noise: float, samples: int):
+    parts = rng.normal(size=(2, ROWS, samples)) * np.sqrt(noise / 2)
+    turns = 0.08 * np.arange(samples) + rng.random((ROWS, 1))
+    return parts[0] + 1j * parts[1] + np.sqrt(tone) * np.exp(2j * np.pi * turns)
