@@ -9,6 +9,7 @@ maximisation: Dempster, Laird and Rubin 1977).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from bench.discrepancy.joint.settings import (
     CALM_SHARE,
     DONE_NATS,
     MOST_STRUCK,
+    STRIKE_PASSES,
     STRIKE_POINTS,
     STRIKE_TURNS,
     STRUCK_FEWEST,
@@ -79,18 +81,26 @@ class Mixture:
         self.begun = self._at({p.name: p.default for p in self.free})
 
     def fitted(self, begin: Values | None = None) -> Mixed | None:
-        """Return the likeliest mixture of a search along one parameter after the other.
+        """Return the likeliest mixture of a search along its parameters, over and over.
 
         From values of these on; None where the effect, by default as it is, strikes no link.
         """
         best = self._at(begin) if begin else self.begun
         if best is None or best.best < self.spared.sum():
             return None
-        for item in self.free:
-            for share in STRIKE_POINTS:
-                value = between(item, item.low, item.high, share)
-                made = self._at({**best.values, item.name: value})
-                best = made if made and made.best > best.best else best
+        for _ in range(STRIKE_PASSES):
+            before = best.best
+            best = self._along(best)
+            if best.best < before + DONE_NATS:
+                break
+        return best
+
+    def _along(self, best: Mixed) -> Mixed:
+        """Return the likeliest mixture along one parameter after the other."""
+        for item, share in product(self.free, STRIKE_POINTS):
+            value = between(item, item.low, item.high, share)
+            made = self._at({**best.values, item.name: value})
+            best = made if made and made.best > best.best else best
         return best
 
     def _at(self, values: Values) -> Mixed | None:

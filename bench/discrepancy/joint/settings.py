@@ -95,7 +95,9 @@ SIZE_MEMBERS: Final = 8  # simulated versions for them [cost]
 SIZE_WIDER: Final = 3.0  # times what slopes say: valleys bend, and fits end before their floor.
 # Measured on recordings of known effects, seeds 52960 and 73311: 86 % hold the truth so, 61 % at 1
 
-STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45)  # of the bounds, of a strike [cost]
+STRIKE_POINTS: Final = (0.03, 0.1, 0.25, 0.45, 0.7, 0.9)  # of the bounds, of a strike [cost]
+STRIKE_HARD: Final = 0.45  # of the bounds, up to which a strike must leave a statistic known [cost]
+STRIKE_PASSES: Final = 4  # over its parameters, while they gain [cost]
 STRIKE_TURNS: Final = 3  # of fitting effects to spared links, and asking which are struck [cost]
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
 MOST_STRUCK: Final = 0.75  # of the links: what strikes nearly all has no calm ones to show it
@@ -109,3 +111,15 @@ LONGER_M: Final = 0.03  # by which struck links read longer, in the median [conv
 SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which read short by far where
 # both ways are moved alike: of eight so moved, in six draws of seven [derived]
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck
+PREDICTED_SHARE: Final = 0.25  # of which those are, that it tells then (as a correlation a
+# half), where straight paths are seen behind what stands there [convention]
+
+EARLIEST_SAMPLES: Final = 40  # before a detected path, where a straight one is looked for [cost]
+STRAIGHT_NS: Final = (-0.5, 2.5)  # about the edge of a straight path that would be detected: so
+# long its pulse of 2 ns lasts [derived]
+AHEAD_NS: Final = 4.0  # before that there is noise alone [derived]
+EDGE_NS: Final = tuple(-8.0 + 0.5 * step for step in range(19))
+# delays, in which the rise of a detected edge is looked for [convention]
+RISEN: Final = 2.0  # times the noise, from where on that edge rises [convention]
+SHOULDER_NS: Final = 1.0  # by which edges of struck links may rise sooner: paths close together
+# have one edge, that is less steep. With 0 one blocked table in 25 showed a straight path [joint]

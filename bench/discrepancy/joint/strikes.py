@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm, rankdata
 
 from bench.discrepancy.compare.crps import cluster_bootstrap
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
@@ -35,11 +36,14 @@ from bench.discrepancy.joint.settings import (
     NAME_NATS,
     NAME_SHARE,
     PREDICTED_P,
+    PREDICTED_SHARE,
     SHORT_OF_STRUCK,
     STRIKE_ALIKE,
+    STRIKE_HARD,
     STRIKE_POINTS,
 )
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians, rows_off
@@ -78,17 +82,28 @@ def strike_beside(
     bases = list(dict.fromkeys(((), added)))
     shared = [_common(given, base) for base in bases]
     common = max(shared)
-    least = max(NAME_NATS, NAME_SHARE * (common - shared[0]))  # less may only mend a form
     found = [one for kind in able if (one := _found(given, bases, kind))]
     found.sort(key=_nats, reverse=True)
     if found and found[0].nats - common > NAME_NATS and found[0].mixture.beside:
         found = sorted(_refitted(found, able), key=_nats, reverse=True)
-    if not found or found[0].nats - common < least or not _witnessed(comparison, found[0]):
+    if not found or found[0].nats - common < NAME_NATS:
         return None
-    if found[0].nats - common < least + found[0].mixture.by_chance(found[0].best):
+    seen = _straight_nats(comparison, found[0])
+    if not _witnessed(comparison, found[0], seen):
         return None
-    first, *others = (_strike(one, common) for one in _alike(found, common))
+    if found[0].nats - common + seen < least_nats(common - shared[0], found[0], seen):
+        return None
+    first, *others = (_strike(one, common) for one in told(_alike(found, common), seen))
     return replace(first, others=tuple(others))
+
+
+def least_nats(explained: float, found: Found, seen: float) -> float:
+    """Return what a strike must bring beside effects that explain so much, in nats.
+
+    Less than a share of that may only mend a form of theirs, but where straight paths are seen.
+    """
+    share = 0.0 if seen > NAME_NATS else NAME_SHARE * explained
+    return max(NAME_NATS, share) + found.mixture.by_chance(found.best)
 
 
 def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
@@ -97,7 +112,7 @@ def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
         assert kind.strikes is not None
         share, size = kind.strikes
         item = next(p for p in kind.parameters() if p.name == size)
-        for point in (STRIKE_POINTS[0], STRIKE_POINTS[-1]):
+        for point in (STRIKE_POINTS[0], STRIKE_HARD):
             value = between(item, item.low, item.high, point)
             given = given.knowing((valued(kind, {share: 1.0, size: value}),))
     return given
@@ -147,24 +162,48 @@ def _alike(found: Sequence[Found], common: float) -> list[Found]:
     return [one for one in found if one is found[0] or one.nats - common > gap]
 
 
-def _witnessed(comparison: Comparison, found: Found) -> bool:
+def told(alike: Sequence[Found], seen: float) -> Sequence[Found]:
+    """Return of the kinds that do as well those that leave straight paths, where these are seen.
+
+    Nothing arrives before the detour where a path is blocked; where it is weakened it does.
+    """
+    left = [one for one in alike if not one.mixture.kind.silent_before]
+    return left if left and seen > CLASS_NATS else alike
+
+
+def _straight_nats(comparison: Comparison, found: Found) -> float:
+    """Return how sure the straight paths of struck links are seen, in nats."""
+    longer_m = _made(comparison, found).residual_of(RANGE)
+    return straight_nats(found.mixture.given.rows, found.struck, longer_m)
+
+
+def _made(comparison: Comparison, found: Found) -> Ensemble:
+    """Return recorded rows beside simulated ones that nothing struck."""
+    rows, beside = found.mixture.given.rows, found.mixture.beside
+    return comparison.ensemble(rows, beside, SCORE_MEMBERS, SCORE_FIRST)
+
+
+def _witnessed(comparison: Comparison, found: Found, seen: float) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
     Some are struck and more are not, nothing known tells which, their ranges are longer, and
-    those of all their rows.
+    those of all their rows. Where straight paths are seen (`seen` nats) something stands there, and
+    what does stands somewhere: then what is known may tell a little.
     """
     struck, able = found.struck, ~found.mixture.inert
     if not found.divides:
         return False
     given = found.mixture.given
-    made = comparison.ensemble(given.rows, found.mixture.beside, SCORE_MEMBERS, SCORE_FIRST)
+    made = _made(comparison, found)
     if RANGE not in made.names or rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
         return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
     known = np.isfinite(offset_m)
     longer = is_longer(offset_m[known], struck[known])
     short = longer and as_often_short(offset_m[known], struck[known])
-    return longer and not short and not predicted(given.known[able], struck[able])
+    least = PREDICTED_SHARE if seen > CLASS_NATS else 0.0
+    known_which = predicted(given.known[able], struck[able], least)
+    return longer and not short and not known_which
 
 
 def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
@@ -188,18 +227,20 @@ def as_often_short(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
     return bool(short.sum() > SHORT_OF_STRUCK * struck.sum())
 
 
-def predicted(known: Floats, struck: NDArray[np.bool_]) -> bool:
+def predicted(known: Floats, struck: NDArray[np.bool_], least: float = 0.0) -> bool:
     """Return whether something known [L, q] tells which links [L] are struck: then it is no chance.
 
-    By its correlation, with a correction for how many there are (Bonferroni).
+    By its correlation, with a correction for how many there are (Bonferroni); and whether that is
+    `least` of the variance.
     """
     if not known.shape[1]:
         return False
     beside = known - known.mean(axis=0)
     mine = struck - struck.mean()
     wide = np.sqrt((beside**2).sum(axis=0) * (mine**2).sum())
-    z = np.sqrt(len(mine)) * np.abs(mine @ beside) / np.maximum(wide, np.finfo(float).tiny)
-    return bool(z.max() > norm.isf(PREDICTED_P / (2 * known.shape[1])))
+    most = float((np.abs(mine @ beside) / np.maximum(wide, np.finfo(float).tiny)).max())
+    z = np.sqrt(len(mine)) * most
+    return bool(z > norm.isf(PREDICTED_P / (2 * known.shape[1])) and most**2 > least)
 
 
 def _strike(found: Found, common: float) -> Strike:

@@ -31,6 +31,7 @@ class BlockedPath(Effect):
     control = "rows with line of sight"
     per_link = True
     strikes = ("share", "detour_m")
+    silent_before = True
     essential_with_cir = ("detour_m",)  # a reflection at the path itself blocks nothing
 
     share: float = parameter(0.3, "ratio", 0, 1, "of the links without line of sight", null=0)

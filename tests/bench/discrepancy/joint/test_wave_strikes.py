@@ -12,14 +12,23 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.mixture import Mixture, mixed
-from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.joint.mixture import Found, Mixture, mixed
+from bench.discrepancy.joint.settings import CLASS_NATS, NAME_NATS, NAME_SHARE
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.strikes import as_often_short, is_longer, predicted, strike_beside
+from bench.discrepancy.joint.straight import straight_nats
+from bench.discrepancy.joint.strikes import (
+    as_often_short,
+    is_longer,
+    least_nats,
+    predicted,
+    strike_beside,
+    told,
+)
 from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
@@ -133,3 +142,54 @@ def test_what_makes_as_many_ways_shorter_strikes_none(short: int, often: bool) -
     assert not predicted(known, struck)
     known[:, 1] += 2 * struck
     assert predicted(known, struck)
+    weakly = np.corrcoef(known[:, 1], struck)[0, 1] ** 2
+    assert predicted(known, struck, 0.9 * weakly)
+    assert not predicted(known, struck, 1.1 * weakly)
+
+
+def with_lead(hidden: Added, seed: int) -> pd.DataFrame:
+    """Return four rows of each of 80 links, whose CIRs begin well before the path; SIMULATED."""
+    rng = np.random.default_rng(seed)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(80)] * 4,
+            "true_range_m": np.tile(rng.uniform(2, 15, 80), 4),
+        }
+    )
+    made = Simulator(Base(cir_lead=12), (DiffuseTail(), *hidden), seed, "test").observe(
+        scene(frame), seed, 77
+    )
+    return made.table(frame)
+
+
+def nats_of_straight(hidden: Effect, seed: int) -> float:
+    """Return how sure a straight path is seen in the links that `hidden` makes read longer."""
+    late = 0.3
+    frame = with_lead((hidden,), seed)
+    rows = compared(frame)[1]
+    longer_m = (frame["error_m"] - with_lead((), seed)["error_m"]).to_numpy()
+    struck = pd.Series(longer_m).groupby(rows.links).median().to_numpy() > late
+    return straight_nats(rows, struck, longer_m)
+
+
+def test_a_weakened_straight_path_is_seen_before_the_detour_and_a_blocked_one_is_not():
+    """It stays under the threshold of detection, as all rows of the struck links tell together."""
+    weak = ObstructedPath(0.4, loss_db=34.0, loss_spread_db=2.0, common=0.0, detour_m=2.0)
+    gone = BlockedPath(0.4, detour_m=2.0)
+    for seed in range(3):
+        assert nats_of_straight(weak, seed) > CLASS_NATS > nats_of_straight(gone, seed)
+
+
+def test_where_straight_paths_are_seen_nothing_is_blocked():
+    given = Statistics(*compared(recordings((STRUCK,))))
+    mixtures = [Mixture(given, (), kind) for kind in (BlockedPath, ObstructedPath)]
+    alike = [Found(one, one.begun, 50.0) for one in mixtures if one.begun]
+    assert told_kinds(alike, CLASS_NATS + 1) == ["obstructed-path"]
+    assert told_kinds(alike, CLASS_NATS - 1) == ["blocked-path", "obstructed-path"]
+    assert least_nats(1000.0, alike[1], NAME_NATS - 1) > 1000 * NAME_SHARE - 1
+    assert least_nats(1000.0, alike[1], NAME_NATS + 1) < 1000 * NAME_SHARE
+
+
+def told_kinds(alike: list[Found], seen: float) -> list[str]:
+    """Return the names of the kinds that are left."""
+    return [one.mixture.kind.name for one in told(alike, seen)]
