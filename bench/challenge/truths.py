@@ -1,22 +1,19 @@
-"""True parameters of hidden effects, in the terms of the effects that were named.
+"""True parameters of hidden effects, in the terms of the effect that was named.
 
-The generator has functional forms of its own, so the true values of library parameters are those
-that bring the library's effects nearest to what was hidden, without noise (the pseudo-true values
-of White 1982): least squares over all rows of the case. All that is rightly named is brought near
-together, as it was fitted: where one cause changes another (a gain the level that a bias goes by),
-what the forms cannot follow falls to whichever can.
+The generator has functional forms of its own, so the true value of a library parameter is the one
+that brings the library's effect nearest to what was hidden, without noise (the pseudo-true value
+of White 1982): least squares over all rows of the case.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from bench.challenge.alone import SAME_M, shift_of
+from bench.challenge.alone import shift_of
 from bench.challenge.cases import Case
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
@@ -28,22 +25,10 @@ from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut
 from bench.physics.base import Base
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.device_clock import DeviceClock
-from bench.physics.effects.fitted.device_delay import DeviceDelay
-from bench.physics.effects.fitted.pattern_curve import PatternCurve
-from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.simulator import Simulator
 
 Floats = NDArray[np.float64]
 RANDOM = ("blocked-path", "timestamp-jitter", "obstructed-path", "late-detection")
-PASSES = 3  # over effects that are brought near together: few, so that what cannot be told apart (a
-# constant of two) stays where each has it by itself
-FIELDS: dict[type[Effect], str] = {
-    DeviceClock: "offsets_ppm",
-    DeviceDelay: "delays_ns",
-    PatternCurve: "bias_m",
-    PowerCurve: "bias_m",
-}
 DETERMINED = 0.5  # an interval wider than this share of the bounds says: not determined
 
 
@@ -64,30 +49,13 @@ def compared(case: Case, found: Diagnosis) -> list[Compared]:
     """
     if case.drawn.concealed == "aggregate":
         return []
-    shifts = [(option, shift_of(case, option.names[0])) for option in _rightly_named(case, found)]
-    able = [(o, shift) for o, shift in shifts if shift is not None and np.abs(shift).max() > 0]
-    truths = true_values(_whole(case), [o for o, _ in able], [shift for _, shift in able])
-    return [one for (o, _), truth in zip(able, truths, strict=True) for one in _beside(o, truth)]
-
-
-def true_values(
-    whole: View, options: Sequence[LeftOut], shifts_m: Sequence[Floats]
-) -> list[dict[str, float]]:
-    """Return the true value of every parameter by name, for effects that shift ranges so [n].
-
-    First each by itself; then each by what the others leave of all shifts. What rounds is taken to
-    do its shift, of which it has a mark alone.
-    """
-    made = [_truth(whole, o, shift) for o, shift in zip(options, shifts_m, strict=True)]
-    free = [number for number, o in enumerate(options) if not type(o.effect).marked]
-    for number in set(range(len(options))) - set(free):
-        made[number] = made[number][0], shifts_m[number]
-    for _ in range(PASSES if len(options) > 1 else 0):
-        for number in free:
-            others = [one for one in range(len(options)) if one != number]
-            left = np.sum(shifts_m, axis=0) - sum(made[one][1] for one in others)
-            made[number] = _truth(whole, options[number], left)
-    return [values for values, _ in made]
+    whole = _whole(case)
+    out: list[Compared] = []
+    for option in _rightly_named(case, found):
+        shift = shift_of(case, option.names[0])
+        if shift is not None and np.abs(shift).max() > 0:
+            out += _beside(option, _truth(whole, option, shift))
+    return out
 
 
 def _rightly_named(case: Case, found: Diagnosis) -> list[LeftOut]:
@@ -104,59 +72,31 @@ def _whole(case: Case) -> View:
     return view(frame, link_codes(frame), rows, Window(), ("error_m",), False)
 
 
-def _truth(whole: View, option: LeftOut, shift_m: Floats) -> tuple[dict[str, float], Floats]:
-    """Return the true value of every parameter by name, and the shift of such an effect [n]."""
+def _truth(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
+    """Return the true value of every parameter by name."""
     latent = latent_values(whole, option.effect)
-    if latent is None:
-        return _nearest(whole, option, shift_m)
-    names, _, values = latent
-    found = values(np.arange(len(shift_m)), shift_m, True)
-    effect = _holding(whole, option.effect, found, shift_m)
-    return dict(zip(names, found.tolist(), strict=True)), change_m(whole, effect)
+    if latent is not None:
+        names, _, values = latent
+        return dict(zip(names, values(np.arange(len(shift)), shift, True).tolist(), strict=True))
+    return _nearest(whole, option, shift)
 
 
-def _holding(whole: View, effect: Effect, values: Floats, shift_m: Floats) -> Effect:
-    """Return an effect with other values; those that no row tells are as those beside them."""
-    if type(effect) not in FIELDS:
-        return type(effect).fit_values(whole.frame, shift_m) or effect
-    place, known = np.arange(len(values)), np.isfinite(values)
-    whole_values = np.interp(place, place[known], values[known]) if known.any() else 0.0 * place
-    plain: dict[str, tuple[float, ...]] = {
-        one: () for one in ("knots_s", "wander_ppm", "gain_db") if hasattr(effect, one)
-    }
-    if hasattr(effect, "drifts_ppm_per_hour"):
-        plain["drifts_ppm_per_hour"] = (0.0,) * len(values)
-    return replace(effect, **{FIELDS[type(effect)]: tuple(whole_values.tolist())}, **plain)
-
-
-def _nearest(whole: View, option: LeftOut, shift_m: Floats) -> tuple[dict[str, float], Floats]:
-    """Return the determined parameters with which the effect is nearest to a shift, and its own.
-
-    What leaves ranges as they are (a gain, a loss) has no truth in a shift of them. Where not all
-    that moves ranges is determined, the effect can be anything, and is taken to do the shift.
-    """
+def _nearest(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
+    """Return the determined parameters with which the effect is nearest to the shift."""
     bounds = {p.name: (p.low, p.high) for p in type(option.effect).parameters()}
-    start = {p.name: p.value for p in option.parameters}
-
-    def shifted(**values: float) -> Floats:
-        return change_m(whole, revalued(option.effect, start | values))
-
-    ends = [(p, shifted(**{p.name: p.low}), shifted(**{p.name: p.high})) for p in option.parameters]
-    moving = [p for p, low, high in ends if np.abs(high - low).max() > SAME_M]
-    free = [p for p in moving if determined(p, *bounds[p.name])]
+    free = [p for p in option.parameters if determined(p, *bounds[p.name])]
     if not free:
-        return {}, shift_m
+        return {}
+    start = {p.name: p.value for p in option.parameters}
     low, high = (np.array([bounds[p.name][i] for p in free]) for i in (0, 1))
     first = np.clip([p.value for p in free], low + 1e-9, high - 1e-9)
 
-    def named(values: Floats) -> dict[str, float]:
-        return {p.name: float(v) for p, v in zip(free, values, strict=True)}
-
     def left(values: Floats) -> Floats:
-        return shifted(**named(values)) - shift_m
+        now = start | {p.name: float(v) for p, v in zip(free, values, strict=True)}
+        return change_m(whole, revalued(option.effect, now)) - shift
 
     made = least_squares(left, first, bounds=(low, high), x_scale=high - low)
-    return named(made.x), shifted(**named(made.x)) if free == moving else shift_m
+    return {p.name: float(v) for p, v in zip(free, made.x, strict=True)}
 
 
 def change_m(whole: View, effect: Effect) -> Floats:
