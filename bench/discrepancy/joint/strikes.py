@@ -91,10 +91,20 @@ def strike_beside(
     seen = _straight_nats(comparison, found[0])
     if not _witnessed(comparison, found[0], seen):
         return None
-    if found[0].nats - common + seen < least_nats(common - shared[0], found[0], seen):
+    alike = told(_alike(found, common), seen)
+    if not enough(alike[0], common, common - shared[0], seen):
         return None
-    first, *others = (_strike(one, common) for one in told(_alike(found, common), seen))
+    first, *others = (_strike(one, common) for one in alike)
     return replace(first, others=tuple(others))
+
+
+def enough(found: Found, common: float, explained: float, seen: float) -> bool:
+    """Return whether a strike brings what it must, straight paths that are seen (nats) with it.
+
+    They speak for what leaves them there: where it leaves none, they are nothing in its favour.
+    """
+    seen = 0.0 if found.mixture.kind.silent_before else seen
+    return found.nats - common + seen >= least_nats(explained, found, seen)
 
 
 def least_nats(explained: float, found: Found, seen: float) -> float:

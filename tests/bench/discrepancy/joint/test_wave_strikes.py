@@ -18,6 +18,7 @@ from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strikes import (
     as_often_short,
+    enough,
     is_longer,
     least_nats,
     predicted,
@@ -188,6 +189,16 @@ def test_where_straight_paths_are_seen_nothing_is_blocked():
     assert told_kinds(alike, CLASS_NATS - 1) == ["blocked-path", "obstructed-path"]
     assert least_nats(1000.0, alike[1], NAME_NATS - 1) > 1000 * NAME_SHARE - 1
     assert least_nats(1000.0, alike[1], NAME_NATS + 1) < 1000 * NAME_SHARE
+
+
+def test_straight_paths_that_are_seen_say_nothing_for_a_blocked_path():
+    given = Statistics(*compared(recordings((STRUCK,))))
+    mixtures = [Mixture(given, (), kind) for kind in (BlockedPath, ObstructedPath)]
+    blocked, weakened = (Found(one, one.begun, 0.0) for one in mixtures if one.begun)
+    for one, is_enough in ((blocked, False), (weakened, True)):
+        least = least_nats(0.0, one, 0.0)
+        assert enough(replace(one, nats=least + 1), 0.0, 0.0, 0.0)
+        assert enough(replace(one, nats=least - 1), 0.0, 0.0, NAME_NATS) is is_enough
 
 
 def told_kinds(alike: list[Found], seen: float) -> list[str]:
