@@ -43,7 +43,8 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
         "searched: of a test that knows the exact shape of the effect (ranges); of scatter, "
         "whose draws no test knows, of its variance (until seed 903127: of its draws); of the "
         "most moved observable's mean (waveforms, levels); of several causes, of the weakest "
-        "beside the others. Intervals of shares: 95 %, Wilson. "
+        "beside the others, to which scatter and rounding are noise (until seed 750991 they were "
+        "known in ranges). Intervals of shares: 95 %, Wilson. "
         f"Mean CPU time of a diagnosis: {_seconds(outcomes):.1f} s.",
         "",
     ]

@@ -42,6 +42,7 @@ MOST_Z = 999.0  # what does not scatter at all moves by any number of standard e
 # deviations for 90 % power; the search's cells are not the shape, which costs about a third.
 LIMIT_Z = 8.0
 SCATTERING = ("timestamp-jitter",)  # adds a draw of its own to every row
+UNKNOWABLE = (*SCATTERING, "range-rounding")  # noise to a test for anything else
 ALONE_GIVEN_AWAY = ("clock_offset_ppm",)  # columns that would tell the answer
 
 
@@ -72,7 +73,8 @@ class Case:
         Ranges: the matched-filter signal-to-noise ratio of the weakest hidden effect on the
         searched links, of a test that knows the exact shape of each, the others projected out. Of
         scatter no test knows the draws: there it is the deflection of the variance (Kay 1998,
-        section 5.3, a signal of known variance in white noise).
+        section 5.3, a signal of known variance in white noise). To a test for anything else scatter
+        is noise, and so is what rounding cuts off.
         Waveforms, and effects on levels alone: how far the mean of the most changed observable
         moved, in standard errors over the links that the search sees; of several, of the one that
         moves least beside the others.
@@ -248,15 +250,25 @@ def _on_ranges_alone(case: Case) -> Floats | None:
 def _matched(recorded: pd.DataFrame, shifts_m: Floats, names: tuple[str, ...]) -> float:
     """Return the signal-to-noise ratio of the weakest of some shapes [effects, n]."""
     error = recorded["error_m"].to_numpy(np.float64)
-    design = np.stack([*shifts_m, np.ones(len(error))], axis=1)
+    every = [_loudness(error, shifts_m, names, i) for i in range(len(shifts_m))]
+    return float(min(min(every) * np.sqrt(SEARCHED_SHARE["cir" in recorded]), MOST_Z))
+
+
+def _loudness(error: Floats, shifts_m: Floats, names: tuple[str, ...], which: int) -> float:
+    """Return the signal-to-noise ratio of one shape in errors [n], beside the others."""
+    beside = [
+        shift_m
+        for number, (name, shift_m) in enumerate(zip(names, shifts_m, strict=True))
+        if number != which and name not in UNKNOWABLE
+    ]
+    design = np.stack([shifts_m[which], *beside, np.ones(len(error))], axis=1)
     found = np.linalg.lstsq(design, error, rcond=None)[0]
-    noise = float(np.std(error - design @ found))
+    noise = max(float(np.std(error - design @ found)), 1e-12)
+    if names[which] in SCATTERING:
+        share = np.var(found[0] * shifts_m[which]) / noise**2
+        return float(share * np.sqrt(len(error) / 2))
     alone = np.linalg.pinv(design.T @ design + 1e-12 * np.eye(design.shape[1]))
-    spread = noise * np.sqrt(np.maximum(np.diag(alone), 1e-18))
-    z = (np.abs(found) / spread)[: len(shifts_m)]
-    for i in (i for i, name in enumerate(names) if name in SCATTERING):
-        z[i] = np.var(found[i] * shifts_m[i]) / max(noise, 1e-9) ** 2 * np.sqrt(len(error) / 2)
-    return float(min(z.min() * np.sqrt(SEARCHED_SHARE["cir" in recorded]), MOST_Z))
+    return float(abs(found[0]) / (noise * np.sqrt(max(alone[0, 0], 1e-18))))
 
 
 def _moved(clean: pd.DataFrame, recorded: pd.DataFrame) -> float:

@@ -76,6 +76,20 @@ def test_of_scatter_no_test_knows_the_draws():
     assert 3 < scatter < 6
 
 
+@pytest.mark.parametrize("beside", ["timestamp-jitter", "range-rounding"])
+def test_scatter_and_rounding_are_noise_to_a_test_for_anything_else(beside):
+    """A drift of 1 cm beside 3 cm of noise alone is loud; where 10 cm more scatter, it is not."""
+    rng = np.random.default_rng(1)
+    drift, scatter = rng.normal(0, 0.01, 900), rng.normal(0, 0.1, 900)
+    made = pd.DataFrame({"error_m": rng.normal(0, 0.03, 900) + drift + scatter})
+    shifts = np.stack([drift, scatter])
+    known, noise = (
+        cases._matched(made, shifts, ("range-scale", name)) for name in ("antenna-delay", beside)
+    )
+    assert known == pytest.approx(np.sqrt(0.75 * 900) / 3, rel=0.2)
+    assert noise == pytest.approx(known * 0.03 / np.hypot(0.03, 0.1), rel=0.5)
+
+
 def test_cases_do_not_show_their_answer(case):
     assert not {"clock_offset_ppm", "_rare"} & set(case.recorded.frame)
     assert not case.recorded.simulated
