@@ -11,6 +11,7 @@ ranges.
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
@@ -33,13 +34,16 @@ from bench.recordings.motion import SPEED
 OF_NOISE = "it scatters as the noise does that is logged"
 OF_MOTION = "it scatters as devices move"
 OWN = (OF_NOISE, OF_MOTION)
+FARTHER = "it scatters the more, the farther devices are apart"
+WEAKER = "it scatters the more, the weaker the signal"
 
 
 def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return whether independent scatter is told from that which other causes make themselves.
 
     Of rows beside their link: that of clocks must be likelier by 3 nats than one whose variance
-    goes with the noise that was not simulated over the signal, or with how far devices move. And it
+    goes with the noise that was not simulated over the signal, or with how far devices move. No
+    scatter that grows with the distance, or as the signal fades, may be likelier by as much. And it
     is drawn for every row, so rows that follow each other must differ as any two do.
     """
     if not type(effect).independent or type(effect).marked or search.work is None:
@@ -48,7 +52,8 @@ def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     made = versions(search.comparison, search.work, rest)
     if RANGE not in made.names:
         return Adequacy(True)
-    if notes := _own_notes(made, _own_scatter(search, search.work, rest)):
+    own = _own_notes(made, _own_scatter(search, search.work, rest))
+    if notes := [*own, *uneven(made, search.work)]:
         return Adequacy(False, 1.0, note=notes[0])
     return apart_in_turn(made, numeric(search.work.frame, "time_s"), search.seed)
 
@@ -60,6 +65,35 @@ def _own_notes(made: Ensemble, own: dict[str, Floats]) -> list[str]:
     left, simulated = _beside(made)
     spread = max(float(np.nanmean(simulated**2)), LEAST_SCATTER_M**2)
     return [note for note, goes in own.items() if not _even(left, spread, goes)]
+
+
+def uneven(made: Ensemble, rows: View) -> list[str]:
+    """Return what the scatter of ranges grows with, by what to say; nothing where it is even.
+
+    Its variance with the square of the distance, or one over the power of the signal: so a noise
+    scatters edges, of signals that fade in free space. Beside simulated scatter, which may grow so.
+    """
+    left, simulated = _beside(made)
+    goes = {FARTHER: rows.scene.true_range_m**2}
+    if LEVEL in rows.frame:
+        goes[WEAKER] = 10 ** (-numeric(rows.frame, LEVEL) / 10)
+    return [note for note, one in goes.items() if _grows(left, simulated, one)]
+
+
+def _grows(left_m: Floats, simulated_m: Floats, goes: Floats) -> bool:
+    """Return whether ranges [n] scatter rather with `goes` [n] than evenly, beside simulated ones.
+
+    The variance of simulated ranges [m, n] is a line over it.
+    """
+    known = np.isfinite(left_m) & np.isfinite(goes) & np.isfinite(simulated_m).all(axis=0)
+    if known.sum() < 2 or not goes[known].any():
+        return False
+    share = goes[known] / goes[known].mean()
+    ways, square = np.stack([np.ones(len(share)), share], axis=1), simulated_m[:, known] ** 2
+    own_m2 = ways @ nnls(ways, square.mean(axis=0))[0]
+    own_m2 = np.maximum(own_m2, LEAST_SCATTER_M**2)
+    even, growing = (likeliest(left_m[known], own_m2, one) for one in ways.T)
+    return growing > even + LEAD_NATS
 
 
 def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:
@@ -111,7 +145,7 @@ def _even(left_m: Floats, own_m2: float, goes: Floats) -> bool:
     return even > other + LEAD_NATS
 
 
-def likeliest(left_m: Floats, own_m2: float, goes: Floats) -> float:
+def likeliest(left_m: Floats, own_m2: float | Floats, goes: Floats) -> float:
     """Return the largest log likelihood of ranges [n] whose extra variance goes with [n].
 
     Of Student's t: how fast a device turned between two rows of the truth, nobody knows.

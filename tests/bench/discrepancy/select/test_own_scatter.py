@@ -1,4 +1,4 @@
-"""Scatter that goes with a logged noise over the signal, or with motion, is no jitter; even is."""
+"""Scatter that goes with noise over the signal, the distance or motion is no jitter; even is."""
 
 from __future__ import annotations
 
@@ -19,15 +19,21 @@ from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.units import Floats
 
 ROWS = 360
 NOISY = (NoiseFloor(level_db=3.0),)
 SCALE = RangeScale(scale=5e-5)
 
 
+def near(true_range_m: Floats) -> SimpleNamespace:
+    """Return as much of a scene as is asked of true ranges [n]."""
+    return SimpleNamespace(true_range_m=true_range_m)
+
+
 @pytest.mark.parametrize(
     ("of_noise", "logged", "named"),
-    [(False, NOISY, True), (True, NOISY, False), (True, (), True)],
+    [(False, NOISY, True), (True, NOISY, False), (True, (), False)],
 )
 def test_scatter_of_a_logged_noise_is_no_jitter(
     monkeypatch: pytest.MonkeyPatch, of_noise: bool, logged: tuple[Effect, ...], named: bool
@@ -42,10 +48,41 @@ def test_scatter_of_a_logged_noise_is_no_jitter(
     noise = SimpleNamespace(noise_db=np.full(ROWS, 3.0))
     monkeypatch.setattr(own_scatter, "logs", lambda *_: noise)
     frame = pd.DataFrame({"rx_power_dbm": level})
-    work = SimpleNamespace(frame=frame)
+    work = SimpleNamespace(frame=frame, scene=near(np.full(ROWS, 5.0)))
     search = SimpleNamespace(logged=logged, work=work, comparison=None, seed=0)
     jitter = TimestampJitter()
     assert beyond_causes(search, (jitter,), jitter).adequate is named  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("growing", "simulated_growing", "even"),
+    [(True, False, False), (False, False, True), (False, True, True), (True, True, False)],
+)
+def test_scatter_that_grows_with_the_distance_is_no_jitter(
+    growing: bool, simulated_growing: bool, even: bool
+) -> None:
+    """Whether what simulated rows scatter by grows with it or not."""
+    rng, links = np.random.default_rng(7), np.repeat(np.arange(ROWS // 3), 3)
+    range_m = rng.uniform(2, 30, ROWS // 3)[links]
+    share = range_m / np.sqrt(np.mean(range_m**2))
+    versions = rng.normal(0, 0.03, (9, ROWS, 1))
+    versions[..., 0] *= share if simulated_growing else 1.0
+    versions[0, :, 0] += 0.06 * (share if growing else 1.0) * rng.normal(size=ROWS)
+    made = Ensemble(("error_m",), ("m",), versions, links)
+    rows = SimpleNamespace(frame=pd.DataFrame(index=links), scene=near(range_m))
+    assert own_scatter.uneven(made, rows) == ([] if even else [own_scatter.FARTHER])  # type: ignore[arg-type]
+
+
+def test_even_scatter_is_seldom_taken_for_growing() -> None:
+    links = np.repeat(np.arange(ROWS // 3), 3)
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        versions = rng.normal(0, 0.03, (5, ROWS, 1))
+        versions[0] *= 2.0
+        made = Ensemble(("error_m",), ("m",), versions, links)
+        frame = pd.DataFrame({"rx_power_dbm": rng.uniform(-95, -75, ROWS // 3)[links]})
+        rows = SimpleNamespace(frame=frame, scene=near(rng.uniform(2, 30, ROWS // 3)[links]))
+        assert own_scatter.uneven(made, rows) == []  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -67,7 +104,8 @@ def test_a_truth_of_another_age_in_every_row_is_no_jitter(
 
     monkeypatch.setattr(own_scatter, "versions", lambda _, rows, added: ensemble(rows, added, 8))
     recorded = SimpleNamespace(names=())  # nothing to ask of the shape of the scatter
-    work = SimpleNamespace(rows=links, recorded=recorded, frame=pd.DataFrame(index=links))
+    frame, at = pd.DataFrame(index=links), near(np.full(ROWS, 5.0))
+    work = SimpleNamespace(rows=links, recorded=recorded, frame=frame, scene=at)
     comparison = SimpleNamespace(ensemble=ensemble)
     search = SimpleNamespace(logged=(), work=work, comparison=comparison, seed=0)
     jitter = TimestampJitter()
