@@ -62,11 +62,20 @@ def wave_verdicts(
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unlisted:
         return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
-    if not any(one.names for one in named) or (_ranges_left(last) and not search.choice.forms_do):
+    if not any(one.names for one in named) or _more_in_ranges(search, last):
         named = tuple(one for one in named if one.names)
         why = LEFT_OF_RANGES if named else NOTHING_NAMED
         return (*named, _unknown(rounds[0], last, why, added))
     return named
+
+
+def _more_in_ranges(search: Search, last: Round) -> bool:
+    """Return whether ranges show what nothing named explains.
+
+    They do where a device that stands elsewhere took the place of a name it does as well as.
+    """
+    left = _ranges_left(last) and not search.choice.forms_do
+    return left or (bool(search.choice.tied) and not search.choice.names)
 
 
 def without_idle(

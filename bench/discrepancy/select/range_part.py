@@ -77,7 +77,7 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
     if not found.names:
-        known = replace(search.choice, forms_do=found.forms_do)
+        known = replace(search.choice, forms_do=found.forms_do, tied=found.tied)
         return replace(state, search=replace(search, choice=known))
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])

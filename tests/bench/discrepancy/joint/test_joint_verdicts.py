@@ -140,7 +140,9 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
     last.strike = None
     monkeypatch.setattr(verdicts, "_said", lambda *_: said(late)[late.name])
     monkeypatch.setattr(verdicts, "sizes_seen", lambda *_: None)
-    for forms_do, count in ((True, 1), (False, 2)):
-        search = SimpleNamespace(choice=Choice(forms_do=forms_do))
+    misplaced = Choice((), forms_do=True, tied=("antenna-delay",))
+    every = ((Choice(forms_do=True), 1), (Choice(), 2), (misplaced, 2))
+    for choice, count in every:
+        search = SimpleNamespace(choice=choice)
         made = verdicts.wave_verdicts(search, (first, last), (late,), WaveChoice((late,)))
         assert len(made) == count

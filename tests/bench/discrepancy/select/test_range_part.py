@@ -90,6 +90,19 @@ def test_where_nothing_differed_nothing_is_asked() -> None:
     assert with_range_part(state, Journal()) is state
 
 
+def test_a_name_that_a_misplaced_device_took_the_place_of_is_kept_in_mind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_of(0.15)[0]
+    search = replace(search, fit=replace(search.fit, waveform=True))
+    seen = Finding(Cell("error_m", "mean", Place()), Estimate(0.1, 0.1, 0.1), 9.0, 0.001, 9, 9)
+    turn = Round(Located((seen,), 0.001, 9.0, 4.0, 1, {}), None, None)
+    found = Choice((), ("the position of d1",), tied=("antenna-delay",))
+    monkeypatch.setattr(range_part, "chosen_beside", lambda *_: found)
+    made = with_range_part(State(search, (), (turn,)), Journal())
+    assert made.search.choice.tied == ("antenna-delay",)
+
+
 @pytest.mark.parametrize("worse", [True, False])
 def test_what_held_out_links_lose_by_is_not_taken(
     monkeypatch: pytest.MonkeyPatch, worse: bool
