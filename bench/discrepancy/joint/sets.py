@@ -131,9 +131,11 @@ class Sets:
         Where all forms may differ, what does quite another thing may come out as well.
         """
         some = list(fits)
-        most = max(map(self.evidence, some))
+        first = max(some, key=self.evidence)
+        most = self.evidence(first)
         gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.evidence(self.none)))
-        return max((f for f in some if self.evidence(f) >= most - gap), key=lambda fit: fit.nats)
+        near = (f for f in some if self.evidence(f) >= most - gap and not self._told(first, f))
+        return max(near, key=lambda fit: fit.nats)
 
     def evidence(self, fit: Fit) -> float:
         """Return the evidence of a set, whatever forms its effects have, in nats.

@@ -7,6 +7,7 @@ import pytest
 
 from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint.quiet import Quiet, quiet_samples, ratios, speaks
+from bench.discrepancy.joint.sets import Sets
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
@@ -53,6 +54,19 @@ def test_sets_with_a_tone_are_likelier_where_one_was_recorded(monkeypatch, power
 
 def test_where_hardly_a_sample_is_quiet_nothing_is_said(monkeypatch):
     assert _heard(monkeypatch, 1.0, samples=BEFORE + 30).nats((TONE,)) == 0.0
+
+
+def test_what_quiet_samples_rule_out_is_not_taken_for_the_better_fit(monkeypatch):
+    tone, floor = SimpleNamespace(nats=-1077.0), SimpleNamespace(nats=-291.0)
+    known = {id(tone): -41.0, id(floor): -126.0}
+    sets = Sets.__new__(Sets)
+    sets.none = SimpleNamespace(nats=-9000.0)
+    known[id(sets.none)] = -9000.0
+    monkeypatch.setattr(Sets, "evidence", lambda _, fit: known[id(fit)])
+    for ruled_out, best in ((True, tone), (False, floor)):
+        told = lambda _, one, other, out=ruled_out: out and (one, other) == (tone, floor)  # noqa: E731
+        monkeypatch.setattr(Sets, "_told", told)
+        assert sets._likeliest([floor, tone]) is best
 
 
 def _heard(monkeypatch, power: float, samples: int = SAMPLES) -> Quiet:
