@@ -46,7 +46,10 @@ class DeviceClock(Effect):
     stage = "ranging"
     stackable = True
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
-    signature = "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged"
+    signature = (
+        "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged; only "
+        "differences between devices are seen, so the mean of the values is arbitrary"
+    )
     needs = (("tx", "rx", "reply_time_s"),)
     control = "rows with zero reply time"
 

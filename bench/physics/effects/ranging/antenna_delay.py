@@ -29,7 +29,10 @@ class AntennaDelay(Effect):
     stage = "ranging"
     stackable = True
     source = "Decawave application note APS014 on antenna delay calibration"
-    signature = "a constant over distance, power and line of sight; separable per pair of devices"
+    signature = (
+        "a constant over distance, power and line of sight; separable per pair of devices; 1 ns of "
+        "both delays together is 0.15 m of range"
+    )
     everywhere = True
 
     delay_ns: float = parameter(0, "ns", -20, 20, "error of both delays together", null=0)
