@@ -46,6 +46,8 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.effect import Effect
 
+OF_SCATTER = ("spread", "rows")  # moments that say how far ranges scatter
+
 
 def verdicts(
     search: Search,
@@ -80,7 +82,19 @@ def verdicts(
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, whole or added, share))
     worth = worth and not (added and _within_forms(search, share))
-    return (*named, _unknown(last, "left after the named effects")) if worth else named
+    return (*named, _unknown(last, _why_left(last, named))) if worth else named
+
+
+def _why_left(last: Round, named: tuple[Verdict, ...]) -> str:
+    """Return the words for what is left: beside names, or alone."""
+    if any(verdict.names for verdict in named):
+        return "left after the named effects"
+    findings = [one.told for one in last.located.findings]
+    first = next(iter(findings), None)
+    wide = first and first.cell.observable == RANGE and first.cell.moment in OF_SCATTER
+    if first and wide and first.effect.high < 0:
+        return "simulated ranges scatter more than recorded ones, and no effect takes scatter away"
+    return "no known effect removes enough of it"
 
 
 def of_the_rest(said: tuple[Verdict, ...], rounds: tuple[Round, ...]) -> tuple[Verdict, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
-from bench.discrepancy.select.conclude import of_the_rest
+from bench.discrepancy.select.conclude import _why_left, of_the_rest
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch, Unknown
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -31,3 +31,16 @@ def test_what_is_unknown_beside_names_is_what_these_leave() -> None:
     assert of_the_rest(said, rounds)[1].findings == (after,)
     assert of_the_rest(said[1:], rounds) == said[1:]
     assert of_the_rest(said, rounds[:1]) == said
+
+
+def test_what_is_left_alone_is_not_left_by_names() -> None:
+    less, more = Estimate(-0.05, -0.06, -0.04, "m"), Estimate(0.05, 0.04, 0.06, "m")
+    named = (LeftOut(AntennaDelay(), (), ONE, 1.0, Control("", None)),)
+    for effect, said, words in (
+        (less, (), "simulated ranges scatter more than recorded ones"),
+        (more, (), "no known effect removes enough"),
+        (less, named, "left after the named effects"),
+    ):
+        seen = Finding(Cell("error_m", "rows", Place()), effect, 9.0, 0.002, 40, 9)
+        last = Round(Located((seen,), 0.002, 9.0, 3.0, 1, {}), None, None)
+        assert _why_left(last, said).startswith(words)
