@@ -46,6 +46,22 @@ def test_speed_knows_pairs_order_gaps_and_standing_still() -> None:
     assert np.isnan(radial_speed_m_per_s(drive(1))).all()
 
 
+@pytest.mark.parametrize(("uneven_s", "off"), [(0.0, 0.05), (0.3, 0.08)])
+def test_a_device_that_turns_is_not_slower_for_being_seen_seldom(
+    uneven_s: float, off: float
+) -> None:
+    """Of a tag on a round of 8 s that is heard once a second; a straight line is 10 % off."""
+    rng = np.random.default_rng(1)
+    time, turn = np.arange(60) + rng.uniform(-uneven_s, uneven_s, 60), 2 * np.pi / 8
+    frame = pd.DataFrame({"time_s": time, "true_range_m": 6 + np.sin(turn * time), "link": "a"})
+    error = radial_speed_m_per_s(frame) - turn * np.cos(turn * time)
+    assert np.abs(error[2:-2]).max() < off * turn
+    # a short step beside long ones has no weight of its own
+    jumpy = frame.assign(time_s=np.arange(60) + np.where(np.arange(60) % 2, -0.99, 0.0))
+    jumpy["true_range_m"] = rng.normal(6, 1e-3, 60)
+    assert np.nanmax(np.abs(radial_speed_m_per_s(jumpy)[2:-2])) < 5e-3
+
+
 def test_a_speed_that_is_given_is_kept_and_none_is_made_without_times() -> None:
     given = drive().assign(**{SPEED: 7.0})
     assert (with_radial_speed(given)[SPEED] == 7.0).all()
