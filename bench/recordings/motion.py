@@ -29,8 +29,9 @@ def with_radial_speed(frame: pd.DataFrame) -> pd.DataFrame:
 
     Needs `time_s` and `true_range_m`. The speed of a row is the slope of the true range among
     its neighbours in time, two on either side where they are as far apart as each other, of the
-    same pair (`tx`, `rx`) and environment; NaN without a neighbour within two seconds. Rows that stand in one place have 0. In a table that is read chunk by chunk
-    the rows at a chunk's edges have fewer neighbours; give the column to have the same in all chunks.
+    same pair (`tx`, `rx`) and environment; NaN without a neighbour within two seconds. Rows that
+    stand in one place have 0. In a table that is read chunk by chunk the rows at a chunk's edges
+    have fewer neighbours; give the column to have the same in all chunks.
     """
     if SPEED in frame or not {"time_s", "true_range_m"} <= set(frame.columns):
         return frame
