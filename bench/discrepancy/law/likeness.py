@@ -19,6 +19,7 @@ from bench.physics.effect import Effect
 
 OF_DETECTORS = "waveforms show what nothing explains, and a detector may make of that the same"
 OF_LOG = "by what is logged: simulate it from that log"
+OF_OTHER_CURVE = "which is named: its curve is another than the library's"
 NOT_ALONE = "it is not borne out as a cause of its own"
 
 
@@ -34,6 +35,9 @@ def form_words(search: Search, found: Selection, law: Proposal, detectors: bool)
     names = [name for name, kind in kinds if has_form(kind, search.discover, law)]
     if not names:
         return ""
+    said = [name for name in names if any(name in verdict.names for verdict in found.verdicts)]
+    if said:
+        return f"{' or '.join(said)}, {OF_OTHER_CURVE}"
     notes = (one.note for one in found.verdicts if isinstance(one, Unknown))
     refused = [note for note in notes if any(name in note for name in names)]
     why = next(iter(refused), OF_DETECTORS if detectors else NOT_ALONE)

@@ -15,7 +15,7 @@ from bench.discrepancy.law.between import told_from_detectors
 from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault, tied_names
 from bench.discrepancy.law.likelihood import unmoved
-from bench.discrepancy.law.likeness import form_words, has_form
+from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
 from bench.discrepancy.law.of_scatter import independent, predicts
 from bench.discrepancy.law.search import Proposal, propose
@@ -101,7 +101,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if after is not None and _waveforms_differ(found) and not _beyond_detectors(after):
         after = None
     beside = Weighed(found, after if unknown else None)
-    named = (*_shifting(found), *_bent(search, found, after))
+    named = _shifting(found)
     if rest is None or not named:
         return beside
     kept = tuple(effect for effect in found.added if effect not in named)
@@ -238,17 +238,6 @@ def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
         return False
     added = (*kept, _effect(alone))
     return strike(search.comparison, search.work, added, added, search.kinds) is None
-
-
-def _bent(search: Search, found: Selection, after: Proposal | None) -> Added:
-    """Return the effects named `together` that could do what the law of what they leave does.
-
-    It was the free curve of these that held out against laws, not what the effect makes of it.
-    """
-    if after is None:
-        return ()
-    able = (effect for effect in found.added if effect.physics in found.together)
-    return tuple(one for one in able if has_form(type(one), search.discover, after))
 
 
 def _effect(proposal: Proposal) -> Law:

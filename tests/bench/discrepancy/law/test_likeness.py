@@ -17,12 +17,17 @@ from bench.discrepancy.joint.verdicts import LEFT_OF_RANGES, LEFT_OF_WAVES
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.state import Search, Selection
-from bench.discrepancy.select.verdict import Unknown
+from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
+from bench.physics.effects.ranging.range_scale import RangeScale
 from tests.bench.discrepancy.numpy_tables import tables
 
 
-def words_of(hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], note: str) -> str:
-    """Return what is said of a law where no name was given, for the reason `note`."""
+def words_of(
+    hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray],
+    note: str,
+    named: tuple[Verdict, ...] = (),
+) -> str:
+    """Return what is said of a law beside `named`, where nothing more was, for the reason `note`."""
     recorded, simulated = tables(5, hidden)
     frame, codes = recorded.frame, link_codes(recorded.frame)
     views = [
@@ -32,7 +37,7 @@ def words_of(hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], 
     comparison = TableComparison(simulated.frame, Window())
     search = Search(comparison, *views[:2], offered(library()[0], frame, False, False)[0], 0)
     unknown = Unknown((), Estimate(1.0, 0.9, 1.1), {}, note)
-    made = weighed(search, Selection((unknown,), (), ()))
+    made = weighed(search, Selection((*named, unknown), (), ()))
     return str(borne_out(comparison, views[2], made, 0).law)
 
 
@@ -68,6 +73,12 @@ def test_a_law_says_of_which_effects_form_it_is(
 def test_a_law_says_why_the_effect_of_its_form_was_refused() -> None:
     said = words_of(scaled, "range-scale gains most, but it is there too in rows at one place")
     assert "range-scale, which is not named: range-scale gains most" in said
+
+
+def test_of_what_is_named_a_law_is_another_curve() -> None:
+    named = LeftOut(RangeScale(), (), Estimate(1.0, 0.9, 1.1), 1.0, Control("", None))
+    said = words_of(scaled, "", (named,))
+    assert said.startswith("a law of the form of range-scale, which is named: its curve")
 
 
 @pytest.mark.parametrize(("note", "said"), [(LEFT_OF_WAVES, False), (LEFT_OF_RANGES, True)])
