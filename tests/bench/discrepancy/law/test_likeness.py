@@ -27,7 +27,7 @@ def words_of(
     note: str,
     named: tuple[Verdict, ...] = (),
 ) -> str:
-    """Return what is said of a law beside `named`, where nothing more was, for the reason `note`."""
+    """Return what is said of a law beside `named`; why nothing else was named: `note`."""
     recorded, simulated = tables(5, hidden)
     frame, codes = recorded.frame, link_codes(recorded.frame)
     views = [
