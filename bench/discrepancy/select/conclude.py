@@ -303,6 +303,8 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         return f"{name} gains most, but it is there too in {option.control.words}"
     if option.effect is effect and any(effect.name == one.name for one in search.logged):
         return ""
+    if option.effect is effect and _loses(option):
+        return f"looks most like {name}, but held-out links are worse with it"
     if untold(option):
         return f"looks most like {name}, but none of its values is told from zero"
     of_set = {
@@ -317,6 +319,15 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
         return ""
     found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
     return "" if found.adequate else f"looks most like {name}, but {found}"
+
+
+def _loses(option: LeftOut) -> bool:
+    """Return whether held-out links are surely worse with what shifts ranges.
+
+    Scatter, and a grid that ranges lie on, are seen by themselves: of these no score decides.
+    """
+    kind = type(option.effect)
+    return option.gain.high < 0 and not (kind.independent or kind.marked)
 
 
 def _refuted(turn: Round, note: str) -> Unknown:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
-from bench.discrepancy.select.conclude import _why_left, of_the_rest
+from bench.discrepancy.select.conclude import _loses, _why_left, of_the_rest
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch, Unknown
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 ONE = Estimate(1.0, 0.5, 1.5, "nats")
 
@@ -44,3 +45,13 @@ def test_what_is_left_alone_is_not_left_by_names() -> None:
         seen = Finding(Cell("error_m", "rows", Place()), effect, 9.0, 0.002, 40, 9)
         last = Round(Located((seen,), 0.002, 9.0, 3.0, 1, {}), None, None)
         assert _why_left(last, said).startswith(words)
+
+
+def test_what_held_out_links_are_surely_worse_with_is_no_name_but_scatter() -> None:
+    worse, perhaps = Estimate(-1.1, -1.6, -0.6, "nats"), Estimate(-0.1, -0.3, 0.1, "nats")
+    for effect, gain, loses in (
+        (AntennaDelay(), worse, True),
+        (AntennaDelay(), perhaps, False),
+        (TimestampJitter(), worse, False),
+    ):
+        assert _loses(LeftOut(effect, (), gain, 1.0, Control("", None))) is loses
