@@ -301,8 +301,7 @@ STRUCK_SHARES: Final = (
 )  # fmt: skip  # [cost]
 STRIKE_SIZES: Final = 11  # tried, from a share of the bound on [cost]
 SMALLEST_STRIKE: Final = 0.02  # of the bound
-ALL_SPARED: Final = 0.05  # chance that every sealed link is spared by what strikes a few, from
-# which on their score says nothing of it [convention]
+ALL_SPARED: Final = 0.05  # that no sealed link is struck: scores say little then [convention]
 SHORTEST_DETOUR_M: Final = 0.3  # half a pulse of 500 MHz: a shorter one merges [derived]
 STRIKE_NATS: Final = 6.0  # for two parameters: p = 0.0025 by chi-squared [derived]
 LEAD_NATS: Final = 3.0  # by which the likeliest must lead: 20 to 1 [convention]

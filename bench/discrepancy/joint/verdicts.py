@@ -21,8 +21,9 @@ from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, of_class, real
 from bench.discrepancy.select.disguise import without_disguises
+from bench.discrepancy.select.essentials import idle, unused
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.refute import idle, swapped_for, unused
+from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict

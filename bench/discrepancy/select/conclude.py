@@ -17,12 +17,12 @@ from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
-from bench.discrepancy.select.refute import Doubt, fits, swapped_for
+from bench.discrepancy.select.objections import objection
+from bench.discrepancy.select.refute import Doubt
 from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
-from bench.discrepancy.select.undetermined import undetermined, untold
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -289,45 +289,6 @@ def of_class(turn: Round, options: tuple[LeftOut, ...], waveform: bool) -> Verdi
         words = ", ".join(option.names[0] for option in options)
         return _refuted(turn, f"looks like any of {words}, so like none of them")
     return options[0] if len(options) == 1 else Ambiguous(options, separating(options))
-
-
-def objection(search: Search, turn: Round, added: Added, effect: Effect, option: LeftOut) -> str:
-    """Return why an option for `effect` is no name, "" where it may be.
-
-    `effect` itself is known to reproduce what it acts on. How much independent scatter there is
-    rows of one link have told; how it parts into a width and a share of wide rows need not be,
-    but where a grid is there, of which another form scatters too.
-    """
-    name = option.names[0]
-    if option.control.passed is False:
-        return f"{name} gains most, but it is there too in {option.control.words}"
-    if option.effect is effect and any(effect.name == one.name for one in search.logged):
-        return ""
-    if option.effect is effect and _loses(option):
-        return f"looks most like {name}, but held-out links are worse with it"
-    if untold(option):
-        return f"looks most like {name}, but none of its values is told from zero"
-    of_set = {
-        *search.choice.names,
-        *(one for some in search.choice.rivals.values() for one in some),
-    }
-    told = type(option.effect).independent and not any(type(one).marked for one in added)
-    weighed = search.fit.waveform or name in of_set or told
-    if not weighed and undetermined(option):
-        return f"looks most like {name}, but these recordings determine none of its values"
-    if option.effect is effect or name in search.choice.constants_m:  # weighed at usual levels
-        return ""
-    found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
-    return "" if found.adequate else f"looks most like {name}, but {found}"
-
-
-def _loses(option: LeftOut) -> bool:
-    """Return whether held-out links are surely worse with what shifts ranges.
-
-    Scatter, and a grid that ranges lie on, are seen by themselves: of these no score decides.
-    """
-    kind = type(option.effect)
-    return option.gain.high < 0 and not (kind.independent or kind.marked)
 
 
 def _refuted(turn: Round, note: str) -> Unknown:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from bench.discrepancy.compare.skill import gain_interval, gains
 from bench.discrepancy.compare.view import Added, View, without
-from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.sandwich import parameter_intervals
 from bench.discrepancy.select.adequacy import Adequacy, adequacy, brought
 from bench.discrepancy.select.backfitting import beside_others, polished, pruned
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.constant_level import beyond_a_constant
 from bench.discrepancy.select.deformation import needless
+from bench.discrepancy.select.essentials import idle, unused
 from bench.discrepancy.select.fixed_distance import follows
 from bench.discrepancy.select.own_scatter import OWN, beyond_causes
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
@@ -26,13 +24,11 @@ from bench.discrepancy.select.stepwise import locate_left, loses, margin, scored
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
     ADEQUACY_TOUCHED,
-    DECADES,
     EQUIVALENT_SHARE,
-    ESSENTIAL_SHARE,
     MARGIN_NATS,
 )
 from bench.errors import BenchError
-from bench.physics.effect import Effect, Parameter
+from bench.physics.effect import Effect
 
 
 @dataclass(frozen=True)
@@ -267,36 +263,6 @@ def _idle(search: Search, added: Added, effect: Effect) -> str:
     found = parameter_intervals(search.comparison, search.sharpest, rest, effect)
     every = (idle(wanted[one.name], one) for one in found if one.name in wanted)
     return next((words for words in every if words), "")
-
-
-def unused(effect: Effect) -> str:
-    """Return in words which parameter essential with waveforms does nothing, "" where none."""
-    needed = (p for p in effect.parameters() if p.name in type(effect).essential_with_cir)
-    near = (p for p in needed if abs(getattr(effect, p.name) - (p.null or 0.0)) < _close(p))
-    return next((f"without its {p.name} it would do as well" for p in near), "")
-
-
-def _close(item: Parameter) -> float:
-    """Return how near its null a parameter does nothing."""
-    return ESSENTIAL_SHARE * (item.high - item.low)
-
-
-def idle(item: Parameter, found: ParameterEstimate) -> str:
-    """Return in words whether a parameter may do nothing, or would go beyond physics, else ""."""
-    null, close = _along(item, float(item.null or 0.0)), ESSENTIAL_SHARE
-    value, low, high = (_along(item, one) for one in (found.value, found.low, found.high))
-    if not found.determined or abs(value - null) < close or low <= null <= high:
-        return f"without its {item.name} it would do as well"
-    if min(value, 1 - value) < close:
-        return f"only with its {item.name} at the bound of physics"
-    return ""
-
-
-def _along(item: Parameter, value: float) -> float:
-    """Return where between its bounds a parameter is, 0 to 1; by ratio where they are decades."""
-    if item.low > 0 and item.high > DECADES * item.low:
-        return float(np.log(value / item.low) / np.log(item.high / item.low))
-    return (value - item.low) / (item.high - item.low)
 
 
 def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:

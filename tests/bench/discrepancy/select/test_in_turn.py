@@ -72,7 +72,8 @@ def test_independent_scatter_is_asked(
 ) -> None:
     made, time_s = recorded(moved)
     monkeypatch.setattr(own_scatter, "versions", lambda *_: made)
-    work = SimpleNamespace(frame=pd.DataFrame({"time_s": time_s}))
+    at = SimpleNamespace(true_range_m=np.full(len(time_s), 5.0))
+    work = SimpleNamespace(frame=pd.DataFrame({"time_s": time_s}), scene=at)
     search = SimpleNamespace(logged=(), work=work, comparison=None, seed=0)
     effect = TimestampJitter()
     assert beyond_causes(search, (effect,), effect).adequate is named  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.select.conclude import _marked
-from bench.discrepancy.select.refute import unused
+from bench.discrepancy.select.essentials import unused
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath

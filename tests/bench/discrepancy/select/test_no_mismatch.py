@@ -5,7 +5,8 @@ from __future__ import annotations
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
-from bench.discrepancy.select.conclude import _loses, _why_left, of_the_rest
+from bench.discrepancy.select.conclude import _why_left, of_the_rest
+from bench.discrepancy.select.objections import loses_by_itself
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch, Unknown
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -54,4 +55,4 @@ def test_what_held_out_links_are_surely_worse_with_is_no_name_but_scatter() -> N
         (AntennaDelay(), perhaps, False),
         (TimestampJitter(), worse, False),
     ):
-        assert _loses(LeftOut(effect, (), gain, 1.0, Control("", None))) is loses
+        assert loses_by_itself(LeftOut(effect, (), gain, 1.0, Control("", None))) is loses

@@ -18,8 +18,9 @@ from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
-from bench.discrepancy.select.conclude import objection, of_class
+from bench.discrepancy.select.conclude import of_class
 from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.undetermined import undetermined
