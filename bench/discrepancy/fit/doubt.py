@@ -6,6 +6,7 @@ joint fit of a set leaves more open; and it holds 90 % over all the sets that ma
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -30,6 +31,9 @@ from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 Estimates = tuple[ParameterEstimate, ...]
+Does = Callable[[Effect], Floats]
+"""What an effect does to the range of every row [n], in metres."""
+TAILS = ((1 - INTERVAL_LEVEL) / 2, (1 + INTERVAL_LEVEL) / 2)
 QUANTILE = float(norm.ppf((1 + INTERVAL_LEVEL) / 2))
 
 
@@ -42,7 +46,11 @@ def with_doubt(
     known: Unsure,
 ) -> Estimates:
     """Return the intervals of an effect beside `others` with what sets leave open of it."""
-    ways = moved_by(comparison, view, others, effect, known.columns, intervals)
+
+    def does(one: Effect) -> Floats:
+        return _change_m(comparison, view, others, one)
+
+    ways = _moved_by(view, effect, does, known.columns, intervals)
     every = known.columns.T @ known.columns
     out = []
     for one in intervals:
@@ -77,9 +85,6 @@ def _of_sets(one: ParameterEstimate, way: Floats, known: Unsure) -> ParameterEst
     return replace(one, low=min(low, one.value), high=max(high, one.value))
 
 
-TAILS = ((1 - INTERVAL_LEVEL) / 2, (1 + INTERVAL_LEVEL) / 2)
-
-
 def _quantile(p: float, middle: list[float], wide: list[float], share: list[float]) -> float:
     """Return a quantile of a mixture of normal distributions."""
     ends = [m + s * float(norm.ppf(p)) for m, s in zip(middle, wide, strict=True)]
@@ -93,13 +98,8 @@ def _quantile(p: float, middle: list[float], wide: list[float], share: list[floa
     return float(brentq(beyond, min(ends), max(ends)))
 
 
-def moved_by(
-    comparison: Comparison,
-    view: View,
-    others: Added,
-    effect: Effect,
-    shifts_m: Floats,
-    intervals: Estimates,
+def _moved_by(
+    view: View, effect: Effect, does: Does, shifts_m: Floats, intervals: Estimates
 ) -> dict[str, Floats]:
     """Return how much each value [k] of an effect changes where it does more by shifts [n, k].
 
@@ -107,11 +107,11 @@ def moved_by(
     fitted in another way.
     """
     if type(effect) not in ESTIMATORS:
-        return _of_parameters(comparison, view, others, effect, shifts_m, intervals)
+        return _of_parameters(effect, does, shifts_m, intervals)
     latent = latent_values(view, effect)
     assert latent is not None
     names, _, values = latent
-    every, now = np.arange(len(shifts_m)), _change_m(comparison, view, others, effect)
+    every, now = np.arange(len(shifts_m)), does(effect)
     here = values(every, now, False)
     moved = [(values(every, now + MOVED_M * one, False) - here) / MOVED_M for one in shifts_m.T]
     pairs = zip(names, np.stack(moved, axis=1), strict=True)
@@ -119,12 +119,7 @@ def moved_by(
 
 
 def _of_parameters(
-    comparison: Comparison,
-    view: View,
-    others: Added,
-    effect: Effect,
-    shifts_m: Floats,
-    intervals: Estimates,
+    effect: Effect, does: Does, shifts_m: Floats, intervals: Estimates
 ) -> dict[str, Floats]:
     """Return the same for parameters of the library's effects, those that are determined."""
     items = {item.name: item for item in type(effect).parameters()}
@@ -133,10 +128,7 @@ def _of_parameters(
         item = items[one.name]
         step = difference_step(item, one.value)
         ends = np.clip([one.value - step, one.value + step], item.low, item.high)
-        low, high = (
-            _change_m(comparison, view, others, revalued(effect, {one.name: float(end)}))
-            for end in ends
-        )
+        low, high = (does(revalued(effect, {one.name: float(end)})) for end in ends)
         if np.abs(high - low).max() > MOVED_M:
             slopes[one.name] = (high - low) / (ends[1] - ends[0])
     if not slopes:

@@ -274,10 +274,12 @@ class Sets:
 
         No form of a noise floor makes these alike within a record, as a tone does.
         """
+        if self.evidence(fit) - self.evidence(other) < CLASS_NATS:
+            return False
         said = self.quiet.nats(fit.effects) - self.quiet.nats(other.effects)
         if not steady(self.given, other):
             said = max(said, steady(self.given, fit))
-        return said >= CLASS_NATS and self.evidence(fit) - self.evidence(other) >= CLASS_NATS
+        return said >= CLASS_NATS
 
     def _same(self, fit: Fit, rest: Fit, name: str, least: float) -> list[Fit]:
         """Return sets with what may do the same as one that does well, where that is not told."""

@@ -88,8 +88,12 @@ def strike_beside(
         found = sorted(_refitted(found, able), key=_nats, reverse=True)
     if not found or found[0].nats - common < NAME_NATS:
         return None
-    seen = _straight_nats(comparison, found[0])
-    if not _witnessed(comparison, found[0], seen):
+    rows, beside = found[0].mixture.given.rows, found[0].mixture.beside
+    made = comparison.ensemble(rows, beside, SCORE_MEMBERS, SCORE_FIRST)
+    if RANGE not in made.names:
+        return None
+    seen = straight_nats(rows, found[0].struck, made.residual_of(RANGE))
+    if not _witnessed(made, found[0], seen):
         return None
     alike = told(_alike(found, common), seen)
     if not enough(alike[0], common, common - shared[0], seen):
@@ -181,31 +185,19 @@ def told(alike: Sequence[Found], seen: float) -> Sequence[Found]:
     return left if left and seen > CLASS_NATS else alike
 
 
-def _straight_nats(comparison: Comparison, found: Found) -> float:
-    """Return how sure the straight paths of struck links are seen, in nats."""
-    longer_m = _made(comparison, found).residual_of(RANGE)
-    return straight_nats(found.mixture.given.rows, found.struck, longer_m)
-
-
-def _made(comparison: Comparison, found: Found) -> Ensemble:
-    """Return recorded rows beside simulated ones that nothing struck."""
-    rows, beside = found.mixture.given.rows, found.mixture.beside
-    return comparison.ensemble(rows, beside, SCORE_MEMBERS, SCORE_FIRST)
-
-
-def _witnessed(comparison: Comparison, found: Found, seen: float) -> bool:
+def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
-    Some are struck and more are not, nothing known tells which, their ranges are longer, and
-    those of all their rows. Where straight paths are seen (`seen` nats) something stands there, and
-    what does stands somewhere: then what is known may tell a little.
+    Some are struck and more are not, nothing known tells which, their ranges are longer than in
+    `made`, which nothing struck, and those of all their rows. Where straight paths are seen (`seen`
+    nats) something stands there, and what does stands somewhere: then what is known may tell a
+    little.
     """
     struck, able = found.struck, ~found.mixture.inert
     if not found.divides:
         return False
     given = found.mixture.given
-    made = _made(comparison, found)
-    if RANGE not in made.names or rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
+    if rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
         return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
     known = np.isfinite(offset_m)
