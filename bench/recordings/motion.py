@@ -74,13 +74,17 @@ def _slopes(time: NDArray[np.float64], true: NDArray[np.float64]) -> NDArray[np.
     climbed = np.r_[0.0, rise] + np.r_[rise, 0.0]
     span = before + after
     out = np.where(span > 0, climbed / np.where(span > 0, span, 1.0), np.nan)
-    if len(time) >= len(BESIDE) + 1:
-        steps = sliding_window_view(step, len(BESIDE))
-        even = steps.min(axis=1) * EVEN_STEPS >= steps.max(axis=1)
-        even &= steps.min(axis=1) > 0
-        middle = np.flatnonzero(even) + len(BESIDE) // 2
+    if len(time) > len(BESIDE):
+        middle = _evenly(step)
         out[middle] = _of_four(time, true, middle)
     return out
+
+
+def _evenly(step: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return which times [k] have neighbours at even steps [n - 1], of which none is 0."""
+    steps = sliding_window_view(step, len(BESIDE))
+    least, most = steps.min(axis=1), steps.max(axis=1)
+    return np.flatnonzero((least > 0) & (least * EVEN_STEPS >= most)) + len(BESIDE) // 2
 
 
 def _of_four(
