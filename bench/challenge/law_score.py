@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.challenge.cases import Case
 from bench.discrepancy.law.found import LawConstant
-from bench.discrepancy.law.unexplained import named_fault
+from bench.discrepancy.law.named_faults import named_fault
 from bench.discrepancy.method import Diagnosis
 
 WITHIN = 0.1

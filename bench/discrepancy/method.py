@@ -26,6 +26,7 @@ from bench.discrepancy.data.own_columns import doubtful_columns, measured_column
 from bench.discrepancy.data.split import LinkSplit
 from bench.discrepancy.joint import turn as waves
 from bench.discrepancy.law.found import FoundLaw, SetupFault
+from bench.discrepancy.law.named_faults import without_a_name
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.evidence import Evidence, evidence
@@ -128,7 +129,8 @@ class Diagnosis:
     @property
     def headline(self) -> str:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
-        said = self.setup_fault or self.law or curve_words(self.added)
+        fault = without_a_name(self.setup_fault, self.selection)
+        said = fault or self.law or curve_words(self.added)
         more = f" ({said}{self.law.nearest if self.law else ''})" if said else ""
         found, added = self.selection, bool(self.added)
         now = NEW_SIMULATOR if self.simulator else NEW_TABLE

@@ -89,6 +89,20 @@ def told_from_detectors(given: Material, structure: Structure, found: Fitted) ->
     return _gained(given, own, structure.design(given, structure.free_value(found)))
 
 
+def told_from_forms(given: Material, structure: Structure, found: Fitted, forms: Floats) -> float:
+    """Return the log-likelihood that a structure gains beside other forms [n, k] of what is named.
+
+    Infinite for a fault that no slope tells.
+    """
+    if isinstance(structure, Position):
+        parts = structure.slopes(given, found.constants)
+    elif isinstance(structure, GridLaw):
+        parts = structure.design(given, structure.free_value(found))
+    else:
+        return np.inf
+    return _gained(given, forms, parts)
+
+
 def _gained(given: Material, own: Floats, parts: Floats) -> float:
     """Return the log-likelihood that `parts` [n, q] gain beside others, `own` [n, k]."""
     both = linear(np.hstack([own, parts]), given.residual_m).likelihood

@@ -11,13 +11,15 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.joint.verdicts import LEFT_OF_WAVES
-from bench.discrepancy.law.between import told_from_detectors
-from bench.discrepancy.law.found import FoundLaw, LawConstant, SetupFault
+from bench.discrepancy.law.between import told_from_detectors, told_from_forms
+from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault, tied_names
 from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
+from bench.discrepancy.law.named_faults import named_fault
 from bench.discrepancy.law.of_scatter import independent, predicts
+from bench.discrepancy.law.own_forms import forms_of_names
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
@@ -100,6 +102,8 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
         after = None
     if after is not None and _waveforms_differ(found) and not _beyond_detectors(after):
         after = None
+    if after is not None and not _beyond_forms(search, found, views, after):
+        after = None
     beside = Weighed(found, after if unknown else None)
     named = _shifting(found)
     if rest is None or not named:
@@ -174,9 +178,22 @@ def _waveforms_differ(found: Selection) -> bool:
 
 def _beyond_detectors(law: Proposal) -> bool:
     """Return whether a law is worth its price beside what a detector may make of a waveform."""
-    best, rows = law.best, law.share * len(law.given.residual_m)
-    gain = law.share * told_from_detectors(law.given, best.structure, best.fitted)
-    return gain - cost(best.structure, rows) > LAW_NATS
+    return _worth(law, told_from_detectors(law.given, law.best.structure, law.best.fitted))
+
+
+def _beyond_forms(search: Search, found: Selection, views: tuple[View, ...], law: Proposal) -> bool:
+    """Return whether a law is worth its price beside other forms of what is named."""
+    forms = forms_of_names(search, found, views)
+    if not forms.any():
+        return True
+    best = law.best
+    return _worth(law, told_from_forms(law.given, best.structure, best.fitted, forms))
+
+
+def _worth(law: Proposal, nats: float) -> bool:
+    """Return whether a log-likelihood that a law gains pays for it."""
+    rows = law.share * len(law.given.residual_m)
+    return law.share * nats - cost(law.best.structure, rows) > LAW_NATS
 
 
 def _narrowed(
@@ -305,18 +322,6 @@ def _runs(law: FoundLaw) -> bool:
         return bool(law.effect.expression)
     except BenchError:
         return False
-
-
-def named_fault(found: Selection) -> SetupFault | None:
-    """Return the fault of the set-up that a named effect of the library is, None without one."""
-    for verdict in (one for one in found.verdicts if isinstance(one, LeftOut)):
-        if kind := type(verdict.effect).setup_fault:
-            sizes = [
-                LawConstant(p.name, p.value, p.low, p.high, p.unit) for p in verdict.parameters
-            ]
-            said = ", ".join(f"{size.name} = {size}" for size in sizes)
-            return SetupFault(kind, (), f"{kind} ({said})", tuple(sizes))
-    return None
 
 
 def gathered(

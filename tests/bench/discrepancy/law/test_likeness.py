@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import view
+from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.verdicts import LEFT_OF_RANGES, LEFT_OF_WAVES
@@ -26,6 +26,7 @@ def words_of(
     hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray],
     note: str,
     named: tuple[Verdict, ...] = (),
+    added: Added = (),
 ) -> str:
     """Return what is said of a law beside `named`; why nothing else was named: `note`."""
     recorded, simulated = tables(5, hidden)
@@ -37,7 +38,7 @@ def words_of(
     comparison = TableComparison(simulated.frame, Window())
     search = Search(comparison, *views[:2], offered(library()[0], frame, False, False)[0], 0)
     unknown = Unknown((), Estimate(1.0, 0.9, 1.1), {}, note)
-    made = weighed(search, Selection((*named, unknown), (), ()))
+    made = weighed(search, Selection((*named, unknown), added, (), together=("range-scale",)))
     return str(borne_out(comparison, views[2], made, 0).law)
 
 
@@ -79,6 +80,24 @@ def test_of_what_is_named_a_law_is_another_curve() -> None:
     named = LeftOut(RangeScale(), (), Estimate(1.0, 0.9, 1.1), 1.0, Control("", None))
     said = words_of(scaled, "", (named,))
     assert said.startswith("a law of the form of range-scale, which is named: its curve")
+
+
+def bent(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    far = frame["true_range_m"].to_numpy()
+    return 0.02 * far + 0.0012 * far**2
+
+
+def warm(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    return 0.02 * frame["true_range_m"].to_numpy() + 0.01 * frame["temperature_c"].to_numpy()
+
+
+@pytest.mark.parametrize(("hidden", "law"), [(bent, False), (warm, True)])
+def test_another_curve_of_what_is_named_is_no_law(
+    hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], law: bool
+) -> None:
+    scale = RangeScale(scale=0.02)
+    named = LeftOut(scale, (), Estimate(1.0, 0.9, 1.1), 1.0, Control("", None))
+    assert (words_of(hidden, "", (named,), (scale,)) != "None") == law
 
 
 @pytest.mark.parametrize(("note", "said"), [(LEFT_OF_WAVES, False), (LEFT_OF_RANGES, True)])
