@@ -62,8 +62,7 @@ def selected(state: State, journal: Journal) -> Selection:
     state = with_range_part(state, journal, choice.unlisted)
     if state.search.choice.mistaken:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
-    if not choice.unexplained:
-        state = safely("scatter", _with_scatter, state)(state, journal)
+    state = safely("scatter", with_scatter, state)(state, journal, choice)
     return _said(_with_last(state, journal), choice, journal)
 
 
@@ -117,13 +116,14 @@ def _explained(
     return Explanation(made, reference, made[0].gain, made[0].tally, {}, {})
 
 
-def _with_scatter(state: State, journal: Journal) -> State:
+def with_scatter(state: State, journal: Journal, choice: WaveChoice) -> State:
     """Return the state with scatter of the ranges, where that is what is left of them.
 
     Not beside what makes detected first paths jump: how far is for a detector nobody knows to say.
+    Nor beside what no effect explains: it may scatter ranges too.
     """
     search = state.search
-    if any(type(effect).jumps for effect in state.added):
+    if choice.unlisted or any(type(effect).jumps for effect in state.added):
         return state
     left = journal.kept(locate_left)(search, state.added, len(state.rounds))
     if not any(map(of_range, left.findings)):
@@ -174,7 +174,7 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     held = Checked(state.added, rounds)
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)
     told = {*choice.marked, *(one.name for one in (*search.logged, *(s.effect for s in struck)))}
-    said = without_idle(said, rounds, best, told)
+    said = without_idle(said, rounds, best, told, set(choice.nats))
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
     tied = search.choice.tied

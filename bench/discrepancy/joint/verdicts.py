@@ -26,7 +26,7 @@ from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.undetermined import untold
-from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -80,21 +80,38 @@ def _more_in_ranges(search: Search, last: Round) -> bool:
 
 
 def without_idle(
-    said: tuple[Verdict, ...], rounds: tuple[Round, ...], best: Added, sure: Collection[str]
+    said: tuple[Verdict, ...],
+    rounds: tuple[Round, ...],
+    best: Added,
+    sure: Collection[str],
+    waves: Collection[str] = (),
 ) -> tuple[Verdict, ...]:
     """Return verdicts without names that held-out links need neither in score nor in simulator.
 
-    `best` is the simulator that fits best, `sure` the names that bear a mark or a log shows.
+    `best` is the simulator that fits best, `sure` the names that bear a mark or a log shows,
+    `waves` those that waveforms speak for: scatter that only ranges show was seen beside all names,
+    and goes with one of them.
     """
     kept = {effect.physics for effect in best} | set(sure)
     named = [one for one in said if isinstance(one, LeftOut) and not kept & {*one.names}]
     idle = [one for one in named if not one.gain.likely_above_zero]
     stay = tuple(one for one in said if one not in idle)
+    if idle:
+        stay = tuple(one for one in stay if not _scatters_beside(one, {*sure, *waves}))
     if not idle or any(isinstance(one, Unknown) for one in stay):
         return stay
     names = " and ".join(one.names[0] for one in idle)
     why = f"looks most like {names}, but held-out links are no better with it"
     return (*stay, _unknown(rounds[0], rounds[-1], why))
+
+
+def _scatters_beside(said: Verdict, but: Collection[str]) -> bool:
+    """Return whether a verdict names scatter that only ranges show, none of those in `but`."""
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    first = options[0]  # leads its class
+    if not isinstance(first, LeftOut) or first.names[0] in but:
+        return False
+    return type(first.effect).independent
 
 
 def _more(search: Search, rounds: tuple[Round, ...]) -> bool:

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+
+from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.turn import with_scatter
 from bench.discrepancy.joint.verdicts import without_idle
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.state import Round
-from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
+from bench.discrepancy.select.state import Round, State
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
+from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 SURE, UNSURE = Estimate(0.5, 0.2, 0.9, "nats"), Estimate(0.04, -1.2, 1.4, "nats")
 TURN = Round(Located((), 0.5, 1.0, 3.0, 1, {}), None, None)
@@ -27,6 +38,27 @@ def test_only_a_name_without_any_use_is_taken_back() -> None:
         assert without_idle((said(gain),), (TURN,), best, sure) == (said(gain),)
 
 
+def test_scatter_that_was_seen_beside_a_name_goes_with_it() -> None:
+    alone = LeftOut(TimestampJitter(), (), SURE, 1.0, Control("", None))
+    names = GroundBounce.name, TimestampJitter.name
+    for scatter in (alone, Ambiguous((alone, replace(alone, effect=SmallScaleFading())), "")):
+        (left,) = without_idle((said(UNSURE), scatter), (TURN,), (), (), names[:1])
+        assert isinstance(left, Unknown)
+        for sure, waves in (((), names), (names[1:], names[:1])):
+            assert without_idle((said(UNSURE), scatter), (TURN,), (), sure, waves)[0] == scatter
+        sound = said(SURE), scatter
+        assert without_idle(sound, (TURN,), (), (), names[:1]) == sound
+
+
 def test_what_is_unknown_already_is_said_once() -> None:
     unknown = Unknown((), SURE)
     assert without_idle((said(UNSURE), unknown), (TURN,), (), ()) == (unknown,)
+
+
+def test_beside_what_no_effect_explains_scatter_of_ranges_is_not_asked() -> None:
+    bounce, state = GroundBounce(), cast(State, SimpleNamespace(search=None, added=()))
+    refused = WaveChoice((bounce,), doubted=(bounce.name,))
+    for choice in (refused, WaveChoice(unexplained=True)):
+        assert with_scatter(state, cast(Journal, None), choice) is state
+    with pytest.raises(AttributeError):  # what is explained is asked further: of a search
+        with_scatter(state, cast(Journal, None), WaveChoice((bounce,)))

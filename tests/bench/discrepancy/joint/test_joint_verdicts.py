@@ -125,7 +125,7 @@ def test_fewer_rows_are_of_all_links():
 
 def test_what_scatters_beside_late_detection_is_no_scatter_of_its_own():
     state = SimpleNamespace(search=None, added=(PathLoss(), LateDetection(rise_db=6.0)))
-    assert turn._with_scatter(state, None) is state
+    assert turn.with_scatter(state, None, WaveChoice()) is state
     assert not PathLoss.jumps
 
 
