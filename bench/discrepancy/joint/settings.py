@@ -123,3 +123,22 @@ EDGE_NS: Final = tuple(-8.0 + 0.5 * step for step in range(19))
 RISEN: Final = 2.0  # times the noise, from where on that edge rises [convention]
 SHOULDER_NS: Final = 1.0  # by which edges of struck links may rise sooner: paths close together
 # have one edge, that is less steep. With 0 one blocked table in 25 showed a straight path [joint]
+
+EDGE_OF_NOISE: Final = 6.0  # times the noise of a component, from where on a sample is a path: of
+# 1 000 samples of noise alone none in 60 000 records [derived]
+EDGE_OF_PEAK: Final = 0.12  # of the highest sample, the same: over side lobes [convention]
+EDGE_AT: Final = 0.5  # of the first maximum, where an edge is timed: steepest there [derived]
+LATE_MEMBERS: Final = 4  # simulated versions whose edges are found [cost]
+LATE_SIZES_M: Final = tuple(1e-3 * 10 ** (0.1 * step) for step in range(41))
+# scatters of links that are tried, up to 10 m [cost]
+LATE_SHARES: Final = tuple(0.05 * step for step in range(-20, 61))
+# of the index, that ranges may follow it by [cost]
+LATE_TIMES: Final = 1.5  # that the likeliest may be off one: a detector may be timed at another
+# part of a rise than half of it, and rises of 2 ns then differ by a third [convention]
+LATE_LEAST_M: Final = 0.003  # that edges scatter by at least: samples are rounded [convention]
+LATE_ERRORS: Final = 4.0  # that an index lies later by, to be late: ranges follow what a detector
+# scatters by in all tables [joint]
+LATE_OWN: Final = 0.1  # squared logarithm that an edge scatters by at least [convention]
+LATE_RISES_DB: Final = tuple(2.0 * step for step in range(1, 20))
+# of a late detection, that are tried [cost]
+LATE_FRACTIONS: Final = tuple(0.025 * step for step in range(1, 34))  # the same of the peak [cost]

@@ -11,6 +11,7 @@ from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.late import found_late, holds, with_late
 from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
@@ -51,7 +52,12 @@ def selected(state: State, journal: Journal) -> Selection:
     if fault:
         return spoilt(state.after(Round(located, None, None)), fault)
     search.progress("comparing sets of effects on waveforms")
-    choice = safely("sets of waveform effects", kept(chosen), WaveChoice())(search)
+    late = safely("indices of first paths", kept(beside_late), None)(search)
+    if late:
+        search, choice = late
+        state = replace(state, search=search)
+    else:
+        choice = safely("sets of waveform effects", kept(chosen), WaveChoice())(search)
     found = safely("links struck at random", kept(struck_by), None)(search, choice)
     if found:
         state, located, choice = _spared(state, journal, found, located)
@@ -92,6 +98,16 @@ def chosen(search: Search) -> WaveChoice:
     rows = compared_rows(search)
     sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries)
     return sets.chosen()
+
+
+def beside_late(search: Search) -> tuple[Search, WaveChoice] | None:
+    """Return the search and its set with a late detection, None where indices show none."""
+    late = found_late(search)
+    if late is None:
+        return None
+    marked = replace(search, logged=(*search.logged, late))
+    choice = chosen(marked)
+    return (marked, with_late(search, late, choice)) if holds(search, late, choice) else None
 
 
 def rounds_of(search: Search, choice: WaveChoice, located: Located) -> tuple[Round, ...]:

@@ -36,6 +36,7 @@ from bench.discrepancy.select.state import Search, State
 from bench.discrepancy.select.within_links import rows_per_link
 from bench.discrepancy.settings import FIT_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.effects.receiver.level_control import LevelControl, accumulated_share
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
@@ -219,8 +220,11 @@ def judged_by(search: Search, effect: Effect) -> str:
     """Return what the gain of an effect is, "" where it decides; logs that show it decide alone."""
     if effect.name not in {one.name for one in search.logged}:
         return ""
-    column = COUNT if isinstance(effect, LevelControl) else NOISE
-    return f"told by the {column} that is logged; gain on held-out links, which does not decide"
+    if isinstance(effect, LateDetection):
+        seen = "where the index lies behind the edge of its record"
+    else:
+        seen = f"the {COUNT if isinstance(effect, LevelControl) else NOISE} that is logged"
+    return f"told by {seen}; gain on held-out links, which does not decide"
 
 
 def _brings(values: Floats, null: Floats, ways: Floats, count: float, spare: float) -> float:

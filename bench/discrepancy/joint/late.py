@@ -1,0 +1,208 @@
+"""A detector that finds first paths later: its index lies later behind the edge of its own record.
+
+Waveforms are compared from the detected index on, so they hardly show where that lies. But in every
+record a first path can be found again, with one detector for both sides. Where the recorded index
+lies later behind that edge than the simulated one, and the range is longer by as much on the same
+links, the first path was found late: a delay, a clock or a bias moves the range and no index, and
+what lengthens the way of a path moves both the edge and the index.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Added, View, swapped, without
+from bench.discrepancy.data.observables import NOISE, RANGE
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.rows import compared_rows
+from bench.discrepancy.joint.settings import (
+    EDGE_AT,
+    EDGE_OF_NOISE,
+    EDGE_OF_PEAK,
+    LATE_ERRORS,
+    LATE_FRACTIONS,
+    LATE_LEAST_M,
+    LATE_MEMBERS,
+    LATE_OWN,
+    LATE_RISES_DB,
+    LATE_SHARES,
+    LATE_SIZES_M,
+    LATE_TIMES,
+    NAME_NATS,
+)
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.settings import MAD_TO_STD
+from bench.physics.effects.receiver.late_detection import LateDetection
+from bench.physics.units import C_M_PER_NS, Floats
+
+
+@dataclass(frozen=True)
+class Late:
+    """Means of links, recorded beyond simulated, in metres [L each].
+
+    `index_m`: how much later the index lies behind the edge; `range_m`: how much longer ranges are;
+    `own_m`: the first of one simulated version beyond the others.
+    """
+
+    index_m: Floats
+    range_m: Floats
+    own_m: Floats
+
+    @property
+    def nats(self) -> float:
+        """What ranges say for following the index, against not doing so."""
+        return likelihood(self.range_m - self.index_m) - likelihood(self.range_m)
+
+    @property
+    def share(self) -> float:
+        """How many times the index the range moves by, as is likeliest."""
+        fits = [likelihood(self.range_m - share * self.index_m) for share in LATE_SHARES]
+        return float(LATE_SHARES[int(np.argmax(fits))])
+
+    @property
+    def later(self) -> float:
+        """How much later the index lies, in standard errors of a simulated version's.
+
+        Of a logarithm from the usual scatter on: few links far off and all links a little count.
+        """
+        usual = max(MAD_TO_STD * float(np.median(np.abs(self.own_m))), LATE_LEAST_M)
+        seen, own = (np.sign(m) * np.log1p(np.abs(m) / usual) for m in (self.index_m, self.own_m))
+        return float(seen.sum() / np.sqrt(np.sum(np.maximum(own**2, LATE_OWN))))
+
+    @property
+    def found(self) -> bool:
+        """Whether first paths were found late."""
+        near = 1 / LATE_TIMES <= self.share <= LATE_TIMES
+        return self.later >= LATE_ERRORS and near and self.nats >= NAME_NATS
+
+
+def likelihood(left_m: Floats) -> float:
+    """Return the log-likelihood of what is left of links [L], of their likeliest scatter.
+
+    With Cauchy's tails: one link whose edge is another path must not decide.
+    """
+    sizes = np.asarray(LATE_SIZES_M)[:, None]
+    return float(np.max(np.sum(-np.log(sizes) - np.log1p((left_m / sizes) ** 2), axis=1)))
+
+
+def edges_ns(samples: Samples, noise: Floats) -> Floats:
+    """Return where the first edge of every record rises, in ns after its index [n].
+
+    At half of its first maximum; `noise` [n] is in the unit of the samples.
+    """
+    magnitude, delay = np.nan_to_num(np.abs(samples[0])), samples[1]
+    rows, last = np.arange(len(magnitude)), magnitude.shape[1] - 1
+    peak = magnitude.max(axis=1)
+    least = np.minimum(np.fmax(EDGE_OF_NOISE * noise, EDGE_OF_PEAK * peak), peak)
+    above = np.argmax(magnitude >= least[:, None], axis=1)
+    falls = np.hstack([magnitude[:, 1:] <= magnitude[:, :-1], np.ones((len(rows), 1), bool)])
+    places = np.arange(last + 1)
+    top = np.argmax(falls & (places >= above[:, None]), axis=1)
+    half = EDGE_AT * magnitude[rows, top]
+    below = (magnitude <= half[:, None]) & (places < top[:, None])
+    low = np.where(below, places, 0).max(axis=1)
+    high = np.minimum(low + 1, last)
+    step = np.maximum(magnitude[rows, high] - magnitude[rows, low], 1e-12)
+    part = np.clip((half - magnitude[rows, low]) / step, 0, 1)
+    return np.asarray(delay[rows, low] + part * (delay[rows, high] - delay[rows, low]))
+
+
+def late_by(search: Search, rows: View, added: Added) -> Late | None:
+    """Return by how much first paths are found later beside some effects, None without samples."""
+    recorded = _recorded(search, rows)
+    ensemble = search.comparison.ensemble(rows, added, LATE_MEMBERS)
+    made = [_simulated(search, rows, added, number) for number in range(LATE_MEMBERS)]
+    known = [one for one in made if one is not None]
+    if recorded is None or not known or RANGE not in ensemble.names:
+        return None
+    edges = np.stack(known)
+    index = edges.mean(axis=0) - recorded
+    own = edges[1:].mean(axis=0) - edges[0] if len(edges) > 1 else np.zeros(len(index))
+    left = ensemble.residual_of(RANGE)
+    able = np.isfinite(index) & np.isfinite(left)
+    if not able.any():
+        return None
+    means = (_means(one[able], rows.links[able]) for one in (_m(index), left, _m(own)))
+    return Late(*means)
+
+
+def _recorded(search: Search, rows: View) -> Floats | None:
+    """Return where edges of recorded rows rise [n], None without samples."""
+    samples, seen = recorded_samples(search.comparison, rows), rows.recorded
+    noise = seen.column(NOISE) if NOISE in seen.names else np.full(len(rows.rows), np.nan)
+    return None if samples is None else edges_ns(samples, noise)
+
+
+def _simulated(search: Search, rows: View, added: Added, number: int) -> Floats | None:
+    """Return where edges rise in one simulated version [n], None without samples."""
+    comparison = search.comparison
+    samples = simulated_samples(comparison, rows, added, number)
+    if samples is None or not isinstance(comparison, Resimulation | TableComparison):
+        return None
+    outcome = comparison.outcome(rows, added, number)
+    return edges_ns(samples, np.asarray(outcome.noise_std, np.float64))
+
+
+def _m(delay_ns: Floats) -> Floats:
+    return np.asarray(C_M_PER_NS * delay_ns)
+
+
+def _means(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return the mean of every link of values [n]."""
+    code = np.unique(links, return_inverse=True)[1]
+    return np.asarray(np.bincount(code, values) / np.bincount(code))
+
+
+def found_late(search: Search) -> LateDetection | None:
+    """Return the late detection that indices and ranges of links show, None where they do not."""
+    if LateDetection.name not in search.kinds or not search.fit.waveform:
+        return None
+    rows = compared_rows(search)
+    seen = late_by(search, rows, ())
+    return fitted_late(search, rows, ()) if seen is not None and seen.found else None
+
+
+def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
+    """Return the late detection with which indices lie as they do in recordings.
+
+    Of the noise or of the peak: one threshold decides in nearly all rows.
+    """
+    edges = _recorded(search, rows)
+    assert edges is not None
+
+    def off(effect: LateDetection) -> float:
+        """Return the summed CRPS of two versions, in ns."""
+        made = [_simulated(search, rows, (*beside, effect), number) for number in range(2)]
+        one, two = (np.asarray(each) for each in made)
+        apart = (np.abs(one - edges) + np.abs(two - edges) - np.abs(one - two)) / 2
+        return float(np.nansum(apart))
+
+    of_noise = [LateDetection(rise, 0.0) for rise in LATE_RISES_DB]
+    return min((*of_noise, *(LateDetection(0.0, part) for part in LATE_FRACTIONS)), key=off)
+
+
+def with_late(search: Search, late: LateDetection, choice: WaveChoice) -> WaveChoice:
+    """Return a set of waveform effects with the late detection in it, as indices have it.
+
+    A set is fitted to what follows the index, which hardly tells how late that is.
+    """
+    beside = without(choice.added, late)
+    made = fitted_late(search, compared_rows(search), beside)
+    return replace(choice, added=swapped(choice.added, made))
+
+
+def holds(search: Search, late: LateDetection, choice: WaveChoice) -> bool:
+    """Return whether first paths are found late beside all other effects of a set, too.
+
+    Not where waveforms hold what no effect explains: that may move edges.
+    """
+    if choice.unlisted:
+        return False
+    seen = late_by(search, compared_rows(search), without(choice.added, late))
+    return seen is not None and seen.found

@@ -1,0 +1,89 @@
+"""First paths that are found late: seen in where their index lies in its own record."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import Added, view
+from bench.discrepancy.data.observables import window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.late import Late, edges_ns, found_late, holds
+from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.select.logged import judged_by
+from bench.discrepancy.select.state import Search
+from bench.physics.base import Base
+from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.receiver.late_detection import LateDetection
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS = 40
+LATE = LateDetection(peak_fraction=0.75)
+
+
+def searched(hidden: Added) -> Search:
+    """Return a search on rows of 40 links with CIRs, beside a simulator without effects."""
+    rng = np.random.default_rng(3)
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(LINKS)],
+            "true_range_m": rng.uniform(2, 15, LINKS),
+            "tx": [f"t{i % 3}" for i in range(LINKS)],
+            "rx": [f"r{i % 4}" for i in range(LINKS)],
+        }
+    )
+    made = Simulator(Base(), hidden, 5, "test").observe(scene(frame), 5, 77).table(frame)
+    window = window_of(made)
+    rows = view(made, link_codes(made), np.arange(len(made)), window)
+    comparison = Resimulation(Simulator(Base(), (), 11, "test"), window)
+    return Search(comparison, rows, rows, {LateDetection.name: LateDetection}, 1, work=rows)
+
+
+def test_an_edge_is_timed_at_half_of_the_first_maximum() -> None:
+    delay = np.arange(-4.0, 8.0)[None]
+    rise = np.array([[0, 0, 0, 0, 2.0, 4.0, 3.0, 1.0, 8.0, 10.0, 5.0, 0]])
+    assert edges_ns((rise, delay), np.array([0.1])) == pytest.approx([0.0])
+    assert edges_ns((rise, delay), np.array([0.5])) == pytest.approx([0.0])
+    assert edges_ns((rise, delay), np.array([1.0])) == pytest.approx([4.0 - 1 + 4 / 7])
+
+
+def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> None:
+    late = found_late(searched((LATE,)))
+    assert late is not None
+    assert late.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
+
+
+def test_what_a_late_detection_is_told_by_is_said() -> None:
+    search = replace(searched((LATE,)), logged=(LATE,))
+    assert "told by where the index lies" in judged_by(search, LATE)
+
+
+def test_what_moves_ranges_and_no_index_is_no_late_detection() -> None:
+    assert found_late(searched((AntennaDelay(delay_ns=0.5),))) is None
+    assert found_late(searched((PathLoss(offset_db=6.0),))) is None
+    assert found_late(searched(())) is None
+
+
+def test_it_is_none_where_waveforms_show_what_no_effect_explains() -> None:
+    search = searched((LATE,))
+    assert holds(search, LATE, WaveChoice((LATE,)))
+    assert not holds(search, LATE, WaveChoice((LATE,), unexplained=True))
+
+
+def test_ranges_must_follow_the_index_by_as_much() -> None:
+    rng = np.random.default_rng(1)
+    index, noise = np.maximum(rng.normal(0, 0.1, 60), 0), rng.normal(0, 0.01, (2, 60))
+    assert Late(index, index + noise[0], noise[1]).found
+    assert not Late(index, 2.5 * index + noise[0], noise[1]).found
+    assert not Late(-index, noise[0] - index, noise[1]).found  # sooner
+    assert not Late(index, 0.3 + noise[0], noise[1]).found
+    jitter = rng.normal(0, 0.05, (2, 60))
+    assert Late(jitter[0], jitter[0] + noise[0], jitter[1]).nats > NAME_NATS
+    assert not Late(jitter[0], jitter[0] + noise[0], jitter[1]).found  # any detector's
