@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
@@ -56,14 +57,15 @@ def beyond_own_draws(
     view: View,
     seed: int,
     scatter: Floats | None,
+    family_wise: float = FAMILY_WISE,
 ) -> Located:
     """Return a significant search, without findings where draws of links may be all there is.
 
     `ensemble` has the rows' own simulated versions, then those of similar links; `scatter`: see
-    `within_links`. What is found of
-    an observable must stand, too: a jitter of ranges says nothing of levels that links have drawn.
+    `within_links`; `family_wise`: the error of all that is asked here. What is found of an
+    observable must stand, too: a jitter of ranges says nothing of levels that links have drawn.
     """
-    tried = list(_searches(ensemble, comparison, view, seed, scatter))
+    tried = list(_searches(ensemble, comparison, view, seed, scatter, family_wise))
     beyond = [found for search in tried for found in search.findings]
     if beyond:
         sure = {found.cell.observable for found in beyond}
@@ -75,18 +77,23 @@ def beyond_own_draws(
 
 
 def _searches(
-    ensemble: Ensemble, comparison: Comparison, view: View, seed: int, scatter: Floats | None
+    ensemble: Ensemble,
+    comparison: Comparison,
+    view: View,
+    seed: int,
+    scatter: Floats | None,
+    family_wise: float,
 ) -> Iterator[Located]:
     """Yield searches that draws of links cannot make significant; they share the error of one.
 
     How rows scatter within links, and when, a link may have drawn, too: so all simulated versions
     count as one there, as in means.
     """
-    level, own = IN_PLACES_SHARE * FAMILY_WISE, comparison.distinct(view)
+    level, own = IN_PLACES_SHARE * family_wise, comparison.distinct(view)
     one = _as_one(ensemble.first(own))
     covariates = _with_shared(view.covariates, one)
     both = None if scatter is None else np.stack([scatter[0], scatter[1:].mean(axis=0)])
-    yield locate(one, _nowhere(one), seed, EVERYWHERE_SHARE * FAMILY_WISE, scatter=both)
+    yield locate(one, _nowhere(one), seed, EVERYWHERE_SHARE * family_wise, scatter=both)
     yield locate(one, covariates, seed, level)
     yield locate(levelled(one), covariates, seed, level)
     beside, crowding = ensemble.beside(own), comparison.crowding(view)
@@ -100,13 +107,27 @@ def _as_one(ensemble: Ensemble) -> Ensemble:
 
 
 def _with_shared(covariates: Covariates, one: Ensemble) -> Covariates:
-    """Return the covariates with the levels that both versions have in the mean.
+    """Return the covariates with the levels that both versions have in common (see `common`).
 
     A mean of several versions scatters less than a recorded level does: where each version's own
     level is above some value, there are more recorded rows than simulated ones.
     """
-    levels = {n: one.versions_of(n).mean(axis=0) for n in OWN if n in one.names}
+    levels = {n: common(one.versions_of(n), one.links) for n in OWN if n in one.names}
     return replace(covariates, numbers={**covariates.numbers, **levels})
+
+
+def common(both: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return what two versions [2, n] have in common [n], in their unit.
+
+    Of links their mean; within links the mix that tells nothing of their difference. The mean leans
+    to the version that scatters more there: where it is high, that version is the higher by chance.
+    """
+    code = np.unique(links, return_inverse=True)[1]
+    mean, apart = both.mean(axis=0), both[0] - both[1]
+    inside, differs = (one - group_means(one[:, None], code)[:, 0] for one in (mean, apart))
+    square = float(np.nansum(differs**2))
+    leads = float(np.nansum(inside * differs)) / square if square > 0 else 0.0
+    return np.asarray(mean - leads * differs)
 
 
 def _nowhere(one: Ensemble) -> Covariates:

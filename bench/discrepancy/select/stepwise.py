@@ -81,7 +81,9 @@ def _located(
         reused=reuse(search.comparison, seen), scatter=scatter,
     )  # fmt: skip
     if located.significant and own > 1 and len(ensemble.simulated) >= own + FEW_VERSIONS:
-        return beyond_own_draws(located, ensemble, search.comparison, seen, number, scatter)
+        return beyond_own_draws(
+            located, ensemble, search.comparison, seen, number, scatter, family_wise
+        )
     if located.significant or not few:
         return located
     beside = ensemble.beside(own)

@@ -10,8 +10,10 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.permutation_test import locate
+from bench.discrepancy.select.own_draws import beyond_own_draws, common
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import locate_left
+from bench.physics.units import Floats
 from tests.bench.discrepancy.numpy_tables import tables
 
 REPLICAS = 4
@@ -103,3 +105,49 @@ def test_averaged_levels_make_no_rows_of_rare_levels_scatter_more():
         found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
         alarms += locate_left(found, (), 0).significant
     assert alarms <= 1
+
+
+def test_the_level_two_versions_have_in_common_tells_nothing_of_how_they_differ():
+    """A mean of three simulated rows scatters less within its link than the recorded row does."""
+    rng = np.random.default_rng(5)
+    links = np.repeat(np.arange(400), 4)
+    versions = rng.normal(0, 0.5, (4, len(links)))
+    both = np.stack([versions[0], versions[1:].mean(axis=0)]) + rng.normal(0, 6, 400)[links]
+
+    def inside(level: Floats) -> Floats:
+        return level - np.bincount(links, level)[links] / 4
+
+    apart, mean, level = inside(both[0] - both[1]), both.mean(axis=0), common(both, links)
+    assert np.corrcoef(inside(mean), apart)[0, 1] > 0.3
+    assert abs(np.corrcoef(inside(level), apart)[0, 1]) < 1e-6
+    assert np.allclose(level - inside(level), mean - inside(mean))
+
+
+def test_what_goes_with_the_level_of_a_row_is_no_trend_over_it():
+    """Two figures of one level, as waveforms have them: either scatters less where it is a mean."""
+    alarms = 0
+    for seed in range(8):
+        search = search_of(seed, 2.0, 0, row_db=0.5, replicas=3)
+        rng = np.random.default_rng(100 + seed)
+        frame, made = search.searched.frame, search.comparison.frame
+        level = made["rx_power_dbm"] + rng.normal(0, 0.5, len(made))
+        ours, theirs = (
+            one.assign(rx_power_dbm=db, first_path_power_dbm=db - 6 + rng.normal(0, 0.1, len(one)))
+            for one, db in ((frame, frame["rx_power_dbm"]), (made, level))
+        )
+        some = ("first_path_power_dbm", "rx_power_dbm")
+        rows = view(ours, link_codes(ours), np.arange(len(ours)), Window(), some)
+        found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
+        alarms += locate_left(found, (), 0).significant
+    assert alarms <= 1  # binomial(8, 0.05): more than 1 has probability 6 %
+
+
+@pytest.mark.parametrize(("family_wise", "there"), [(0.025, True), (1e-6, False)])
+def test_what_is_asked_beside_another_search_has_its_share_of_the_error(
+    family_wise: float, there: bool
+) -> None:
+    search = search_of(3, 2.0, 1.5)
+    made = search.comparison.ensemble(search.searched, (), 16)
+    first = locate(made.first(REPLICAS), search.searched.covariates, 0)
+    found = beyond_own_draws(first, made, search.comparison, search.searched, 0, None, family_wise)
+    assert found.significant == there
