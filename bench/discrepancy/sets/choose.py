@@ -30,6 +30,7 @@ from bench.discrepancy.sets.choice import Choice, Set, but, but_not
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mistaken import mistaken
+from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
 from bench.discrepancy.sets.rivals import beside_a_constant, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
@@ -153,10 +154,12 @@ class Contest:
         placed = misplaced(self, first)
         tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
         held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
-        best = moves_every_row(self, held)
+        best = without_scales(self, moves_every_row(self, held))
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
         able = {one: rivals(self, best, one) for one in names}
+        if scale := scales_for_delays(self, best):
+            able[AntennaDelay.name] = tuple(sorted({*able[AntennaDelay.name], *scale}))
         delays = delays_and_more(self, best, able.get(AntennaDelay.name, ()))
         return Choice(
             names,

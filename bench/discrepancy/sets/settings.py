@@ -38,6 +38,8 @@ OFF_BY: Final = 0.15  # of what a response does over rows, that a constant or a 
 LAW_M: Final = 0.1  # typical size of a law, and of how far a device stands elsewhere [convention]
 LAW_SCALE: Final = 0.02  # typical error of one device's unit [convention]
 MOST_DEVICES: Final = 12  # at either end, those of most rows, whose faults take part [cost]
+OWN_SCALE: Final = 0.003  # typical share of the distance, by which a device differs from the common
+# scale: a third of that [convention]
 LEVELS: Final = 5  # different values, fewer of which are categories [convention]
 USUAL_LEVEL_DB: Final = 4.0  # off what is usual at a distance: half of what an obstacle takes
 USUAL_SCATTERS: Final = 3.0  # of simulated levels, that usual ones are off at most [convention]
