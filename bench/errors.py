@@ -31,6 +31,15 @@ def foreign(what: str) -> Iterator[None]:
         raise BenchError(f"{what}: {reason(problem)}") from problem
 
 
+@contextmanager
+def about(source: str) -> Iterator[None]:
+    """Name the table first in whatever BenchError the block raises."""
+    try:
+        yield
+    except BenchError as problem:
+        raise type(problem)(f"{source}: {problem}") from problem
+
+
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> BenchError:
     """Return the error for a name that is not registered, with a did-you-mean."""
     names = sorted(known)

@@ -53,7 +53,7 @@ Examples:
 @click.option(
     "-o",
     "--out",
-    type=click.Path(path_type=Path),
+    type=click.Path(),
     help="Folder for report, TOML and figures. A diagnosis that was stopped resumes from it.",
 )
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes for the fits.")
@@ -69,7 +69,7 @@ def command(
     paths_only: bool,
     environment: str | None,
     seed: int,
-    out: Path | None,
+    out: str | None,
     jobs: int,
     scheduler: str | None,
     as_json: bool,
@@ -98,7 +98,7 @@ def command(
         say(json.dumps(summary(found), indent=1))
     else:
         _print(found)
-        _print_next(found, out)
+        _print_next(found, Path(out) if out is not None else None)
 
 
 def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:

@@ -17,16 +17,33 @@ from bench.recordings.clean import describe
 from bench.recordings.table import Recordings
 
 DEVICE_COLUMNS = ("tx", "rx")
+RANGE_M = "range_m"
 PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "xyz")
 
 
 def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[str, ...]:
     """Return how many rows of how many links each table has, and what was left out, in words."""
-    ours, same = f"recorded: {_words(recorded)}", _one_pair(recorded.frame)
-    if not isinstance(simulated, Recordings):
-        return (ours, *([same] if same else []))
-    more = same, _noise(recorded.frame, simulated.frame)
-    return (ours, f"simulated: {_words(simulated)}", *(words for words in more if words))
+    lines = [f"recorded: {_words(recorded)}"]
+    more = [_one_pair(recorded.frame), _negative(recorded.frame)]
+    if isinstance(simulated, Recordings):
+        lines.append(f"simulated: {_words(simulated)}")
+        more.append(_noise(recorded.frame, simulated.frame))
+    return (*lines, *(words for words in more if words))
+
+
+def _negative(frame: pd.DataFrame) -> str:
+    """Return how many measured ranges are below zero, "" where none is.
+
+    They stay: a radio whose delays are set too long reads so at short distances.
+    """
+    below = np.flatnonzero(numeric(frame, RANGE_M) < 0)
+    if not len(below):
+        return ""
+    first_m = float(frame[RANGE_M].iloc[below[0]])
+    return (
+        f"{len(below)} of {len(frame)} rows have a negative range_m (the first: {first_m:.4g} m in "
+        f"row {below[0]}), which no distance is; they took part: mend or drop them"
+    )
 
 
 def _one_pair(frame: pd.DataFrame) -> str:
@@ -64,7 +81,8 @@ def _noise_db(frame: pd.DataFrame, *tables: pd.DataFrame) -> float:
     """Return the median of the logged noise in dB, for one symbol where all tables count them."""
     noise = numeric(frame, NOISE)
     if all(COUNT in table for table in tables):
-        noise = noise / np.sqrt(numeric(frame, COUNT))
+        count = numeric(frame, COUNT)
+        noise = noise / np.sqrt(np.where(count > 0, count, np.nan))
     known = noise[np.isfinite(noise) & (noise > 0)]
     return float(20 * np.log10(np.median(known))) if len(known) else float("nan")
 

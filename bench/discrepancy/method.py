@@ -61,6 +61,7 @@ from bench.discrepancy.select.unnamed import curve_words, unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.discrepancy.working import WorkingRows
+from bench.errors import about
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.memory import keep_freed
@@ -159,7 +160,8 @@ def diagnose(
         simulated = replace(simulated, frame=cut_into_places(simulated.frame))
     measured = measured_columns(frame, asked.measured, asked.known)
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
-    base = base_of(shown.frame, simulated)
+    with about(recorded.source):
+        base = base_of(shown.frame, simulated)
     other = simulated.frame if isinstance(simulated, Recordings) else None
     window = shared_window(shown.frame, other)
     comparison = compared_with(simulated, window, asked.seed, base)

@@ -162,6 +162,7 @@ DRIFT_PRIOR_PPM_PER_HOUR: Final = 0.5  # [source] indoors crystals drift by tent
 WANDER_SPREADS_PPM: Final = (0.01, 0.03, 0.1, 0.3, 1.0)  # tried by marginal likelihood [cost]
 WANDER_SETTLES_S: Final = (600.0, 3600.0, 21600.0, 129600.0)
 CLOCK_KNOTS: Final = 32  # at most, per device [cost]
+CLOCK_RIDGES: Final = 1e-14, 1e-11, 1e-8  # [derived] of the largest weight, rounded at 1e-16
 CLOCK_SHORTEST_S: Final = 10.0  # between knots: crystals do not wander faster [convention]
 CLOCK_FOLDS: Final = 4  # [convention]
 CLOCK_LINK_FOLDS: Final = 5  # [convention]
@@ -322,7 +323,6 @@ LEAST_SCATTER_M: Final = 1e-4  # of links, a tenth of a millimetre: rounding [de
 FIGURE_BINS: Final = 6  # of a covariate, to say over which the residual varies most [convention]
 FIGURE_MORE: Final = 0.1  # of the variance, that it must explain beyond the distance [convention]
 FEW_POINTS: Final = 500  # of which each is drawn larger [convention]
-
 FIGURE_CENTRE: Final = (0.01, 0.99)  # quantiles that a residual plot shows [convention]
 
 # --- Words (report) ---------------------------------------------------------------------------

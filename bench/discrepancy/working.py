@@ -17,6 +17,7 @@ from bench.discrepancy.data.split import (
     split_links,
     thinned,
 )
+from bench.errors import about
 from bench.recordings.table import Recordings
 
 if TYPE_CHECKING:
@@ -41,8 +42,9 @@ class WorkingRows:
         cls, recorded: Recordings, asked: Options, doubtful: pd.DataFrame, window: Window
     ) -> WorkingRows:
         """Return a recorded table, split by link; `doubtful` columns of its rows take no part."""
-        split = split_links(recorded.frame, asked.seed)
-        check_rows(split)
+        with about(recorded.source):
+            split = split_links(recorded.frame, asked.seed)
+            check_rows(split)
         return cls(recorded, asked, split, window, doubtful)
 
     def view(self, rows: Rows, most: int) -> View:

@@ -1,6 +1,7 @@
 """What a reader does with bad rows: drop, count by reason, never repair silently.
 
-The rules, in this order. A row is dropped, and counted under the reason in quotes, where
+A table without `true_range_m` and `error_m` has the distances between its antennas' positions for
+truth. The rules, in this order. A row is dropped, and counted under the reason in quotes, where
 
 - a known float column holds text ("COLUMN is not a number"), or any column an infinity ("COLUMN is
   infinite"); an empty value there only means "not known";
@@ -32,6 +33,7 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.recordings.obstacle_names import parse_names
+from bench.recordings.places import POSITIONS, distance_m
 from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 
 CHUNK_ROWS = 8192
@@ -110,12 +112,14 @@ def _require(frame: pd.DataFrame, name: str) -> None:
         raise BenchError(f"{name}: the table has no rows; expected one row per range measurement")
     if "error_m" in frame:
         return
+    if "range_m" in frame and set(POSITIONS) <= set(frame.columns):
+        return
     for column in ("range_m", "true_range_m"):
         if column not in frame:
             have = ", ".join(map(str, frame.columns))
             raise BenchError(
                 f"{name}: no column {column!r}; expected 'range_m' and 'true_range_m' (metres), "
-                f"or 'error_m' (it has: {have})"
+                f"or positions tx_x_m .. rx_z_m for the latter, or 'error_m' (it has: {have})"
             )
 
 
@@ -124,6 +128,8 @@ def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask
     columns = {str(column): frame[column] for column in frame.columns}
     text: dict[str, Mask] = {}
     for column in [c for c in FLOAT_COLUMNS if c in columns]:
+        if pd.api.types.is_bool_dtype(columns[column]):
+            raise BenchError(f"{name}: column {column!r} holds true or false; expected numbers")
         columns[column], text[column] = _as_float(columns[column])
         if column in ("error_m", "range_m", "true_range_m") and columns[column].isna().all():
             raise BenchError(f"{name}: column {column!r} holds no number{_first(frame[column])}")
@@ -134,6 +140,7 @@ def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask
     if "obstacles" in columns:
         columns["obstacles"] = _as_names(columns["obstacles"])
     _add_magnitude(columns)
+    _add_truth(columns)
     return pd.DataFrame(columns, copy=False), text
 
 
@@ -168,7 +175,8 @@ def _as_bool(column: pd.Series, name: str) -> pd.Series:
         strange = known.isna() & column.notna() & ~words.isin(["", "nan", "none", "<na>"])
         if strange.any():
             raise BenchError(
-                f"{name}: column 'los' holds {column[strange].iloc[0]!r}; expected true or false"
+                f"{name}: column 'los' holds {str(column[strange].iloc[0])[:40]!r}; "
+                "expected true or false"
             )
         column = known.astype("boolean")
     return column.astype("boolean" if column.isna().any() else np.bool_)
@@ -190,6 +198,13 @@ def _add_magnitude(columns: dict[str, pd.Series]) -> None:
     pairs = zip(columns["cir_i"], columns["cir_q"], strict=True)
     cells = [np.hypot(i, q) if len(i) == len(q) else np.empty(0, np.float32) for i, q in pairs]
     columns["cir"] = _cells(cells, columns["cir_i"].index)
+
+
+def _add_truth(columns: dict[str, pd.Series]) -> None:
+    """Give a table without true ranges the distances between its antennas' positions."""
+    if not {"true_range_m", "error_m"} & set(columns) and set(POSITIONS) <= set(columns):
+        frame = pd.DataFrame({one: columns[one] for one in POSITIONS})
+        columns["true_range_m"] = pd.Series(distance_m(frame), frame.index)
 
 
 def _cells(cells: list[NDArray[np.float32]], index: pd.Index) -> pd.Series:

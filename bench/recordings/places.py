@@ -15,7 +15,7 @@ PLACE_M: Final = 1.0
 """Side of a place in metres: some tens of wavelengths, within which reflections change."""
 PLENTY: Final = 24
 """Links from which on they are left alone: whole links say more than places of one drive."""
-_POSITIONS: Final = tuple(f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz")
+POSITIONS: Final = tuple(f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz")
 
 
 def cut_into_places(frame: pd.DataFrame) -> pd.DataFrame:
@@ -27,7 +27,7 @@ def cut_into_places(frame: pd.DataFrame) -> pd.DataFrame:
     """
     if "link" not in frame or not 0 < frame["link"].nunique() < PLENTY:
         return frame
-    columns = [name for name in _POSITIONS if name in frame] or ["true_range_m"]
+    columns = [name for name in POSITIONS if name in frame] or ["true_range_m"]
     if not set(columns) <= set(frame.columns):
         return frame
     moving = _moving(frame, columns)
@@ -35,6 +35,14 @@ def cut_into_places(frame: pd.DataFrame) -> pd.DataFrame:
         return frame
     names = frame["link"].astype(object).where(~moving, _named(frame, columns))
     return with_radial_speed(frame).assign(link=names)
+
+
+def distance_m(frame: pd.DataFrame) -> NDArray[np.float64]:
+    """Return how far antennas are from each other [n] in metres, NaN unless all six are known."""
+    if not set(POSITIONS) <= set(frame.columns):
+        return np.full(len(frame), np.nan)
+    ends = frame[list(POSITIONS)].apply(pd.to_numeric, errors="coerce").to_numpy(np.float64)
+    return np.asarray(np.linalg.norm(ends[:, :3] - ends[:, 3:], axis=1))
 
 
 def link_count(frame: pd.DataFrame) -> int:

@@ -30,6 +30,8 @@ from bench.recordings.table import Recordings
 from bench.runner.diagnosis_inputs import write_inputs
 from bench.runner.observer import Observer
 
+PARTS = ("diagnosis.json", "report.md", "simulator.toml", "inputs.json", "evidence.parquet",
+         *(f"{one}.png" for one in ("residual", "ladder", "ranks", "profile")))  # fmt: skip
 CODE = ("bench/discrepancy", "bench/physics", "bench/recordings")
 
 
@@ -71,7 +73,7 @@ def diagnose(
     if seed < 0:
         raise BenchError(f"--seed {seed}: expected a whole number of 0 or more")
     if out is not None:
-        check_output(Path(out) / "diagnosis.json")
+        _check_folder(out)
     watch, spread = observer or Observer(), Spread(jobs, scheduler)
     chosen = _names("--observe", observe) or None
     waves = False if paths_only else None
@@ -91,6 +93,14 @@ def diagnose(
     write_inputs(Path(out), recorded, simulated, environment, table, against, found.base)
     kept.clear()
     return found
+
+
+def _check_folder(out: str | Path) -> None:
+    """Raise BenchError, before any work is done, where a report could not be written there."""
+    if not str(out).strip():
+        raise BenchError("-o '': expected the name of a folder")
+    for part in PARTS:
+        check_output(Path(out) / part)
 
 
 def counterpart(simulated: Table | Simulator | None) -> Simulator | Recordings:

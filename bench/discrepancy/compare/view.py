@@ -134,7 +134,8 @@ def view(
     chosen = tuple(n for n in kept if names is None or n in names)
     if not chosen:
         have = ", ".join(kept) or "none"
-        raise BenchError(f"recorded: no observable to compare (the table gives: {have})")
+        asked = "" if names is None else f" of that name ({', '.join(names)})"
+        raise BenchError(f"recorded: no observable{asked} to compare (the table gives: {have})")
     return View(part, seen.keep(chosen), links[rows], rows, waveform)
 
 

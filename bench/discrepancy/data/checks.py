@@ -6,17 +6,17 @@ import numpy as np
 import pandas as pd
 
 from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.figures import check_figures, typical
 from bench.discrepancy.data.observables import error_m
 from bench.discrepancy.data.settings import (
-    LARGEST_FIGURE,
     LONGEST_MEDIAN_RANGE_M,
-    LOUDEST_DBM,
     SAME_PERIOD,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
     UNIT_MISTAKE,
 )
 from bench.errors import BenchError
+from bench.recordings.places import distance_m
 from bench.recordings.table import Recordings
 
 
@@ -29,8 +29,7 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
     check_recorded(recorded)
     if not isinstance(simulated, Recordings):
         return
-    _check_levels(simulated.frame, simulated.source)
-    _check_figures(simulated.frame, simulated.source)
+    check_figures(simulated.frame, simulated.source)
     _check_copies(recorded, simulated)
     both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated))
     if waveforms and both:
@@ -47,32 +46,9 @@ def _check_copies(recorded: Recordings, simulated: Recordings) -> None:
         )
 
 
-def _check_figures(frame: pd.DataFrame, source: str) -> None:
-    """Raise where a column holds what no instrument reads; ranges are looked at elsewhere."""
-    for name in frame.columns.difference(["range_m", "true_range_m", "error_m"]):
-        if frame[name].dtype.kind not in "fiu":
-            continue
-        values = numeric(frame, name)
-        wild = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST_FIGURE))
-        if len(wild):
-            value, row = frame[name].iloc[wild[0]], int(wild[0])
-            raise BenchError(f"{source}: {name} is {value:.4g} at row {row}: no measurement")
-
-
-def _check_levels(frame: pd.DataFrame, source: str) -> None:
-    """Raise where levels are above any that a UWB receiver gets: their sign was lost."""
-    for name in ("rx_power_dbm", "first_path_power_dbm"):
-        middle = _typical(frame, name) if name in frame else 0.0
-        if middle > LOUDEST_DBM:
-            raise BenchError(
-                f"{source}: the median of {name} is {middle:.4g} dBm: expected received levels, "
-                "far below 0 dBm (was the sign lost?)"
-            )
-
-
 def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
     """Raise where two tables sample waveforms at other periods."""
-    mine, other = (_typical(table.frame, "sample_period_ns") for table in (recorded, simulated))
+    mine, other = (typical(table.frame, "sample_period_ns") for table in (recorded, simulated))
     if abs(np.log(mine / other)) > SAME_PERIOD:
         raise BenchError(
             f"{simulated.source}: sample_period_ns is {other:.4g}, but {mine:.4g} in "
@@ -81,17 +57,11 @@ def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
         )
 
 
-def _typical(frame: pd.DataFrame, name: str) -> float:
-    """Return the median of a column's numbers, 1 where it has none."""
-    values = numeric(frame, name)
-    return float(np.nanmedian(values)) if np.isfinite(values).any() else 1.0
-
-
 def check_recorded(recorded: Recordings) -> None:
     """Raise BenchError where a recorded table cannot be diagnosed, naming column and expectation.
 
-    Looks for: no rows, no truth, no link column, units off by 1000, levels without their sign,
-    figures beyond any instrument, time going backwards.
+    Looks for: no rows, no truth, no link column, units off by 1000, figures beyond any instrument,
+    time going backwards.
     """
     frame, source = recorded.frame, recorded.source
     if not len(frame):
@@ -104,8 +74,7 @@ def check_recorded(recorded: Recordings) -> None:
     if "true_range_m" not in frame and "tx_x_m" not in frame:
         raise BenchError(f"{source}: no column 'true_range_m' and no antenna positions")
     _check_units(frame, source)
-    _check_levels(frame, source)
-    _check_figures(frame, source)
+    check_figures(frame, source)
     _check_time(frame, source)
 
 
@@ -122,9 +91,24 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
     ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
-    typical = _typical(frame, "sample_period_ns")
-    if not SAMPLE_PERIOD_NS[0] <= typical <= SAMPLE_PERIOD_NS[1]:
-        raise BenchError(f"{source}: sample_period_ns is {typical:.4g}: expected nanoseconds")
+    _check_positions(frame, source)
+    period = typical(frame, "sample_period_ns")
+    if not SAMPLE_PERIOD_NS[0] <= period <= SAMPLE_PERIOD_NS[1]:
+        raise BenchError(f"{source}: sample_period_ns is {period:.4g}: expected nanoseconds")
+
+
+def _check_positions(frame: pd.DataFrame, source: str) -> None:
+    """Raise where antennas are a thousand times as far from each other as they truly are."""
+    between_m = distance_m(frame)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = between_m / numeric(frame, "true_range_m")
+    known = ratios[np.isfinite(ratios)]
+    ratio = float(np.median(known)) if len(known) else 1.0
+    if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
+        raise BenchError(
+            f"{source}: the positions tx_x_m .. rx_z_m are {ratio:.3g} times true_range_m apart: "
+            "expected metres (are they millimetres?)"
+        )
 
 
 def _check_time(frame: pd.DataFrame, source: str) -> None:

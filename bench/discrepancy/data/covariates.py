@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.observables import SCALARS, Floats
+from bench.discrepancy.data.settings import SMALLEST_SPREAD
 from bench.discrepancy.settings import LEAST_VARIATION, MOST_CATEGORIES, RAREST_CATEGORY
 from bench.recordings.table import CIR_COLUMNS
 
@@ -62,7 +63,8 @@ def _varies(values: Floats, column: str) -> bool:
     """Return whether a column varies by more than its last digits; a time may begin anywhere."""
     known = values[np.isfinite(values)]
     size = 0.0 if column == "time_s" else float(np.abs(known).max(initial=0.0))
-    return bool(len(known)) and float(np.ptp(known)) > LEAST_VARIATION * size
+    least = max(LEAST_VARIATION * size, SMALLEST_SPREAD)
+    return bool(len(known)) and float(np.ptp(known)) > least
 
 
 def _holds_lists(values: pd.Series, column: str) -> bool:

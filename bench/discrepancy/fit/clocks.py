@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array, hstack
 from scipy.sparse.csgraph import connected_components
 
@@ -25,6 +25,7 @@ from bench.discrepancy.settings import (
     CLOCK_FOLDS,
     CLOCK_KNOTS,
     CLOCK_LINK_FOLDS,
+    CLOCK_RIDGES,
     CLOCK_SHORTEST_S,
     CLOCK_STRETCHES,
     DRIFT_PRIOR_PPM_PER_HOUR,
@@ -37,6 +38,7 @@ from bench.discrepancy.settings import (
     WANDER_SETTLES_S,
     WANDER_SPREADS_PPM,
 )
+from bench.errors import BenchError
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.units import C_M_PER_NS
 
@@ -291,7 +293,7 @@ class _Walk:
     def solve(self, wander: Wander, weight: Floats) -> tuple[Floats, float]:
         """Return the unknowns [U] and the log marginal likelihood up to a constant."""
         prior, logdet_prior = self._precision(wander)
-        factor = cho_factor(self.design.T @ (weight[:, None] * self.design) + prior, lower=True)
+        factor = _factor(self.design.T @ (weight[:, None] * self.design) + prior)
         right = self.design.T @ (weight * self.target)
         found = cho_solve(factor, right)
         logdet = 2 * float(np.log(np.diag(factor[0])).sum())
@@ -313,6 +315,17 @@ class _Walk:
             spread_ppm=wander.spread_ppm,
             settle_s=wander.settle_s,
         )
+
+
+def _factor(precision: Floats) -> tuple[Floats, bool]:
+    """Return the Cholesky factor of a precision [U, U]; what rounding spoils gets a ridge."""
+    for ridge in (0.0, *CLOCK_RIDGES):
+        try:
+            more = ridge * float(np.diag(precision).max()) * np.eye(len(precision))
+            return cho_factor(precision + more if ridge else precision, lower=True)
+        except LinAlgError:
+            continue
+    raise BenchError("clocks cannot be fitted: expected 'reply_time_s' and 'time_s' in seconds")
 
 
 def _hats(time: Floats, knots: Floats) -> Floats:

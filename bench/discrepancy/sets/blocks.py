@@ -32,6 +32,7 @@ from bench.discrepancy.sets.settings import (
     USUAL_LEVEL_DB,
     USUAL_SCATTERS,
 )
+from bench.discrepancy.settings import LEAST_VARIATION
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -186,7 +187,8 @@ def usual_levels(rows: View, made: Ensemble | None = None) -> NDArray[np.bool_]:
         usual &= np.abs(np.nan_to_num(level, nan=np.inf) - _strongest(level[usual])) < width
     far = np.log10(np.maximum(rows.scene.true_range_m, LAW_SAME_PLACE_M))
     for _ in range(LEVEL_PASSES):
-        line = np.polynomial.Polynomial.fit(far[usual], level[usual], 1)
+        slopes = np.ptp(far[usual]) > LEAST_VARIATION  # all at one distance: a level, no line
+        line = np.polynomial.Polynomial.fit(far[usual], level[usual], int(slopes))
         near = np.abs(np.nan_to_num(level - line(far), nan=np.inf)) < width
         usual = near if near.sum() >= FEWEST_ROWS else usual
     return np.asarray(usual)

@@ -192,7 +192,8 @@ def test_a_plugin_that_is_no_simulator_is_one_line(call, monkeypatch):
     [
         (("--hide", "nope"), "nope"),
         (("--environment", "hall"), "environment"),
-        (("--observe", "nope"), "observable"),
+        (("--observe", "nope"), "(nope)"),
+        (("-o", ""), "expected the name of a folder"),
         (("--measured", "nope"), "nope"),
         (("--known", "error_m"), "never known"),
         (("--known", "true_range_m", "--measured", "true_range_m"), "both"),
@@ -200,6 +201,18 @@ def test_a_plugin_that_is_no_simulator_is_one_line(call, monkeypatch):
 )
 def test_wrong_options_are_one_line(call, words, said):
     one_line(call(recorded(), *words), said)
+
+
+def test_a_report_that_could_not_be_written_fails_before_the_search(call, tmp_path):
+    (tmp_path / "out" / "report.md").mkdir(parents=True)
+    answer = call(recorded(), "-o", str(tmp_path / "out"))
+    one_line(answer, "report.md: a folder; expected a regular file")
+    assert "searching" not in answer[2]
+
+
+def test_radio_settings_and_links_that_cannot_be_name_the_table(call):
+    one_line(call(recorded().assign(channel=99)), "bench: test: base: channel = 99")
+    one_line(call(recorded().head(8)), "bench: test: 1 link(s)")
 
 
 def test_an_environment_that_is_not_there_names_those_that_are(call):

@@ -48,3 +48,15 @@ def test_links_of_which_many_are_one_pair_of_places_are_said() -> None:
     assert found[-1].startswith("8 links are of 2 pairs of devices and places")
     apart = frame.assign(tx_x_m=[0.5 * i for i in range(8)])
     assert len(counted(Recordings(apart, "mine"), Simulator(Base()))) == 1
+
+
+def test_symbols_that_were_not_counted_are_no_division_by_zero() -> None:
+    none = ROWS.assign(noise_std=25.0, preamble_count=0.0)
+    found = counted(Recordings(none, "mine"), Recordings(ROWS, "simulated"))
+    assert len(counted(Recordings(none, "mine"), Recordings(none, "simulated"))) == len(found) == 2
+
+
+def test_negative_ranges_are_said() -> None:
+    below = ROWS.assign(range_m=[5.1, -5.0, -0.2])
+    found = counted(Recordings(below, "mine"), Simulator(Base()))
+    assert "2 of 3 rows have a negative range_m (the first: -5 m in row 1)" in found[-1]

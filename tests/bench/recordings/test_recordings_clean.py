@@ -115,3 +115,20 @@ def test_obstacles_as_text_are_names_and_not_nothing() -> None:
 def test_row_numbers_that_pandas_wrote_along_are_no_columns() -> None:
     frame = _with().assign(**{"__index_level_0__": 1.0, "Unnamed: 0": 2.0, "supply_v": 3.3})
     assert {*clean(frame, "mine").frame} == {*_with(), "supply_v"}
+
+
+def test_antenna_positions_stand_for_a_true_range_that_is_absent() -> None:
+    places = {"tx_x_m": 0.0, "tx_y_m": 0.0, "tx_z_m": 1.0, "rx_x_m": 3.0, "rx_y_m": 4.0}
+    rows = pd.DataFrame({"range_m": [5.1, 5.2, 5.3], "link": "a", **places})
+    found = clean(rows.assign(rx_z_m=[1.0, 1.0, np.nan]), "t")
+    assert found.frame["true_range_m"].tolist() == [5.0, 5.0]
+    assert found.dropped == {"no range error": 1}
+    with pytest.raises(BenchError, match=r"t: no column 'true_range_m'.*positions"):
+        clean(rows, "t")
+
+
+def test_columns_of_another_kind_are_refused_with_what_they_hold() -> None:
+    with pytest.raises(BenchError, match="'range_m' holds true or false; expected numbers"):
+        clean(make_frame().assign(range_m=True), "t")
+    with pytest.raises(BenchError, match=r"'los' holds '2'; expected true"):
+        clean(make_frame().assign(los=2), "t")

@@ -56,12 +56,36 @@ def test_a_table_against_itself_is_refused() -> None:
     [
         ("rx_power_dbm", 82.0, "the median of rx_power_dbm is 82 dBm: .*sign lost"),
         ("temperature_c", 1e308, r"temperature_c is 1e\+308 at row 0: no measurement"),
+        ("temperature_c", 293.0, "median of temperature_c is 293 degC: expected .*kelvin"),
+        ("reply_time_s", 900.0, "median of reply_time_s is 900 s: expected seconds"),
+        ("reply_time_s", 0.9, "median of reply_time_s is 0.9 s: expected seconds"),
+        ("time_s", 1.7e18, r"median of time_s is 1.7e\+18 s: expected seconds"),
+        ("time_s", 1.7e12, r"median of time_s is 1.7e\+12 s: expected seconds"),
+        ("rx_power_dbm", -8700.0, "median of rx_power_dbm is -8700 dBm: expected dBm"),
+        ("rx_power_dbm", 2e-9, "rx_power_dbm is 2e-09 dBm: .*milliwatts"),
+        ("tx_x_m", 3000.0, "positions tx_x_m .. rx_z_m are 1.5e.03 times .*millimetres"),
     ],
 )
 def test_figures_that_no_receiver_gives_are_refused(column: str, value: float, said: str) -> None:
     made = table("r.parquet", 1.0)
-    strange = Recordings(made.frame.assign(**{column: value}), "r.parquet")
+    places = dict.fromkeys(("tx_x_m", "tx_y_m", "tx_z_m", "rx_x_m", "rx_y_m", "rx_z_m"), 0.0)
+    strange = Recordings(made.frame.assign(**places).assign(**{column: value}), "r.parquet")
     with pytest.raises(BenchError, match=said):
         check_tables(strange, Simulator(Base()))
-    usual = Recordings(made.frame.assign(rx_power_dbm=-82.0, temperature_c=20.0), "r.parquet")
-    check_tables(usual, Simulator(Base()))
+    usual = made.frame.assign(
+        rx_power_dbm=-82.0, temperature_c=20.0, reply_time_s=0.1, time_s=1.7e9, tx_x_m=2.0,
+        tx_y_m=0.0, tx_z_m=0.0, rx_x_m=0.0, rx_y_m=0.0, rx_z_m=0.0,
+    )  # fmt: skip
+    check_tables(Recordings(usual, "r.parquet"), Simulator(Base()))
+
+
+def test_waveforms_that_are_no_magnitudes_are_refused() -> None:
+    made = table("r.parquet", 1.0).frame
+    for share, fails in ((-1.0, True), (-0.05, False)):  # a small undershoot is arithmetic
+        cirs = [np.array([0.0, share, 1.0, 0.5], np.float32)] * len(made)
+        signed = Recordings(made.assign(cir=cirs), "r.parquet")
+        if fails:
+            with pytest.raises(BenchError, match=r"cir is -1 in row 0: expected magnitudes"):
+                check_tables(signed, Simulator(Base()))
+        else:
+            check_tables(signed, Simulator(Base()))

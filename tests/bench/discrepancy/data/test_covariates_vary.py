@@ -14,6 +14,7 @@ def test_rounding_noise_of_a_constant_is_no_covariate() -> None:
         {
             "reply_time_s": 0.15 + 1e-9 * (n % 4),
             "time_s": 1.7e9 + 0.1 * n,
+            "battery_v": 5e-324 * (n % 2),
             "tx_x_m": 4.5e5 + 0.5 * (n % 7),
             "true_range_m": 1.0 + n,
         }

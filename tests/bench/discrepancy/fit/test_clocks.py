@@ -150,3 +150,9 @@ def test_bridge_is_the_conditional_normal():
 def test_wrong_curves_are_refused(changes, words):
     with pytest.raises(BenchError, match=words):
         DeviceClock(("a", "b"), (0.0, 0.0), (0.0, 0.0), **changes)
+
+
+def test_reply_times_in_another_unit_are_fitted_or_one_line():
+    frame, _ = _frame(_waves)
+    frame["reply_time_s"] *= 1e6
+    assert np.isfinite(_fit(frame).offsets_ppm).all()

@@ -143,6 +143,14 @@ def test_levels_are_usual_beside_those_of_the_same_distance() -> None:
     assert usual[~behind].mean() > 0.97
 
 
+def test_levels_at_one_distance_leave_no_warning(recwarn: pytest.WarningsRecorder) -> None:
+    recorded, _ = tables(7)
+    frame = recorded.frame.assign(true_range_m=5.0)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    assert usual_levels(rows).any()
+    assert not len(recwarn)
+
+
 def test_of_two_levels_as_frequent_the_stronger_is_usual() -> None:
     """A wall between half of the links, that nobody listed, takes 7 dB of what was simulated."""
     recorded, _ = tables(7)
