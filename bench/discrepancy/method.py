@@ -34,6 +34,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.level_slope import with_slope
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
@@ -336,6 +337,7 @@ def concluded(state: State, journal: Journal) -> Selection:
         last = state.guard.safely("last fit", journal.kept(settled), added)
         added = last(search.comparison, search.work, added)
         added = state.guard.safely("size of scatter", with_sizes, added)(search, added)
+        added = state.guard.safely("slope of levels", with_slope, added)(search, added)
     search.progress("checking that what was found looks like what was recorded")
     asis = Checked(added, state.rounds)
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)

@@ -21,14 +21,20 @@ LEVELS = (
 )  # fmt: skip  # observables that follow the distance in free space
 
 
-def slopes(observed: Observables, range_m: Floats, links: Rows) -> dict[str, float]:
+def slopes(
+    observed: Observables, range_m: Floats, links: Rows, kinds: Rows | None = None
+) -> dict[str, float]:
     """Return the change of every observable but the range per decade of distance.
 
-    Over means of `links` [n], by least squares; as far as it is told from the first guess.
+    Over means of `links` [n], by least squares; as far as it is told from the first guess. Links of
+    one of `kinds` [n] are compared: matched rows are of one kind, and far ones stand behind walls.
     """
     decades = _decades(range_m)
+    kinds = np.zeros(len(links), np.intp) if kinds is None else kinds
     first = {name: FREE_SPACE_DB * (name in LEVELS) for name in observed.names if name != RANGE}
-    return {name: _slope(observed.column(name), decades, links, of) for name, of in first.items()}
+    return {
+        name: _slope(observed.column(name), decades, links, kinds, of) for name, of in first.items()
+    }
 
 
 def nearer(
@@ -40,21 +46,29 @@ def nearer(
     return np.asarray(np.nan_to_num(change)[:, None] * slope)
 
 
-def _slope(values: Floats, decades: Floats, links: Rows, first: float) -> float:
+def _slope(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: float) -> float:
     """Return a slope, nearer to the first guess the less it is told from that."""
     known = np.isfinite(values) & np.isfinite(decades)
-    code = np.unique(links[known], return_inverse=True)[1]
+    _, some, code = np.unique(links[known], return_index=True, return_inverse=True)
     count = np.bincount(code)
-    if len(count) < SLOPE_LINKS:
+    kind = np.unique(kinds[known][some], return_inverse=True)[1]
+    free = len(count) - len(np.unique(kind)) - 1
+    if len(count) < SLOPE_LINKS or free < 1:
         return first
-    far, high = (np.bincount(code, one[known]) / count for one in (decades, values))
-    far, high = far - far.mean(), high - high.mean() - first * (far - far.mean())
+    means = (np.bincount(code, one[known]) / count for one in (decades, values))
+    far, high = (_within(one, kind) for one in means)
+    high = high - first * far
     square = float(far @ far)
     if square <= 0:
         return first
     more = float(far @ high) / square
-    error = float(((high - more * far) ** 2).sum()) / (len(far) - 2) / square
+    error = float(((high - more * far) ** 2).sum()) / free / square
     return first + more**3 / max(more**2 + error, 1e-30)
+
+
+def _within(values: Floats, kind: Rows) -> Floats:
+    """Return values [L] less the mean of their kind."""
+    return np.asarray(values - (np.bincount(kind, values) / np.bincount(kind))[kind], np.float64)
 
 
 def _decades(range_m: Floats) -> Floats:

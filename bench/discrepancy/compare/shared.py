@@ -66,6 +66,17 @@ def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> S
     return Shared(np.hstack(left), np.hstack(right), names, unknown)
 
 
+def kinds(recorded: pd.DataFrame, simulated: pd.DataFrame) -> NDArray[np.intp]:
+    """Return the code [k] of simulated rows of one room, sight and obstacles, as both know these.
+
+    Devices vary less than rooms, so that they make no kinds of their own.
+    """
+    words = {k: v[1] for k, v in _categories(recorded, simulated).items() if k not in DEVICES}
+    if not words:
+        return np.zeros(len(simulated), np.intp)
+    return np.asarray(pd.DataFrame(words).groupby(list(words), sort=True).ngroup(), np.intp)
+
+
 def _known_numbers(
     recorded: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, ...]
 ) -> tuple[str, ...]:

@@ -33,7 +33,13 @@ from bench.discrepancy.compare.settings import (
     OVERLAP_LINKS,
     OVERLAP_SHARE,
 )
-from bench.discrepancy.compare.shared import NUMBERS, no_overlap, shared, shared_with_categories
+from bench.discrepancy.compare.shared import (
+    NUMBERS,
+    kinds,
+    no_overlap,
+    shared,
+    shared_with_categories,
+)
 from bench.discrepancy.compare.staged_simulation import Stages
 from bench.discrepancy.compare.table_waveforms import TableWaveforms
 from bench.discrepancy.compare.view import Added, View
@@ -304,17 +310,26 @@ class TableComparison:
     def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:
         """Return by how much observables [n, p] change from the matched rows' distances to ours."""
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        return nearer(seen.names, self._over_distance, ours, self._true_range_m[pick])
+        return nearer(seen.names, self._over_distance(view), ours, self._true_range_m[pick])
 
     @cached_property
     def _true_range_m(self) -> Floats:
         """The true ranges of the simulated rows, NaN where unknown."""
         return numeric(self.frame, "true_range_m")
 
+    def _over_distance(self, view: View) -> dict[str, float]:
+        """Return what the simulated observables do over the distance; remembered."""
+
+        def found() -> dict[str, float]:
+            alike = kinds(view.frame, self.frame)
+            return slopes(self.observed, self._true_range_m, self.links, alike)
+
+        return self._slopes.get(view.number, found)
+
     @cached_property
-    def _over_distance(self) -> dict[str, float]:
-        """What the simulated observables do over the distance."""
-        return slopes(self.observed, self._true_range_m, self.links)
+    def _slopes(self) -> Memory[dict[str, float]]:
+        """What observables do over the distance, as views know kinds of links."""
+        return Memory(KEPT_MATCHES)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
         """Return per matched covariate (recorded - simulated mean, in recorded std; p of equality).

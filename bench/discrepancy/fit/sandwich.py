@@ -65,7 +65,7 @@ def parameter_intervals(
         1 + 1 / INTERVAL_MEMBERS
     )
     return tuple(
-        _estimate(p, v, wide * e) for p, v, e in zip(moving, values.tolist(), errors, strict=True)
+        estimated(p, v, wide * e) for p, v, e in zip(moving, values.tolist(), errors, strict=True)
     )
 
 
@@ -80,7 +80,7 @@ def difference_step(item: Parameter, value: float) -> float:
     return float(size)
 
 
-def _estimate(item: Parameter, value: float, half: float) -> ParameterEstimate:
+def estimated(item: Parameter, value: float, half: float) -> ParameterEstimate:
     """Return a parameter with its interval, cut at the physical bounds."""
     edge = AT_BOUND * (item.high - item.low)
     bound = value - item.low < edge or item.high - value < edge

@@ -15,6 +15,7 @@ from bench.discrepancy.select.candidates import Explanation, equivalents, nearly
 from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
@@ -314,6 +315,8 @@ def left_out(
     intervals = sizes(search.comparison, search.sharpest, others, effect)
     rows = guard.safely("size of scatter", told_by_rows, intervals)
     intervals = rows(search, others, effect, intervals)
+    lines = guard.safely("slope of levels", told_by_links, intervals)
+    intervals = lines(search, others, effect, intervals)
     if effect.physics in search.choice.unsure:
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]

@@ -15,6 +15,7 @@ from bench.discrepancy.select.constant_level import beyond_a_constant
 from bench.discrepancy.select.deformation import needless
 from bench.discrepancy.select.essentials import idle, unused
 from bench.discrepancy.select.fixed_distance import follows
+from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.own_scatter import OWN, beyond_causes
 from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, place_weight
 from bench.discrepancy.select.scatter_shape import scatters_alike
@@ -237,7 +238,7 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
     try:
         wrong = _idle(search, added, effect)
         if wrong:
-            return Adequacy(False, 1.0, note=wrong)
+            return _instead(search, added, effect, wrong)
         found = adequacy(search.comparison, working(search), added, effect, wanted)
         if not found.adequate or search.work is None:
             return found
@@ -261,8 +262,18 @@ def _idle(search: Search, added: Added, effect: Effect) -> str:
         return ""
     rest = without(added, effect)
     found = parameter_intervals(search.comparison, search.sharpest, rest, effect)
+    found = told_by_links(search, rest, effect, found)
     every = (idle(wanted[one.name], one) for one in found if one.name in wanted)
     return next((words for words in every if words), "")
+
+
+def _instead(search: Search, added: Added, effect: Effect, wrong: str) -> Adequacy:
+    """Return what is wrong with an effect: so many dB in all rows where these do as well."""
+    said = Adequacy(False, 1.0, note=wrong)
+    if search.work is None:
+        return said
+    constant = beyond_a_constant(search.comparison, search.work, added, effect)
+    return said if constant.adequate else constant
 
 
 def swapped_for(added: Added, gone: Effect, come: Effect) -> Added:

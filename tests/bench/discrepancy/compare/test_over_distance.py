@@ -34,6 +34,15 @@ def test_slopes_are_those_of_the_simulated_table() -> None:
     assert over["kurtosis"] == pytest.approx(-9, abs=1)
 
 
+def test_walls_before_far_links_are_no_slope() -> None:
+    observed, range_m, link = _observed(80)
+    behind = (range_m > 4) & (link % 4 > 0)
+    observed.values[:, 1] -= 8.0 * behind
+    assert slopes(observed, range_m, link)["rx_power_dbm"] < -24
+    over = slopes(observed, range_m, link, behind.astype(np.intp))
+    assert over["rx_power_dbm"] == pytest.approx(-20, abs=1)
+
+
 def test_few_links_leave_free_space() -> None:
     over = slopes(*_observed(5))
     assert (over["rx_power_dbm"], over["peak_counts_db"], over["kurtosis"]) == (-20, -20, 0)
