@@ -119,7 +119,8 @@ def rides(rng: np.random.Generator, rare: str, of_rows: Numbers = OF_ROWS) -> pd
     for k, part in enumerate(parts):
         part["time_s"] = begins_s[k] + part["into_s"] - part["into_s"].min()
     table = pd.concat(parts, ignore_index=True).assign(channel=9, prf_mhz=64.0)
-    return table.assign(obstacles=_between(rng, table, rare))
+    table["obstacles"] = _between(rng, table, rare)
+    return table
 
 
 def _ride(rng: np.random.Generator, number: int, sizes: Numbers, rests: bool) -> pd.DataFrame:
