@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
+from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 
@@ -33,3 +34,19 @@ def residual_range(
     bare = comparison.ensemble(view, smooth, members)
     rounded = whole.simulated_of(RANGE) - bare.simulated_of(RANGE)
     return whole, np.asarray(bare.residual_of(RANGE) - np.nanmean(rounded))
+
+
+def moved_m(
+    comparison: Comparison, view: View, added: Added, effect: Effect, members: int
+) -> Floats:
+    """Return what one of the effects `added` does to the range of every row [n], in metres.
+
+    Zeros where ranges are not on both sides.
+    """
+    whole, bare = (
+        comparison.ensemble(view, some, members) for some in (added, without(added, effect))
+    )
+    if RANGE not in whole.names or RANGE not in bare.names:
+        return np.zeros(len(view.rows))
+    change = (whole.simulated_of(RANGE) - bare.simulated_of(RANGE)).mean(axis=0)
+    return np.asarray(np.nan_to_num(change), np.float64)

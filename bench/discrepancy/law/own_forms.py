@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.discrepancy.compare.view import Added, View, without
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.compare.residual_range import moved_m
+from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.sets.blocks import deformed, off_by
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -30,19 +30,8 @@ def _forms(search: Search, views: tuple[View, ...], added: Added, effect: Effect
     """Return the forms of one effect [n, k], in metres."""
     parts: list[Floats] = []
     for rows in views:
-        shift, kind = _shift_m(search, rows, added, effect), type(effect)
+        shift = moved_m(search.comparison, rows, added, effect, RESIDUAL_MEMBERS)
+        kind = type(effect)
         made = (shift[:, None], deformed(shift, rows, kind), off_by(shift, rows, kind))
         parts.append(np.hstack(made))
     return np.concatenate(parts)
-
-
-def _shift_m(search: Search, rows: View, added: Added, effect: Effect) -> Floats:
-    """Return what an effect does to the range of every row [n], in metres."""
-    whole, bare = (
-        search.comparison.ensemble(rows, some, RESIDUAL_MEMBERS)
-        for some in (added, without(added, effect))
-    )
-    if RANGE not in whole.names or RANGE not in bare.names:
-        return np.zeros(len(rows.rows))
-    change = (whole.simulated_of(RANGE) - bare.simulated_of(RANGE)).mean(axis=0)
-    return np.asarray(np.nan_to_num(change), np.float64)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.residual_range import moved_m
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL, RANGE
@@ -104,20 +105,11 @@ def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:
         out[OF_NOISE] = louder * 10 ** (-numeric(rows.frame, LEVEL) / 10)
     moving = [one for one in rest if any(SPEED in way for way in type(one).needs)]
     if moving:
-        out[OF_MOTION] = np.sum([_moved_m(search, rows, rest, one) ** 2 for one in moving], axis=0)
+        out[OF_MOTION] = np.sum(
+            [moved_m(search.comparison, rows, rest, one, FIT_MEMBERS) ** 2 for one in moving],
+            axis=0,
+        )
     return out
-
-
-def _moved_m(search: Search, rows: View, added: Added, effect: Effect) -> Floats:
-    """Return what an effect does to the range of every row [n], in metres."""
-    whole, bare = (
-        search.comparison.ensemble(rows, some, FIT_MEMBERS)
-        for some in (added, without(added, effect))
-    )
-    if RANGE not in whole.names or RANGE not in bare.names:
-        return np.zeros(len(rows.rows))
-    change = (whole.simulated_of(RANGE) - bare.simulated_of(RANGE)).mean(axis=0)
-    return np.asarray(np.nan_to_num(change), np.float64)
 
 
 def _beside(made: Ensemble) -> tuple[Floats, Floats]:
