@@ -22,6 +22,8 @@ IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere els
 NO_SCATTER_SHARE: Final = (
     0.1  # of recorded variance: less than that has no shape to see [convention]
 )
+FEWEST_SHAPED: Final = 50  # rows, for a kurtosis within 0.7 of its own [convention]
+BOUNDED_P: Final = 0.01  # of equal widths in all links, that a bounded scatter must have [conv.]
 
 # --- Rows that follow each other (select/in_turn) -------------------------------------------------
 IN_TURN_ROWS: Final = 3  # of a link, at least: two differ by as much in either turn [derived]

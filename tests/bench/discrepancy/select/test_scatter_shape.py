@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select.scatter_shape import shape, steady
+from bench.discrepancy.select.scatter_shape import bounded, shape, steady
 from bench.discrepancy.select.within_links import rows_off
 
 LINKS = np.repeat(np.arange(60), 5)
@@ -31,6 +31,23 @@ def test_rows_that_jump_are_no_scatter() -> None:
     rng = np.random.default_rng(2)
     jumped = rng.normal(0, 0.022, 300) + 0.4 * (rng.random(300) < 0.3) - 0.12
     assert not shape(ensemble(jumped, float(jumped.std()))).adequate
+
+
+@pytest.mark.parametrize("form", ["arcsine", "two humps", "uniform"])
+def test_bounded_jitter_is_scatter_where_links_are_alike(form: str) -> None:
+    rng = np.random.default_rng(5)
+    made = {
+        "arcsine": 0.14 * np.sin(rng.uniform(0, 2 * np.pi, 300)),
+        "two humps": 0.1 * rng.choice([-1.0, 1.0], 300),
+        "uniform": rng.uniform(-0.17, 0.17, 300),
+    }[form]
+    jittered = made + rng.normal(0, 0.015, 300)
+    assert shape(ensemble(jittered, 0.1)).adequate
+    wide = jittered * rng.uniform(0.2, 1.8, 60)[LINKS]  # a second path differs from link to link
+    assert not bounded(wide, LINKS)
+    assert not bounded(jittered[:30], LINKS[:30])  # too few for a shape
+    rare = rng.normal(0, 0.03, 300) + 0.4 * (rng.random(300) < 0.2)
+    assert not bounded(rare, LINKS)
 
 
 def test_detours_strike_links_and_jumps_strike_rows() -> None:
