@@ -4,7 +4,8 @@ Before the first path there are some ten samples; behind the last one there may 
 mean of the squared power of noise is twice the square of its mean power; a tone of K times its
 power beside it takes K^2 / (1 + K)^2 off (Rice 1945), half as much where two tones of one size
 beat, and a louder noise nothing. So a set with a tone is likelier, or less likely, than one with a
-noise floor of the same power by how much the recorded samples have of that.
+noise floor of the same power by how much the recorded samples have of that. The square of the mean
+is of pairs of samples that are too far apart for the colour of noise to make them alike.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from scipy.special import logsumexp
 from bench.discrepancy.compare.records import recorded_samples, simulated_samples
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.joint.settings import (
+    COLOUR_SAMPLES,
     KEPT,
     QUIET_ERROR,
     QUIET_FEWEST,
@@ -28,8 +30,8 @@ from bench.discrepancy.joint.settings import (
     STEADY_PARTS,
 )
 from bench.discrepancy.joint.statistics import Floats, Statistics
+from bench.discrepancy.joint.tone_or_noise import with_floor
 from bench.discrepancy.settings import NOISE_BEFORE_NS
-from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.memory import Memory
 
 
@@ -55,10 +57,10 @@ class Quiet:
 
         0 where it has none, or where too few samples are quiet.
         """
-        rest = tuple(one for one in effects if not isinstance(one, NarrowbandInterference))
-        if self._heard is None or len(rest) == len(effects):
+        floor = with_floor(effects)
+        if self._heard is None or floor == effects:
             return 0.0
-        before, after = self._ratio(rest, self._heard), self._ratio(effects, self._heard)
+        before, after = self._ratio(floor, self._heard), self._ratio(effects, self._heard)
         return speaks(self._heard.ratio - before, after - before, self._heard.error)
 
     def _listened(self) -> Heard | None:
@@ -94,11 +96,11 @@ def speaks(left: float, tone: float, error: float) -> float:
     """Return the nats by which a ratio that is `left` is a `tone`'s rather than noise's.
 
     Both as differences from the ratio of noise, `tone` that of a steady tone: of one whose size
-    changes within a record a part is seen, any as likely. What is as far on the other side speaks
-    for neither.
+    changes within a record a part is seen, any as likely. What is farther on the other side than
+    the error says that the error is larger.
     """
-    near, parts = -abs(left), np.linspace(*STEADY_PARTS, 11)
-    each = 0.5 * (near**2 - np.square(near - parts * tone)) / error**2
+    error, parts = max(error, left), np.linspace(*STEADY_PARTS, 11)
+    each = 0.5 * (left**2 - np.square(left - parts * tone)) / error**2
     nats = float(logsumexp(each)) - np.log(len(parts))
     return float(np.clip(min(nats, 0.0) if left > 0 else nats, -QUIET_MOST_NATS, QUIET_MOST_NATS))
 
@@ -120,8 +122,17 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
 def ratios(magnitude: Floats) -> Floats:
     """Return the mean squared power over the squared mean power of each row [n] of samples [n, K].
 
-    Beside the mean power of every sample, as some may hold a little of a tail. 2 of noise.
+    Beside the mean power of every sample, as some may hold a little of a tail. 2 of noise of any
+    colour: the squared mean is the mean product of samples that are no neighbours.
     """
     power = magnitude**2
     power = power / np.nanmean(power, axis=0)
-    return np.asarray(np.nanmean(power**2, axis=1) / np.nanmean(power, axis=1) ** 2)
+    known = np.isfinite(power).astype(np.float64)
+    pairs = _products(np.nan_to_num(power)) / _products(known)
+    return np.asarray(np.nanmean(power**2, axis=1) / pairs)
+
+
+def _products(values: Floats) -> Floats:
+    """Return the sum of products of samples that are `COLOUR_SAMPLES` apart or more [n]."""
+    near = sum((values[:, lag:] * values[:, :-lag]).sum(axis=1) for lag in range(1, COLOUR_SAMPLES))
+    return np.asarray(values.sum(axis=1) ** 2 - (values**2).sum(axis=1) - 2 * near)

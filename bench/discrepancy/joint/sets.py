@@ -41,10 +41,11 @@ from bench.discrepancy.joint.settings import (
     STEPS,
 )
 from bench.discrepancy.joint.statistics import Statistics
-from bench.discrepancy.joint.tone_or_noise import counterparts, steady, told_apart
+from bench.discrepancy.joint.tone_or_noise import counterparts, steady, told_apart, with_tone
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.errors import BenchError
 from bench.physics.effect import Effect
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.memory import Memory
 
 
@@ -276,10 +277,19 @@ class Sets:
         """
         if self.evidence(fit) - self.evidence(other) < CLASS_NATS:
             return False
-        said = self.quiet.nats(fit.effects) - self.quiet.nats(other.effects)
+        said = self.quiet.nats(fit.effects) - self._quiet_of(other, fit)
         if not steady(self.given, other):
             said = max(said, steady(self.given, fit))
         return said >= CLASS_NATS
+
+    def _quiet_of(self, fit: Fit, other: Fit) -> float:
+        """Return what quiet samples say of a set that may have a tone for the other's noise floor.
+
+        Where they do not speak for it, were it as loud as that: a weaker one leaves noise over.
+        """
+        nats = self.quiet.nats(fit.effects)
+        toned = {NarrowbandInterference.name} & set(fit.names) - set(other.names)
+        return min(nats, self.quiet.nats(with_tone(other.effects))) if toned and nats <= 0 else nats
 
     def _same(self, fit: Fit, rest: Fit, name: str, least: float) -> list[Fit]:
         """Return sets with what may do the same as one that does well, where that is not told."""

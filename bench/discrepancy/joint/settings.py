@@ -80,7 +80,9 @@ QUIET_FEWEST: Final = 24  # samples of noise alone in a record, to say how they 
 QUIET_LOUDER: Final = 1.26  # times the power before the path, up to which samples behind the last
 # path hold noise alone: one decibel [convention]
 QUIET_SMOOTH: Final = 8  # samples that this power is averaged over, as many as are before the path
-QUIET_MEMBERS: Final = 4  # simulated versions of them [cost]
+QUIET_MEMBERS: Final = 16  # simulated versions of them: their error is a quarter of the recorded
+# ones' then [cost]
+COLOUR_SAMPLES: Final = 4  # from here on noise has nothing in common, as `NoiseFloor` says
 QUIET_ERROR: Final = 0.01  # of the mean squared power over the square, 2 of noise, by which that of
 # a receiver is off: samples are whole numbers, and clipped [convention]
 QUIET_MOST_NATS: Final = 100.0  # that they may say: that is beyond doubt, and a share of it asks no

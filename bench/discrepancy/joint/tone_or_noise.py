@@ -20,6 +20,7 @@ from scipy.special import ive
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import NOISE
+from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.joint.likelihood import whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import CLASS_NATS, DB_PER_NEPER, TAIL, TONE_FADING_DB
@@ -29,6 +30,7 @@ from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 EARLY = "early_scatter"
+WHITE = {"lag_1": 0.0, "lag_2": 0.0, "lag_3": 0.0}
 
 
 def counterparts(effect: Effect) -> Added:
@@ -36,8 +38,32 @@ def counterparts(effect: Effect) -> Added:
     if isinstance(effect, NoiseFloor) and effect.level_db > 0:
         return (_tone(_more(effect)),)
     if isinstance(effect, NarrowbandInterference):
-        return (NoiseFloor(_within(NoiseFloor, 10 * np.log10(1 + _power(effect)))),)
+        return (floor_of(effect),)
     return ()
+
+
+def floor_of(tone: NarrowbandInterference) -> NoiseFloor:
+    """Return the noise floor that adds as much power to the noise as a tone."""
+    return NoiseFloor(_within(NoiseFloor, 10 * np.log10(1 + _power(tone))))
+
+
+def with_tone(effects: Added) -> Added:
+    """Return a set with a tone of the same power in the place of its noise floor."""
+    floors = (one for one in effects if isinstance(one, NoiseFloor))
+    rest = tuple(one for one in effects if not isinstance(one, NoiseFloor))
+    return (*rest, *(tone for floor in floors for tone in counterparts(floor)))
+
+
+def with_floor(effects: Added) -> Added:
+    """Return a set with a noise floor of the same power in the place of its tone.
+
+    It hides as much of weak paths, and is white: without a colour of its own.
+    """
+    tones = [one for one in effects if isinstance(one, NarrowbandInterference)]
+    rest = tuple(one for one in effects if not isinstance(one, NarrowbandInterference))
+    if any(isinstance(one, NoiseFloor) for one in rest):
+        return rest
+    return (*rest, *(revalued(floor_of(tone), WHITE) for tone in tones))
 
 
 def told_apart(given: Statistics, fit: Fit, name: str) -> float:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.joint import quiet
+from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.quiet import Quiet, quiet_samples, ratios, speaks
 from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
@@ -35,6 +37,14 @@ def test_a_tone_makes_quiet_samples_alike_as_rice_says():
     assert noise - tone == pytest.approx(0.25, abs=0.04)
 
 
+def test_the_colour_of_noise_does_not_make_quiet_samples_alike():
+    rng = np.random.default_rng(4)
+    white = _wave(rng, 0.0, 1.0, 24, rows=4000)
+    coloured = (white[:, :-1] + 0.8 * white[:, 1:])[:, :23]
+
+    assert ratios(np.abs(coloured)).mean() == pytest.approx(ratios(np.abs(white)).mean(), abs=0.02)
+
+
 def test_a_ratio_speaks_for_a_tone_or_for_noise_or_for_neither():
     assert speaks(-0.2, -0.2, 0.03) > 10
     assert speaks(0.0, -0.2, 0.03) < -3
@@ -42,6 +52,7 @@ def test_a_ratio_speaks_for_a_tone_or_for_noise_or_for_neither():
     assert speaks(0.12, -0.2, 0.03) <= 0
     assert abs(speaks(0.0, -0.01, 0.03)) < 0.1  # a weak tone does nothing to see
     assert speaks(-0.1, -0.2, 0.03) > 0  # two tones that beat
+    assert speaks(0.025, -0.1, 0.03) < -3  # as far on the other side as chance may take it
 
 
 @pytest.mark.parametrize(("power", "for_a_tone"), [(1.0, True), (0.0, False)])
@@ -54,6 +65,33 @@ def test_sets_with_a_tone_are_likelier_where_one_was_recorded(monkeypatch, power
 
 def test_where_hardly_a_sample_is_quiet_nothing_is_said(monkeypatch):
     assert _heard(monkeypatch, 1.0, samples=BEFORE + 30).nats((TONE,)) == 0.0
+
+
+def test_a_tone_is_judged_beside_a_noise_floor_that_hides_as_much():
+    (floor,) = with_floor((NarrowbandInterference(level_db=0.0, fading_db=0.0),))
+
+    assert isinstance(floor, NoiseFloor)
+    assert floor.level_db == pytest.approx(3.0, abs=0.02)  # twice the power
+    assert (floor.lag_1, floor.lag_2, floor.lag_3) == (0.0, 0.0, 0.0)
+    assert with_floor((TONE, FLOOR)) == (FLOOR,)
+    assert with_tone((NoiseFloor(level_db=-2.0),)) == ()
+
+
+@pytest.mark.parametrize(("own", "told"), [(-1.0, True), (1.0, False)])
+def test_a_weak_tone_is_no_louder_noise_where_one_as_loud_would_be_heard(monkeypatch, own, told):
+    weak, floor = _fit(NarrowbandInterference(level_db=-15.0)), _fit(FLOOR)
+    sets = Sets.__new__(Sets)
+    sets.given = SimpleNamespace()
+    said = {weak.effects: own, floor.effects: 0.0, with_tone((FLOOR,)): -6.0}
+    sets.quiet = SimpleNamespace(nats=said.__getitem__)
+    monkeypatch.setattr(Sets, "evidence", lambda _, fit: 0.0 if fit is floor else -40.0)
+    monkeypatch.setattr(module, "steady", lambda given, fit: 0.0)
+
+    assert sets._told(floor, weak) is told
+
+
+def _fit(effect):
+    return SimpleNamespace(effects=(effect,), names=(effect.name,))
 
 
 def test_what_quiet_samples_rule_out_is_not_taken_for_the_better_fit(monkeypatch):
@@ -98,7 +136,7 @@ def _quiet(rng, tone: float):
     return np.abs(_wave(rng, tone, 1.0, SAMPLES))
 
 
-def _wave(rng, tone: float, noise: float, samples: int):
-    parts = rng.normal(size=(2, ROWS, samples)) * np.sqrt(noise / 2)
-    turns = 0.08 * np.arange(samples) + rng.random((ROWS, 1))
+def _wave(rng, tone: float, noise: float, samples: int, rows: int = ROWS):
+    parts = rng.normal(size=(2, rows, samples)) * np.sqrt(noise / 2)
+    turns = 0.08 * np.arange(samples) + rng.random((rows, 1))
     return parts[0] + 1j * parts[1] + np.sqrt(tone) * np.exp(2j * np.pi * turns)
