@@ -34,7 +34,7 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.level_slope import with_slope
+from bench.discrepancy.select.level_slope import with_absorption, with_slope
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
@@ -317,7 +317,7 @@ def _with_best(
     """Return the state with the best contender added, all fitted again, the needless taken out."""
     search, before = state.search, state.added
     state = state.after(Round(located, explanation.led_by(best), best.effect))
-    added = with_contender(before, best)
+    added = with_absorption(search, with_contender(before, best))
     if (len(added) > 1 and not search.choice.names) or search.fit.waveform:
         kept, safely, anew = journal.kept, state.guard.safely, len(added) > 1
         again = safely("fitting again", kept(polished), added)

@@ -154,7 +154,8 @@ class Effect(ABC):
     path that is detected. `setup_fault`: the kind of fault of the set-up that it is, such
     as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
     without which it is another effect; `essential_with_cir`, `essential_on_paths`: more of them,
-    where waveforms are compared, and where they are not.
+    where waveforms are compared, and where they are not. `instead`: parameters any of which does
+    for all of these.
     """
 
     name: ClassVar[str]
@@ -194,6 +195,7 @@ class Effect(ABC):
     essential: ClassVar[tuple[str, ...]] = ()
     essential_with_cir: ClassVar[tuple[str, ...]] = ()
     essential_on_paths: ClassVar[tuple[str, ...]] = ()
+    instead: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

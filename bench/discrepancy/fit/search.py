@@ -55,7 +55,10 @@ class Fitted:
 
 
 class Objective:
-    """Gain of one kind of effect over the current simulator as a function of its parameters."""
+    """Gain of one kind of effect over the current simulator as a function of its parameters.
+
+    `held` are the values of parameters that no search fits (see `Effect.instead`).
+    """
 
     def __init__(
         self, kind: type[Effect], comparison: Comparison, view: View, added: Added, base: Tally
@@ -68,6 +71,7 @@ class Objective:
             base,
         )
         self.free = free_parameters(kind)
+        self.held: dict[str, float] = {}
         self.evaluations = 0
         self.best: tuple[float, Effect] | None = None
 
@@ -77,7 +81,7 @@ class Objective:
         Raises BenchError where the effect itself fails.
         """
         self.evaluations += 1
-        effect = valued(self.kind, values)
+        effect = valued(self.kind, {**self.held, **values})
         members = members_for(self.kind, self.view, FIT_MEMBERS)
         try:
             made = self.comparison.ensemble(self.view, (*self.added, effect), members)

@@ -162,6 +162,7 @@ def _again(
     others = without(added, effect)
     base = tally(comparison.ensemble(fit, others, FIT_MEMBERS))
     objective = Objective(type(effect), comparison, fit, others, base)
+    objective.held = {name: getattr(effect, name) for name in type(effect).instead}
     try:
         before = objective({p.name: getattr(effect, p.name) for p in objective.free})
         if anew:

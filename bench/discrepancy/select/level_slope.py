@@ -1,7 +1,8 @@
 """What a path loss does, as levels of links say: a line over the logarithm of the distance.
 
 Shadowing is kept by a link, so links count, not rows; a score of a few simulated rows, some of
-them of other links, tells neither the slope as sharply nor how sure it is.
+them of other links, tells neither the slope as sharply nor how sure it is. What is absorbed all
+along the way bends that line: so many dB are lost in every metre.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.stats import t as student
 
 from bench.discrepancy.compare.matching import link_means
@@ -19,7 +21,14 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.link_line import link_line
 from bench.discrepancy.fit.sandwich import estimated
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.settings import FIT_MEMBERS, INTERVAL_LEVEL, SEARCH_FIRST
+from bench.discrepancy.sets.settings import NAME_NATS
+from bench.discrepancy.settings import (
+    FIT_MEMBERS,
+    INTERVAL_LEVEL,
+    MAD_TO_STD,
+    RESOLUTION,
+    SEARCH_FIRST,
+)
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.units import Floats
@@ -29,6 +38,7 @@ Told = tuple[ParameterEstimate, ...]
 
 def with_slope(search: Search, added: Added) -> Added:
     """Return the effects, a path loss among them as levels of links say."""
+    added = with_absorption(search, added)
     return tuple(_as_told(one, told_by_links(search, without(added, one), one)) for one in added)
 
 
@@ -37,10 +47,9 @@ def told_by_links(search: Search, others: Added, effect: Effect, fitted: Told = 
 
     `fitted` are those of its fit, which stay for all else.
     """
-    line = _line(search, others) if isinstance(effect, PathLoss) else None
-    if line is None:
+    if not isinstance(effect, PathLoss) or (seen := _seen(search, others)) is None:
         return fitted
-    (offset, slope), halves = line
+    (offset, slope), halves = _line(search, seen, effect.per_metre_db)
     kept = tuple(one for one in fitted if one.name not in ("exponent", "offset_db"))
     free = {p.name: p for p in type(effect).parameters()}
     null = float(free["exponent"].null or 0.0)
@@ -56,11 +65,75 @@ def _as_told(effect: Effect, told: Told) -> Effect:
     return replace(effect, **{one.name: one.value for one in told}) if told else effect
 
 
-def _line(search: Search, others: Added) -> tuple[Floats, Floats] | None:
-    """Return the line of recorded less simulated levels over 10 log10 distance, None without.
+def with_absorption(search: Search, added: Added) -> Added:
+    """Return the effects, of a path loss among them what it loses in every metre besides.
 
-    In dB at 1 m and per unit of the exponent, [2], and half of their 90 % intervals [2]. Beside a
-    curve of a receiver's own levels do not add up.
+    Where levels of links speak for it beside the line, within the bounds of an exponent. What was
+    taken for shadowing because no line bends is none.
+    """
+    return tuple(_absorbing(search, without(added, one), one) for one in added)
+
+
+def _absorbing(search: Search, others: Added, effect: Effect) -> Effect:
+    if not isinstance(effect, PathLoss) or (seen := _seen(search, others)) is None:
+        return effect
+    per_metre_db, left_db = absorbed(*seen)
+    if not per_metre_db:
+        return effect
+    shadowing = min(effect.shadowing_db, MAD_TO_STD * float(np.median(np.abs(left_db))))
+    bent = replace(effect, per_metre_db=per_metre_db, shadowing_db=shadowing)
+    told = told_by_links(search, others, bent)
+    return _as_told(bent, told) if told else effect
+
+
+def absorbed(far_m: Floats, left_db: Floats) -> tuple[float, Floats]:
+    """Return the dB that levels [L] lose in every metre beside a line, and what that leaves [L].
+
+    0 where that does not lead the best line by what a name must bring; Laplace's law, as a few
+    links stand behind obstacles. Beside it levels fall as in free space, or faster: a curve tells
+    little more than one of both.
+    """
+    x = _over_logarithm(far_m)
+
+    def beside(per_metre_db: float) -> Floats:
+        y = left_db + per_metre_db * far_m
+        fall = min(float(link_line(x, y)[0][1]), 0.0)
+        return np.asarray(y - fall * x - np.median(y - fall * x))
+
+    def spread(left: Floats) -> float:
+        return max(float(np.mean(np.abs(left))), RESOLUTION["dB"])
+
+    most = next(p.high for p in PathLoss.parameters() if p.name == "per_metre_db")
+    found = minimize_scalar(lambda one: spread(beside(one)), bounds=(0.0, most), method="bounded")
+    offset, slope = link_line(x, left_db)[0]
+    line = np.asarray(left_db - offset - slope * x)
+    sure = len(x) * float(np.log(spread(line) / spread(beside(found.x)))) >= NAME_NATS
+    return (float(found.x), beside(found.x)) if sure else (0.0, line)
+
+
+def _over_logarithm(far_m: Floats) -> Floats:
+    return np.asarray(10 * np.log10(far_m))
+
+
+def _line(
+    search: Search, seen: tuple[Floats, Floats], per_metre_db: float
+) -> tuple[Floats, Floats]:
+    """Return the line of levels of links `seen` over 10 log10 distance, beside a loss per metre.
+
+    In dB at 1 m and per unit of the exponent, [2], and half of their 90 % intervals [2].
+    """
+    (far_m, left_db), rows, comparison = seen, search.sharpest, search.comparison
+    found, spread = link_line(_over_logarithm(far_m), left_db + per_metre_db * far_m)
+    # Rows without simulated ones of their own share those of other links.
+    more = 1.0 if comparison.paired(rows) else comparison.crowding(rows)
+    wide = more * float(student.ppf((1 + INTERVAL_LEVEL) / 2, len(far_m) - 2))
+    return found, np.asarray(wide * np.sqrt(np.diag(spread)), np.float64)
+
+
+def _seen(search: Search, others: Added) -> tuple[Floats, Floats] | None:
+    """Return distances in m and recorded less simulated levels in dB, by link [L]; None without.
+
+    Beside a curve of a receiver's own levels do not add up.
     """
     rows, comparison = search.sharpest, search.comparison
     if rows.waveform or any(one.own_curve for one in others):
@@ -69,14 +142,8 @@ def _line(search: Search, others: Added) -> tuple[Floats, Floats] | None:
     if LEVEL not in made.names or "true_range_m" not in rows.frame:
         return None
     left = made.first(comparison.distinct(rows)).residual_of(LEVEL)
-    far = 10 * np.log10(np.maximum(np.asarray(rows.scene.true_range_m, np.float64), 0.05))
+    far = np.maximum(np.asarray(rows.scene.true_range_m, np.float64), 0.05)
     known = np.isfinite(left) & np.isfinite(far)
-    links = rows.links[known]
-    x, y = (link_means(one[known], links) for one in (far, left))
-    if len(x) < SLOPE_LINKS or not np.ptp(x) > 0:
-        return None
-    found, spread = link_line(x, y)
-    # Rows without simulated ones of their own share those of other links.
-    more = 1.0 if comparison.paired(rows) else comparison.crowding(rows)
-    wide = more * float(student.ppf((1 + INTERVAL_LEVEL) / 2, len(x) - 2))
-    return found, np.asarray(wide * np.sqrt(np.diag(spread)), np.float64)
+    far_m, left_db = (link_means(one[known], rows.links[known]) for one in (far, left))
+    enough = len(far_m) >= SLOPE_LINKS and np.ptp(far_m) > 0
+    return (far_m, left_db) if enough else None

@@ -256,6 +256,8 @@ def _idle(search: Search, added: Added, effect: Effect) -> str:
     if search.fit.waveform and (words := unused(effect)):
         return words
     kind = type(effect)
+    if any(getattr(effect, name) for name in kind.instead):
+        return ""
     needed = kind.essential + (() if search.fit.waveform else kind.essential_on_paths)
     wanted = {p.name: p for p in effect.parameters() if p.name in needed}
     if not wanted:

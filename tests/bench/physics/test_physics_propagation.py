@@ -260,6 +260,9 @@ def test_path_loss_has_its_exponent_and_shadowing_is_of_the_link() -> None:
     np.testing.assert_allclose(drop[0::4], drop[3::4], atol=1e-5)
     assert abs(drop.std() - 4) < 0.6
     np.testing.assert_array_equal(shaded.range_m, base.range_m)
+    leaves, base = change(frame, PathLoss(per_metre_db=0.3), cir=False)
+    lost = base.rx_power_dbm - leaves.rx_power_dbm
+    np.testing.assert_allclose(lost, 0.3 * frame["true_range_m"], atol=1e-3)
 
 
 def test_fading_keeps_the_mean_power_and_spreads_it() -> None:

@@ -10,7 +10,13 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.link_line import link_line
-from bench.discrepancy.select.level_slope import told_by_links, with_slope
+from bench.discrepancy.select.backfitting import polished
+from bench.discrepancy.select.level_slope import (
+    absorbed,
+    told_by_links,
+    with_absorption,
+    with_slope,
+)
 from bench.discrepancy.select.refute import fits
 from bench.discrepancy.select.state import Search
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -18,11 +24,14 @@ from bench.physics.effects.ranging.range_scale import RangeScale
 from tests.bench.discrepancy.numpy_tables import tables
 
 
-def search_of(seed: int, exponent: float, offset_db: float, paired: bool = True) -> Search:
+def search_of(
+    seed: int, exponent: float, offset_db: float, paired: bool = True, per_metre_db: float = 0.0
+) -> Search:
     """Return a search of SIMULATED tables whose recorded levels have this path loss."""
     recorded, simulated = tables(seed, paired=paired, replicas=1)
     frame = recorded.frame
     lost = (exponent - 2) * 10 * np.log10(frame["true_range_m"]) + offset_db
+    lost += per_metre_db * frame["true_range_m"]
     frame = frame.assign(rx_power_dbm=frame["rx_power_dbm"] - lost)
     every = np.arange(len(frame))
     seen = view(frame, link_codes(frame), every, Window(), None, False)
@@ -67,3 +76,26 @@ def test_so_many_db_everywhere_are_said_as_such() -> None:
     why = fits(search_of(2, 2.0, 4.0), (effect,), effect)
     assert not why.adequate
     assert "dB in all rows does as well" in why.note
+
+
+def test_what_is_lost_in_every_metre_bends_a_path_loss() -> None:
+    effect = PathLoss(exponent=3.0, offset_db=-5.0, shadowing_db=3.0)
+    search = search_of(3, 2.0, 0.0, per_metre_db=0.8)
+    (made,) = with_absorption(search, (effect,))
+    assert isinstance(made, PathLoss)
+    assert made.per_metre_db == pytest.approx(0.8, abs=0.2)
+    assert made.exponent == pytest.approx(2.0, abs=0.4)
+    assert made.shadowing_db < 3.0
+    assert fits(search, (made,), made).adequate  # though its exponent may be that of free space
+    (again,) = polished(search.comparison, search.fit, (made,), 1, False)
+    assert isinstance(again, PathLoss)
+    assert again.per_metre_db == made.per_metre_db  # no search fits it, none loses it
+
+
+def test_a_line_over_the_logarithm_is_not_bent() -> None:
+    effect, scale = PathLoss(exponent=2.6, shadowing_db=1.0), RangeScale(scale=0.01)
+    assert with_absorption(search_of(3, 2.6, 1.0), (effect, scale)) == (effect, scale)
+    rng = np.random.default_rng(5)
+    far_m = rng.uniform(3, 60, 80)
+    bends = [absorbed(far_m, rng.normal(0, 2, 80) - 0.1 * np.minimum(far_m, 20))[0] for _ in "abcd"]
+    assert bends == [0.0] * 4  # nor is one that levels off
