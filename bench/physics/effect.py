@@ -145,6 +145,7 @@ class Effect(ABC):
     `resembles`: the effect that does the same to many links together, so that where its places are
     not known these two are not told apart, "" without one.
     `logged_as`: the column in which receivers log this alone, "" without one.
+    `seldom`: the amplitude, from zero on, of what few do: it is fitted without it, too, "" if none.
     `adds`: the parameter by which it adds to what there is: below its null it would take away,
     which nothing does that a simulator leaves out; "" without one.
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
@@ -181,6 +182,7 @@ class Effect(ABC):
     told_by: ClassVar[str] = ""
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""
+    seldom: ClassVar[str] = ""
     adds: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
     stackable: ClassVar[bool] = False

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from bench.physics.loops import compiled, filter_rows, parts
 from bench.physics.units import Complexes, Floats, Reals
 
+FAINT = 0.02  # of its start, below which what rings on is nothing
+
 
 def convolved(waveform: Complexes, taps: Floats) -> Complexes:
     """Return `waveform` [n, S] filtered with 2R + 1 real taps, the middle one at lag zero."""
@@ -26,16 +28,27 @@ def filtered(waveform: Complexes, lags: NDArray[np.intp], taps: Floats | Complex
 
 
 def echo_taps(
-    delay_samples: float, factor: complex | NDArray[np.complex128]
+    delay_samples: float, factor: complex | NDArray[np.complex128], again: complex = 0.0
 ) -> tuple[NDArray[np.intp], Complexes]:
     """Return lags and taps of a waveform plus `factor` times itself later by some samples.
 
-    Of some factors, each is a sample later than the one before.
+    Of some factors, each is a sample later than the one before. The echo comes again after as many
+    samples, `again` times as large (below 1), as long as it is above a fiftieth of the first.
     """
+    often = 1 + int(np.log(FAINT) / np.log(abs(again))) if abs(again) > FAINT else 1
+    one = np.atleast_1d(factor)
+    every = [_late(k * delay_samples, again ** (k - 1) * one) for k in range(1, often + 1)]
+    lags = np.concatenate([[0], *(lags for lags, _ in every)])
+    return lags, np.concatenate([[1.0], *(taps for _, taps in every)]).astype(np.complex64)
+
+
+def _late(
+    delay_samples: float, factors: NDArray[np.complex128]
+) -> tuple[NDArray[np.intp], Complexes]:
+    """Return lags and taps of `factors` times a waveform, later by some samples."""
     whole = int(np.floor(delay_samples))
-    late = np.convolve(lagrange(np.asarray(delay_samples - whole)), np.atleast_1d(factor))
-    lags = np.concatenate([[0], whole - 1 + np.arange(len(late))])
-    return lags, np.concatenate([[1.0], late]).astype(np.complex64)
+    taps = np.convolve(lagrange(np.asarray(delay_samples - whole)), factors)
+    return whole - 1 + np.arange(len(taps)), taps.astype(np.complex64)
 
 
 def decaying(samples: float, turns: float) -> NDArray[np.complex128]:
@@ -43,7 +56,7 @@ def decaying(samples: float, turns: float) -> NDArray[np.complex128]:
 
     As far as it is above a fiftieth of its start; a single 1 where it falls at once.
     """
-    count = int(np.ceil(np.log(50) * samples))
+    count = int(np.ceil(-np.log(FAINT) * samples))
     rates = -1 / max(samples, 1e-9) + 2j * np.pi * turns
     rung = np.exp(rates * np.arange(max(count, 1)))
     return np.asarray(rung / np.sqrt((np.abs(rung) ** 2).sum()))

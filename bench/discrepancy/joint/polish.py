@@ -102,21 +102,42 @@ def _own(varied: Sequence[tuple[Floats, Floats]]) -> Floats | None:
 def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | None:
     """Return a set of effects fitted from where they are, None where they cannot be simulated.
 
-    A fit whose last step still gained what a name must bring goes on with new slopes.
+    With what effects seldom do, and without it where that is likelier.
     """
-    best = fitted(given, effects)
-    if best is None or not len(shares(effects)):
+    begun = fitted(given, effects)
+    if begun is None or not len(shares(effects)):
+        return begun
+    best = _in_rounds(given, begun, steps, ())
+    held = [place for place, rare in enumerate(_seldom(effects)) if rare]
+    if not shares(best.effects)[held].any():
         return best
+    at = shares(effects)
+    at[held] = 0
+    plain = fitted(given, with_shares(effects, at))
+    others = [_in_rounds(given, plain, steps, held)] if plain else []
+    return max([best, *others], key=lambda fit: fit.nats)
+
+
+def _seldom(effects: Added) -> list[bool]:
+    """Return of every free parameter whether it is of what its effect seldom does."""
+    return [p.name == type(e).seldom for e in effects for p in free_parameters(type(e))]
+
+
+def _in_rounds(given: Statistics, best: Fit, steps: int, held: Sequence[int]) -> Fit:
+    """Return a fit on from `best`; one whose last step gained a name goes on with new slopes.
+
+    The parameters in the places `held` stay as they are.
+    """
     for _ in range(FIT_ROUNDS):
-        best, gained = _stepped(given, best, steps)
+        best, gained = _stepped(given, best, steps, held)
         if gained < NAME_NATS:
             break
     return best
 
 
-def _stepped(given: Statistics, best: Fit, steps: int) -> tuple[Fit, float]:
+def _stepped(given: Statistics, best: Fit, steps: int, held: Sequence[int]) -> tuple[Fit, float]:
     """Return a fit some steps on, and what the last of them gained in nats."""
-    slopes, gained = Slopes.at(given, best), 0.0
+    slopes, gained = Slopes.at(given, best).without(held), 0.0
     for _ in range(steps):
         better = _step(given, best, slopes)
         if better is None:
@@ -146,6 +167,13 @@ class Slopes:
         here, each = at_work(given, now, ways)
         squares = -each.reshape(len(each), -1) @ here.ravel()
         return cls(ways, _rises(given, now) - squares)
+
+    def without(self, held: Sequence[int]) -> Slopes:
+        """Return slopes by which the parameters in the places `held` stay as they are."""
+        ways, beyond = self.ways.copy(), self.beyond.copy()
+        ways[..., list(held)] = 0
+        beyond[list(held)] = 0
+        return Slopes(ways, beyond)
 
     def corrected(self, before: Fit, after: Fit) -> Slopes:
         """Return slopes that agree with a step (Broyden 1965): cheaper than new differences."""

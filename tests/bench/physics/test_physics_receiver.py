@@ -227,6 +227,26 @@ def test_resonance_rings_on_and_decays() -> None:
     assert np.allclose([at[5], at[6]], 0.5 * ring[:2], atol=1e-6)
 
 
+def test_what_reflects_twice_echoes_again_and_again() -> None:
+    """A cable that fits neither end: at every multiple of its length, each time by one factor."""
+    lags, taps = echo_taps(5.0, 0.3j, again=0.2j)
+    at = {int(lag): tap for lag, tap in zip(lags, taps, strict=True) if abs(tap) > 1e-6}
+    assert sorted(at) == [0, 5, 10, 15]
+    assert np.allclose([at[5], at[10], at[15]], [0.3j, 0.3j * 0.2j, 0.3j * (0.2j) ** 2])
+    assert np.array_equal(echo_taps(5.0, 0.3j, again=0.0)[1], echo_taps(5.0, 0.3j)[1])
+
+
+def test_energy_of_what_echoes_again_grows_from_zero_as_a_line() -> None:
+    wave = np.zeros((1, 60), np.complex64)
+    wave[0, 5] = 1
+    ring = {"ring_db": -6.0, "ring_delay_ns": 10.0, "ring_phase_deg": 0.0, "on_top": 1.0}
+    rung = [PulseRinging(**ring, again=share)._rung(wave, 1.0) for share in (0.0, 0.1, 0.2)]
+    none, some, twice = (float(np.abs(one[0, 25]) ** 2) for one in rung)
+    assert none == 0
+    assert np.isclose(some, 0.1 * 10**-1.2, rtol=1e-3)
+    assert np.isclose(twice, 2 * some, rtol=1e-3)
+
+
 def test_level_control_follows_a_receiver_whose_levels_are_calibrated_otherwise() -> None:
     """Other tools' levels are 15 dB off as easily: what is held and cut short is the same."""
     frame = line(64)

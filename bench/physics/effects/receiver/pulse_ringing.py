@@ -13,6 +13,8 @@ from bench.physics.loops import parts
 from bench.physics.randomness import Draws
 from bench.physics.units import Complexes, amplitude, energy, scaled, squared
 
+MOST_BACK = 0.9  # of an amplitude, that comes back: what reflects does not amplify
+
 
 @dataclass(frozen=True)
 class PulseRinging(Effect):
@@ -21,7 +23,8 @@ class PulseRinging(Effect):
     Recorded accumulators ring 2.5 to 3.5 samples behind every strong first path, in all links of
     a device alike. The echo's phase is `ring_phase_deg`. An antenna that resonates rings on from
     then on: the echo decays in `ring_decay_ns` to 1/e while it turns by `ring_offset_mhz`, its
-    resonance off the carrier; a hundredth of a ns is one echo, of a reflection. Energy is kept, but
+    resonance off the carrier; a hundredth of a ns is one echo, of a reflection. A cable that fits
+    neither of its ends reflects an echo again: `again` of its energy. Energy is kept, but
     for `on_top` of it: a level that was calibrated with the pulse alone has all of the echo on top.
     """
 
@@ -34,6 +37,7 @@ class PulseRinging(Effect):
     needs = (("cir",),)
     without_cir = False
     with_phases = True
+    seldom = "again"
 
     ring_db: float = parameter(-60, "dB", -60, 6, "echo over the path itself, in energy", null=-60)
     ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
@@ -43,6 +47,7 @@ class PulseRinging(Effect):
     widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
     on_top: float = parameter(0, "ratio", 0, 1, "of what rings on, that the pulse does not lose")
     first_alone: float = parameter(0, "ratio", 0, 1, "of the echo, that other paths do not have")
+    again: float = parameter(0, "ratio", 0, 1, "of the echo's energy, that echoes on", null=0)
     pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before", fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -70,7 +75,8 @@ class PulseRinging(Effect):
             return waveform
         turn = np.exp(1j * np.radians(self.ring_phase_deg)) * amplitude(self.ring_db)
         on = decaying(self.ring_decay_ns / period_ns, self.ring_offset_mhz * 1e-3 * period_ns)
-        taps = echo_taps(self.ring_delay_ns / period_ns, turn * on)
+        back = np.sqrt(self.again) * turn * min(1.0, MOST_BACK / abs(turn))
+        taps = echo_taps(self.ring_delay_ns / period_ns, turn * on, back)
         if self.first_alone <= 0:
             return filtered(waveform, *taps)
         heard = self._heard(waveform)
