@@ -97,7 +97,7 @@ def command(
     if as_json:
         say(json.dumps(summary(found), indent=1))
     else:
-        _print(found)
+        _print(found, kept=out is not None)
         _print_next(found, Path(out) if out is not None else None)
 
 
@@ -112,8 +112,8 @@ def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
         say(f"what it is worth to a correction: bench worth --diagnosis {named(out)}")
 
 
-def _print(diagnosis: Diagnosis) -> None:
-    """Print the verdicts and the confirm figures."""
+def _print(diagnosis: Diagnosis, kept: bool) -> None:
+    """Print the verdicts and the confirm figures; what a report that is `kept` has is cut."""
     from bench.discrepancy.compare.calibration import auc_doubt
     from bench.discrepancy.report.document import (
         describe,
@@ -122,7 +122,7 @@ def _print(diagnosis: Diagnosis) -> None:
         nameless_lines,
     )
     from bench.discrepancy.report.doing import doings
-    from bench.discrepancy.report.parameters import skipped_lines
+    from bench.discrepancy.report.parameters import skipped_line, skipped_lines
 
     say(named(diagnosis.headline))
     does = doings(diagnosis)
@@ -143,5 +143,6 @@ def _print(diagnosis: Diagnosis) -> None:
     )
     for line in measured_lines(diagnosis):
         say(line)
-    for line in skipped_lines(diagnosis.selection.skipped):
+    skipped = diagnosis.selection.skipped
+    for line in [skipped_line(skipped)] if kept and skipped else skipped_lines(skipped):
         say(line)

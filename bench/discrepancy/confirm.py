@@ -76,6 +76,7 @@ class Confirmed:
 
 Pair = tuple[float, float]
 NOT_ADDED: Final = "Nothing was added to the simulator."
+BY_SCORE: Final = "by its score, in which spreads, levels and waveforms count, too"
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
@@ -276,7 +277,7 @@ def _found_and_change(
         why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-    alike = "" if seen.nearer_m.low > 0 else ", ranges alike within chance"
+    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, ranges alike within chance"
     return f"{said}. {changed} fits better{sure}{alike}: {change}."
 
 
@@ -292,5 +293,8 @@ def _medians(seen: Confirmed) -> str:
 
 def _change(seen: Confirmed) -> str:
     """Return in words how far ranges were off before and after."""
-    before, after = seen.mae_before_m.value, seen.mae_after_m.value
-    return f"mean |recorded - simulated| {before:.3g} -> {after:.3g} m on sealed links"
+    before, after = f"{seen.mae_before_m.value:.3g}", f"{seen.mae_after_m.value:.3g}"
+    means = f"{before} m before and after" if before == after else f"{before} -> {after} m"
+    worse = seen.median_after_m.value > seen.median_before_m.value
+    more = f", in the median {_medians(seen)}" if worse and not _only_median(seen) else ""
+    return f"mean |recorded - simulated| {means}{more} on sealed links"

@@ -40,6 +40,7 @@ from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
 from bench.text import named, plain
 
+UNTRIED = "it could not be tried"
 PLACES = (
     "Antennas move under one link name: {} links were cut into {} places of 1 m, the unit that is "
     "held out. Places of one drive are neighbours: intervals may be too narrow."
@@ -225,6 +226,8 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
     if (words := does.get(option.names[0])) is not None:
         out += [f"  - does to these recordings: {words}"]
+    if option.note.startswith(UNTRIED):
+        return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
     out += parameter_lines(option.parameters)
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]

@@ -24,6 +24,7 @@ def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
         values = list(group)
         long = len(values) > SHOWN_VALUES + 1
         first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
+        first = [one for one in values if one in first]  # levels and angles stay in order
         out += [f"  - {one} (90 %)" for one in first if one.determined]
         open_ones += [one.name for one in first if not one.determined]
         out += [f"  - {_rest(name, values, first)}"] if long else []
@@ -70,6 +71,11 @@ def _shifts(verdict: NoMismatch) -> list[str]:
     sizes = verdict.detectable.items()
     units = {name: "" if unit_of(name) in PURE else f" {unit_of(name)}" for name, _ in sizes}
     return [f"- {name} {size:.3g}{units[name]}" for name, size in sizes if size > 0]
+
+
+def skipped_line(skipped: Mapping[str, str]) -> str:
+    """Return which effects took no part, in one line without reasons; "" where none."""
+    return f"skipped (the report says why): {', '.join(sorted(skipped))}" if skipped else ""
 
 
 def skipped_lines(skipped: Mapping[str, str]) -> list[str]:

@@ -6,6 +6,7 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.report.parameters import (
     detectable_line,
     parameter_lines,
+    skipped_line,
     skipped_lines,
     value_table,
 )
@@ -23,8 +24,8 @@ def test_of_a_long_list_the_values_farthest_from_zero_come_first() -> None:
     values += [delay("a0", 1.2), delay("a1", -0.6), delay("wide", 3.0, half_ns=9.0)]
     lines = parameter_lines(values)
     assert len(lines) == SHOWN_VALUES + 1
-    assert "delay_ns[a0] = 1.2 [1.1, 1.3] ns" in lines[0]
-    assert "delay_ns[a1]" in lines[1]
+    assert "delay_ns[a0] = 1.2 [1.1, 1.3] ns" in "".join(lines[:-1])
+    assert "delay_ns[a1]" in "".join(lines[:-1])
     assert "and 7 more values of delay_ns, of which 7 may be zero" in lines[-1]
 
 
@@ -54,3 +55,16 @@ def test_shifts_that_would_show_name_what_varies_and_leave_the_rest_to_the_repor
     assert "preamble_count" not in line
     assert "5 more in the report" in line
     assert len(value_table([nothing])) == 6 + 3
+
+
+def test_the_values_shown_stay_in_the_order_of_their_levels() -> None:
+    sizes = [0.3, 0.5, 0.2, 0.9, 0.7, 1.1, 0.4, 0.6]
+    lines = parameter_lines([delay(f"{-80 + k}", size) for k, size in enumerate(sizes)])
+    assert [line.split()[1] for line in lines[:-1]] == sorted(
+        (line.split()[1] for line in lines[:-1]), reverse=True
+    )
+
+
+def test_a_screen_beside_a_report_names_what_was_skipped_in_one_line() -> None:
+    assert skipped_line({}) == ""
+    assert skipped_line({"b": "needs los", "a": "needs cir"}).endswith("says why): a, b")

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.confirm import _change
 from bench.discrepancy.report.document import describe, measured_lines
-from bench.discrepancy.select.verdict import Unknown
+from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
+from bench.physics.effects.propagation.diffraction import Diffraction
 
 
 def test_what_the_user_said_is_measured_is_not_put_down_to_the_rule() -> None:
@@ -30,3 +32,34 @@ def test_what_the_user_said_is_measured_is_not_put_down_to_the_rule() -> None:
 )
 def test_a_regression_that_loses_removes_nothing(gain: Estimate, words: str) -> None:
     assert any(words in line for line in describe(Unknown((), gain, {}, "why")))
+
+
+def test_what_could_not_be_tried_has_neither_values_nor_evidence() -> None:
+    gain = Estimate(840.0, 445.0, 1290.0, "nats")
+    note = "it could not be tried: it needs obstacles"
+    said = " ".join(describe(LeftOut(Diffraction(), (), gain, 1.0, Control("", None), note=note)))
+    assert note in said
+    assert "840" not in said
+    assert "strength_db" not in said
+
+
+@pytest.mark.parametrize(
+    ("mean_m", "median_m", "words"),
+    [
+        ((0.0363, 0.03631), (0.03, 0.02), "0.0363 m before and after on sealed links"),
+        ((0.162, 0.161), (0.0301, 0.0339), "0.162 -> 0.161 m, in the median 0.0301 -> 0.0339 m"),
+        ((0.162, 0.161), (0.03, 0.02), "0.162 -> 0.161 m on sealed links"),
+    ],
+)
+def test_a_change_says_what_stays_and_what_gets_worse(
+    mean_m: tuple[float, float], median_m: tuple[float, float], words: str
+) -> None:
+    values = {"mae": mean_m, "median": median_m}
+    seen = {
+        f"{name}_{when}_m": Estimate(value, value, value, "m")
+        for name, pair in values.items()
+        for when, value in zip(("before", "after"), pair, strict=True)
+    }
+    still = Estimate(0.0, -1.0, 1.0, "m")
+    gain = Estimate(-1.0, -1.0, -1.0, "nats")  # the median is not what speaks against it
+    assert words in _change(SimpleNamespace(**seen, nearer_m=still, gain=gain))  # type: ignore[arg-type]
