@@ -152,6 +152,26 @@ def refine(objective: Objective, start: Fitted, evaluations: int | None = None) 
     return _descended(objective, start, evaluations)
 
 
+def plainer(objective: Objective, found: Fitted, price: float) -> Fitted:
+    """Return the fit without what is off by default and gains less than a price in nats.
+
+    A warm-up that follows the scatter leaves no slope over the temperature determined.
+    """
+    for item in (p for p in objective.free if p.null is not None and p.default == p.null):
+        rest = tuple(p for p in objective.free if p is not item)
+        if getattr(found.effect, item.name) == item.null or all(p.null is None for p in rest):
+            continue
+        other = Objective(
+            objective.kind, objective.comparison, objective.view, objective.added, objective.base
+        )
+        other.free = rest
+        start = valued(objective.kind, {p.name: float(getattr(found.effect, p.name)) for p in rest})
+        made = refine(other, Fitted(start, other(vars(start)), 1))
+        if made.gain > found.gain - price:
+            objective, found = other, made
+    return found
+
+
 def pursue(objective: Objective, found: Fitted) -> Fitted:
     """Return the optimum after further searches, each from where the last one ended.
 

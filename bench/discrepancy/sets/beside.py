@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
 from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -55,6 +57,21 @@ def told_from_delays(
     within = tuple(part - own @ np.linalg.lstsq(own, part, rcond=None)[0] for part in parts)
     lead = nats_with(contest, rest, {**delays, "within": within}) - nats_with(contest, rest, delays)
     return lead >= price
+
+
+def without_constants(contest: Contest, names: Collection[str]) -> dict[str, tuple[Floats, ...]]:
+    """Return the parts of what clocks can do but for their constants, of those that have one.
+
+    Where what one does in the mean is beyond physics, the mean is an antenna delay's: a delay of
+    0.15 m would else forbid the drift of 2 mm per degree beside it. None where no delay takes part.
+    """
+    blocks, out = contest.evidence.blocks, {}
+    for one in (o for o in names if contest.kinds[o].everywhere):
+        left = tuple(part[:, np.ptp(part, axis=0) > 0] for part in blocks[one])
+        columns, kept = (sum(part.shape[1] for part in some) for some in (blocks[one], left))
+        if columns > kept > 0 and AntennaDelay.name in contest.library:
+            out[one] = left
+    return out
 
 
 def misplaced(contest: Contest, causes: Set) -> Set:

@@ -47,6 +47,7 @@ OF_RANGE = "a law of true_range_m"
 PLACE = "the position of "
 # What changes clocks and delays, and no pulse on its way.
 OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
+OF_DELAYS = ("time_s", "reply_time_s", SPEED)  # one that follows the temperature is a drift
 ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
 PER_DEVICE = (AntennaDelay, ClockOffset)
 Kinds = Mapping[str, type[Effect]]
@@ -206,10 +207,11 @@ def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> 
     """Return smooth deformations [n, k] of a response [n], that of an effect of this kind.
 
     Other sizes over every covariate and device, and another curve. What clocks make is of the same
-    size everywhere, so only over what clocks go by.
+    size everywhere, so only over what clocks go by; a delay that temperature changes is a drift.
     """
     numbers = rows.covariates.numbers
     some = OF_CLOCKS if kind is not None and kind.everywhere else tuple(numbers)
+    some = OF_DELAYS if kind is AntennaDelay else some
     known = (known_mostly(numbers[name]) for name in some if name in numbers)
     slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]

@@ -13,7 +13,7 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.sets.beside import misplaced, told_law
+from bench.discrepancy.sets.beside import misplaced, told_law, without_constants
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
     Blocks,
@@ -221,7 +221,10 @@ class Contest:
             wrong = [one for one in best if one in self.kinds and not self.possible(best, one)]
             if not wrong:
                 return best
-            able = tuple(one for one in able if one not in wrong)
+            if left := without_constants(self, wrong):
+                blocks, self._nats = {**self.evidence.blocks, **left}, {}
+                self.evidence = self.evidence.with_blocks(blocks)
+            able = tuple(one for one in able if one not in wrong or one in left)
 
     def possible(self, causes: Set, name: str) -> bool:
         """Return whether physics allows what a name of a set does to the ranges."""

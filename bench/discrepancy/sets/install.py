@@ -10,7 +10,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
-from bench.discrepancy.fit.search import Objective, refine, screen
+from bench.discrepancy.fit.search import Objective, plainer, refine, screen
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
 from bench.discrepancy.select.link_mixture import strike
@@ -18,6 +18,7 @@ from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import struck_round
 from bench.discrepancy.sets.blocks import named_kinds
 from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.settings import RIVAL_NATS
 from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
@@ -74,7 +75,10 @@ def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Ef
             found = with_values(search.comparison, search.sharpest, added, kind)
             return [found] if found else []
         objective = Objective(kind, search.comparison, search.sharpest, added, base)
-        return [refine(objective, screen(objective, on_ranges=True)).effect] if kind.fitted else []
+        if not kind.fitted:
+            return []
+        fitted = refine(objective, screen(objective, on_ranges=True))
+        return [plainer(objective, fitted, RIVAL_NATS / len(search.sharpest.rows)).effect]
     except BenchError:
         return []
 
