@@ -1,18 +1,20 @@
 """What a simulated table's observables do over the distance: a matched row is rarely just as far.
 
 Matching on covariates leaves a difference where the mixes differ; a regression on the simulated
-side takes it out (bias-corrected matching: Abadie and Imbens 2011). Free space is the first guess
+side takes it out (bias-corrected matching: Abadie and Imbens 2011), errors too: a leading-edge
+detector walks with the level. A law that only recordings have stays. Free space is the first guess
 of levels, none of all else; so accumulators that are scaled to one peak are seen to be.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from bench.discrepancy.compare.settings import FREE_SPACE_DB, SLOPE_LINKS
-from bench.discrepancy.data.observables import RANGE, Observables
+from bench.discrepancy.compare.settings import FREE_SPACE_DB, SLOPE_LINKS, WALK_CLIP
+from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
 from bench.physics.units import Floats
 
@@ -21,49 +23,77 @@ LEVELS = (
 )  # fmt: skip  # observables that follow the distance in free space
 
 
-def slopes(
+@dataclass(frozen=True)
+class Walk:
+    """How an observable walks over x decades of distance: by slope * x + bend * x^2."""
+
+    slope: float
+    bend: float = 0.0
+
+    def at(self, decades: Floats) -> Floats:
+        """Return the walk at distances [n] in decades, in the observable's unit."""
+        return np.asarray(self.slope * decades + self.bend * decades**2, np.float64)
+
+
+def walks(
     observed: Observables, range_m: Floats, links: Rows, kinds: Rows | None = None
-) -> dict[str, float]:
-    """Return the change of every observable but the range per decade of distance.
+) -> dict[str, Walk]:
+    """Return how every observable walks over the distance.
 
     Over means of `links` [n], by least squares; as far as it is told from the first guess. Links of
     one of `kinds` [n] are compared: matched rows are of one kind, and far ones stand behind walls.
     """
     decades = _decades(range_m)
     kinds = np.zeros(len(links), np.intp) if kinds is None else kinds
-    first = {name: FREE_SPACE_DB * (name in LEVELS) for name in observed.names if name != RANGE}
+    first = {name: FREE_SPACE_DB * (name in LEVELS) for name in observed.names}
     return {
-        name: _slope(observed.column(name), decades, links, kinds, of) for name, of in first.items()
+        name: _walk(observed.column(name), decades, links, kinds, of) for name, of in first.items()
     }
 
 
 def nearer(
-    names: tuple[str, ...], over: Mapping[str, float], ours: Floats, theirs: Floats
+    names: tuple[str, ...], over: Mapping[str, Walk], ours: Floats, theirs: Floats
 ) -> Floats:
     """Return by how much observables [n, p] change from one distance [n] in metres to our own."""
-    change = _decades(ours) - _decades(theirs)
-    slope = np.array([over.get(name, 0.0) for name in names])
-    return np.asarray(np.nan_to_num(change)[:, None] * slope)
+    here, there = _decades(ours), _decades(theirs)
+    walked = [over.get(name, Walk(0.0)) for name in names]
+    change = [walk.at(here) - walk.at(there) for walk in walked]
+    return np.asarray(np.nan_to_num(np.stack(change, axis=1)))
 
 
-def _slope(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: float) -> float:
-    """Return a slope, nearer to the first guess the less it is told from that."""
+def _walk(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: float) -> Walk:
+    """Return a walk, nearer to the first guess the less it is told from that."""
     known = np.isfinite(values) & np.isfinite(decades)
     _, some, code = np.unique(links[known], return_index=True, return_inverse=True)
     count = np.bincount(code)
     kind = np.unique(kinds[known][some], return_inverse=True)[1]
-    free = len(count) - len(np.unique(kind)) - 1
+    free = len(count) - len(np.unique(kind)) - 2
     if len(count) < SLOPE_LINKS or free < 1:
-        return first
-    means = (np.bincount(code, one[known]) / count for one in (decades, values))
-    far, high = (_within(one, kind) for one in means)
-    high = high - first * far
-    square = float(far @ far)
-    if square <= 0:
-        return first
-    more = float(far @ high) / square
-    error = float(((high - more * far) ** 2).sum()) / free / square
-    return first + more**3 / max(more**2 + error, 1e-30)
+        return Walk(first)
+    far, high = (np.bincount(code, one[known]) / count for one in (decades, values))
+    x, square = (_within(one, kind) for one in (far, far**2))
+    if not x @ x > 0:
+        return Walk(first)
+    tilt = float(x @ square) / float(x @ x)  # of the square, which a slope says as well
+    left = _within(high - first * far, kind)
+    more, bend = _told(x, square - tilt * x, left, free)
+    return Walk(first + more - bend * tilt, bend)
+
+
+def _told(x: Floats, bow: Floats, high: Floats, free: int) -> tuple[float, float]:
+    """Return the sizes of orthogonal `x` and `bow` in `high` [L], smaller the less they are told.
+
+    Links that are far off (a blocked path) count as far as is usual.
+    """
+    basis = np.stack([x, bow], axis=1)
+    fit = basis @ np.linalg.lstsq(basis, high)[0]
+    usual = WALK_CLIP * float(np.median(np.abs(high - fit)))
+    high = fit + np.clip(high - fit, -usual, usual)
+    size = np.linalg.lstsq(basis, high)[0]
+    noise = float(((high - basis @ size) ** 2).sum()) / free
+    power = size**2 * (basis**2).sum(axis=0)
+    slope, bend = size * power / np.maximum(power + noise, 1e-30)
+    return float(slope), float(bend)
 
 
 def _within(values: Floats, kind: Rows) -> Floats:

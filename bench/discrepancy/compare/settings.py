@@ -9,6 +9,8 @@ from typing import Final
 
 FREE_SPACE_DB: Final = -20.0  # that a level changes per decade of distance (Friis) [physics]
 SLOPE_LINKS: Final = 8  # at least, to tell what a table does over the distance [convention]
+WALK_CLIP: Final = 4.5  # median distances of links from a walk, that one counts for at most: three
+# standard deviations of a normal law [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
@@ -16,6 +18,8 @@ MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the
 # median are other links: names such as A1 are used again in every building
 FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [convention]
+LEAST_OVERLAP: Final = 0.1  # share of simulated links near a distance, tables counting alike: fewer
+# do not stand for the recorded ones [source] Crump, Hotz, Imbens and Mitnik 2009
 CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]
 DEVICE_STD: Final = 0.3  # that another device counts as: it varies less than a room [convention]
 OVERLAP_SHARE: Final = 0.5  # of the rows, that must have a counterpart, to go on [convention]

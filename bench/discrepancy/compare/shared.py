@@ -14,14 +14,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from bench.discrepancy.compare.settings import CATEGORY_STD, DEVICE_STD, FAR_STD, LEAST_STD
+from bench.discrepancy.compare.settings import (
+    CATEGORY_STD,
+    DEVICE_STD,
+    FAR_STD,
+    LEAST_OVERLAP,
+    LEAST_STD,
+)
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.settings import MOST_CATEGORIES
 
 Floats = NDArray[np.float64]
+DISTANCE = "true_range_m"
 NUMBERS = (
-    "true_range_m", "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m",
+    DISTANCE, "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m",
     "room_x_m", "room_y_m", "room_z_m", "preamble_symbols", "channel", "prf_mhz", "tx_power_dbm",
 )  # fmt: skip
 CATEGORIES = ("environment", "los", "tx", "rx")
@@ -129,6 +137,38 @@ def _kinds(lists: pd.Series) -> NDArray[Any]:
 def _coded(values: NDArray[Any], known: list[str]) -> Floats:
     """Return 1 for the value of each row, 0 for others, [n, c], over root two: one apart."""
     return np.asarray((values[:, None] == np.array(known)) / np.sqrt(2), np.float64)
+
+
+def far_apart(names: Sequence[str], ours: Floats, theirs: Floats) -> NDArray[np.bool_]:
+    """Return by which covariates [1 + k] recorded links have no counterpart, [1 + k, L].
+
+    `ours` [L, 1 + k] and `theirs` [K, 1 + k] are a constant and the means of covariates `names`.
+    """
+    # Each number by itself: in many at once every link is far from every other.
+    pairs = list(zip(ours.T, theirs.T, strict=True))
+    apart = np.stack([cKDTree(b[:, None]).query(a[:, None])[0] for a, b in pairs]) > FAR_STD
+    # How far links scatter walks with the distance, too, and cannot be told where few are.
+    if DISTANCE in names:
+        at = 1 + list(names).index(DISTANCE)
+        apart[at] |= _rare(*pairs[at])
+    return np.asarray(apart, np.bool_)
+
+
+def _rare(ours: Floats, theirs: Floats) -> NDArray[np.bool_]:
+    """Return which of `ours` [L] are where `theirs` [K] are too rare to stand for them.
+
+    The share of simulated links among those of both tables within FAR_STD, tables counting alike:
+    the overlap rule of Crump, Hotz, Imbens and Mitnik (2009).
+    """
+    dense = [_within(ours, many) / len(many) for many in (ours, theirs)]
+    return np.asarray(dense[1] < LEAST_OVERLAP * (dense[0] + dense[1]))
+
+
+def _within(places: Floats, many: Floats) -> Floats:
+    """Return how many of `many` [K] are within FAR_STD of each of `places` [L]."""
+    ordered = np.sort(many)
+    above = np.searchsorted(ordered, places + FAR_STD, "right")
+    return np.asarray(above - np.searchsorted(ordered, places - FAR_STD), np.float64)
 
 
 def no_overlap(names: Sequence[str], far: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> str:

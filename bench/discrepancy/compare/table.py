@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from bench.discrepancy.compare.as_simulated import AsReceived, AsSimulated
 from bench.discrepancy.compare.ensemble import Ensemble, stack
@@ -24,9 +23,8 @@ from bench.discrepancy.compare.matching import (
     link_means,
     same_places,
 )
-from bench.discrepancy.compare.over_distance import nearer, slopes
+from bench.discrepancy.compare.over_distance import Walk, nearer, walks
 from bench.discrepancy.compare.settings import (
-    FAR_STD,
     LEAST_STD,
     MIX_DIGITS,
     MOST_VERSIONS,
@@ -35,6 +33,7 @@ from bench.discrepancy.compare.settings import (
 )
 from bench.discrepancy.compare.shared import (
     NUMBERS,
+    far_apart,
     kinds,
     no_overlap,
     shared,
@@ -102,7 +101,7 @@ class TableComparison:
         if added and any(name.startswith("profile_db") for name in seen.names):
             numbers = range(first, first + count)
             made = self.waveforms.changed(view, picks, added, numbers)
-            near = [self._nearer(one, view, p) for one, p in zip(made, picks, strict=True)]
+            near = [self._nearer(one, view, p, RANGE) for one, p in zip(made, picks, strict=True)]
             pairs = zip(made, near, strict=True)
             made = [replace(one, values=one.values + more) for one, more in pairs]
             return stack(view.recorded, made, view.links)
@@ -146,7 +145,7 @@ class TableComparison:
         numbers = range(replicate, replicate + 1)
         given_m, given_db = np.zeros(len(view.rows)), np.zeros(len(view.rows))
         if RANGE in seen.names and any(effect.last or effect.first for effect in added):
-            given_m = np.nan_to_num(seen.column(RANGE)[pick])
+            given_m = np.nan_to_num(self._error_m(view, pick))
             added = (AsSimulated(given_m), *added)
         if LEVEL in seen.names and any(effect.own_curve for effect in added):
             received = self._received(seen, view, replicate, pick)
@@ -175,7 +174,7 @@ class TableComparison:
     @cached_property
     def waveforms(self) -> TableWaveforms:
         """Changes the waveforms of matched rows."""
-        return TableWaveforms(self.frame, self.observed.column(RANGE), self.window, self.seed)
+        return TableWaveforms(self.frame, self._error_m, self.window, self.seed)
 
     def _change(self, seen: Observables, view: View, added: Added, numbers: range) -> list[Floats]:
         """Return what the effects change in replicates, [n, p]; 0 for what waveforms show."""
@@ -293,11 +292,7 @@ class TableComparison:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
         code = link_codes(frame)
         ours, theirs = link_means(alike.left, code), link_means(alike.right, self.links)
-        # Each number by itself: in many at once every link is far from every other.
-        gaps = [
-            cKDTree(b[:, None]).query(a[:, None])[0] for a, b in zip(ours.T, theirs.T, strict=True)
-        ]
-        apart = np.stack(gaps) > FAR_STD
+        apart = far_apart(alike.names, ours, theirs)
         far = apart.any(axis=0)
         unknown = np.bincount(code, categories.unknown) > 0
         inside = ~(far | unknown)[code]
@@ -307,27 +302,34 @@ class TableComparison:
             raise BenchError(no_overlap(alike.names, named, unknown))
         return np.asarray(inside)
 
-    def _nearer(self, seen: Observables, view: View, pick: Rows) -> Floats:
-        """Return by how much observables [n, p] change from the matched rows' distances to ours."""
+    def _nearer(self, seen: Observables, view: View, pick: Rows, but: str = "") -> Floats:
+        """Return by how much observables [n, p], all `but` one, change from their range to ours."""
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        return nearer(seen.names, self._over_distance(view), ours, self._true_range_m[pick])
+        over = {name: walk for name, walk in self._over_distance(view).items() if name != but}
+        return nearer(seen.names, over, ours, self._true_range_m[pick])
+
+    def _error_m(self, view: View, pick: Rows) -> Floats:
+        """Return errors [n] of matched rows at our distances, before effects (rounding) act."""
+        seen = self.observed
+        near = self._nearer(seen, view, pick)[:, seen.names.index(RANGE)]
+        return np.asarray(seen.column(RANGE)[pick] + near, np.float64)
 
     @cached_property
     def _true_range_m(self) -> Floats:
         """The true ranges of the simulated rows, NaN where unknown."""
         return numeric(self.frame, "true_range_m")
 
-    def _over_distance(self, view: View) -> dict[str, float]:
+    def _over_distance(self, view: View) -> dict[str, Walk]:
         """Return what the simulated observables do over the distance; remembered."""
 
-        def found() -> dict[str, float]:
+        def found() -> dict[str, Walk]:
             alike = kinds(view.frame, self.frame)
-            return slopes(self.observed, self._true_range_m, self.links, alike)
+            return walks(self.observed, self._true_range_m, self.links, alike)
 
-        return self._slopes.get(view.number, found)
+        return self._walks.get(view.number, found)
 
     @cached_property
-    def _slopes(self) -> Memory[dict[str, float]]:
+    def _walks(self) -> Memory[dict[str, Walk]]:
         """What observables do over the distance, as views know kinds of links."""
         return Memory(KEPT_MATCHES)
 

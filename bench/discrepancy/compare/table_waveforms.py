@@ -5,7 +5,7 @@ Several matched versions are changed at once where they are of few rows.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -34,9 +34,18 @@ Shape = dict[str, Floats]
 
 
 class TableWaveforms:
-    """Rows of a table with errors `error_m` [n], which effects change; remembers the latest."""
+    """Rows of a table, which effects change; remembers the latest.
 
-    def __init__(self, frame: pd.DataFrame, error_m: Floats, window: Window, seed: int) -> None:
+    `error_m` gives the errors [n] of the rows that stand for those of a view.
+    """
+
+    def __init__(
+        self,
+        frame: pd.DataFrame,
+        error_m: Callable[[View, Rows], Floats],
+        window: Window,
+        seed: int,
+    ) -> None:
         self.frame, self.error_m, self.window, self.seed = frame, error_m, window, seed
         self._drawn = DrawMemory(KEPT_NOISE)
         self._tables: Memory[ForeignTable] = Memory(KEPT_TABLES)
@@ -109,7 +118,7 @@ class TableWaveforms:
         """Return matched rows: what was measured from the table, all else as recorded."""
         theirs = self.frame.iloc[pick].reset_index(drop=True)
         known = [name for name in view.frame if name not in MEASURED]
-        error = self.error_m[pick]
+        error = self.error_m(view, pick)
         kept = theirs[[name for name in theirs if name in MEASURED]]
         out = pd.concat([view.frame[known].reset_index(drop=True), kept], axis=1)
         return out.assign(error_m=error, range_m=view.scene.true_range_m + error)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.over_distance import nearer, slopes
+from bench.discrepancy.compare.over_distance import Walk, nearer, walks
 from bench.discrepancy.compare.reuse import widening
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.covariates import Covariates
-from bench.discrepancy.data.observables import Observables
+from bench.discrepancy.data.observables import Observables, Window
+from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.permutation_test import locate, rare_links
 
 NAMES = ("error_m", "rx_power_dbm", "peak_counts_db", "kurtosis")
@@ -26,31 +30,78 @@ def _observed(links: int, scatter: float = 0.5) -> tuple[Observables, np.ndarray
     return Observables(NAMES, ("m", "dB", "dB", "1"), values), range_m, link
 
 
-def test_slopes_are_those_of_the_simulated_table() -> None:
-    over = slopes(*_observed(80))
-    assert "error_m" not in over
-    assert over["rx_power_dbm"] == pytest.approx(-20, abs=1)
-    assert over["peak_counts_db"] == pytest.approx(0, abs=1)
-    assert over["kurtosis"] == pytest.approx(-9, abs=1)
+def test_walks_are_those_of_the_simulated_table() -> None:
+    over = walks(*_observed(80))
+    assert over["rx_power_dbm"].slope == pytest.approx(-20, abs=1)
+    assert over["peak_counts_db"].slope == pytest.approx(0, abs=1)
+    assert over["kurtosis"].slope == pytest.approx(-9, abs=1)
+
+
+def test_errors_walk_with_a_bend_as_those_of_a_leading_edge_do() -> None:
+    observed, range_m, link = _observed(80)
+    decades = np.log10(range_m)
+    errors = -0.5 + 0.2 * decades + 0.15 * decades**2
+    errors += 0.02 * np.random.default_rng(5).normal(size=80)[link] + 3.0 * (link == 7)
+    observed.values[:, 0] = errors
+    change = nearer(NAMES, walks(observed, range_m, link), np.array([9.0]), np.array([2.0]))[0, 0]
+    far, near = np.log10(9), np.log10(2)
+    truth = 0.2 * (far - near) + 0.15 * (far**2 - near**2)
+    assert change == pytest.approx(truth, abs=0.02)
 
 
 def test_walls_before_far_links_are_no_slope() -> None:
     observed, range_m, link = _observed(80)
     behind = (range_m > 4) & (link % 4 > 0)
     observed.values[:, 1] -= 8.0 * behind
-    assert slopes(observed, range_m, link)["rx_power_dbm"] < -24
-    over = slopes(observed, range_m, link, behind.astype(np.intp))
-    assert over["rx_power_dbm"] == pytest.approx(-20, abs=1)
+    assert _decade(walks(observed, range_m, link)["rx_power_dbm"]) < -24
+    over = walks(observed, range_m, link, behind.astype(np.intp))
+    assert _decade(over["rx_power_dbm"]) == pytest.approx(-20, abs=1)
+
+
+def _decade(walk: Walk) -> float:
+    """Return what a walk does from 1 to 10 m."""
+    return float(np.diff(walk.at(np.array([0.0, 1.0])))[0])
 
 
 def test_few_links_leave_free_space() -> None:
-    over = slopes(*_observed(5))
-    assert (over["rx_power_dbm"], over["peak_counts_db"], over["kurtosis"]) == (-20, -20, 0)
+    over = walks(*_observed(5))
+    assert [over[name] for name in NAMES] == [Walk(0), Walk(-20), Walk(-20), Walk(0)]
 
 
 def test_a_matched_row_ten_times_as_far_is_20_db_stronger_here() -> None:
-    change = nearer(NAMES, {"rx_power_dbm": -20.0}, np.array([1.0, 5.0]), np.array([10.0, 0.0]))
+    over = {"rx_power_dbm": Walk(-20.0)}
+    change = nearer(NAMES, over, np.array([1.0, 5.0]), np.array([10.0, 0.0]))
     np.testing.assert_allclose(change, [[0, 20, 0, 0], [0, 0, 0, 0]])
+
+
+def _table(lengths_m: np.ndarray, seed: int, scale: float = 0.0) -> pd.DataFrame:
+    """Return a SIMULATED table of a row a link, errors of which walk by 0.4 m a decade."""
+    noise = 0.01 * np.random.default_rng(seed).normal(size=len(lengths_m))
+    error = 0.4 * np.log10(lengths_m) - 0.5 + scale * lengths_m + noise
+    link = [f"L{seed}-{i}" for i in range(len(lengths_m))]
+    return pd.DataFrame({"link": link, "true_range_m": lengths_m, "range_m": lengths_m + error})
+
+
+@pytest.mark.parametrize("scale", [0.0, 0.004])
+def test_another_mix_of_distances_is_no_error_but_a_scale_of_the_recordings_stays(
+    scale: float,
+) -> None:
+    recorded = _table(np.linspace(10, 60, 60), 1, scale)
+    simulated = _table(np.geomspace(6, 61, 60), 2)
+    rows = np.arange(60)
+    seen = view(recorded, link_codes(recorded), rows, Window(), None, False)
+    left = TableComparison(simulated, Window()).ensemble(seen, (), 8).residual_of("error_m")
+    slope, offset = np.polyfit(recorded["true_range_m"], left, 1)
+    assert slope == pytest.approx(scale, abs=3e-4)
+    assert offset == pytest.approx(0, abs=0.02)
+
+
+def test_a_mix_without_far_links_says_nothing_of_far_ones() -> None:
+    recorded = _table(np.linspace(10, 80, 70), 1)
+    simulated = _table(np.append(np.linspace(10, 50, 69), 72.0), 2)
+    inside = TableComparison(simulated, Window()).covered(recorded)
+    assert inside[recorded["true_range_m"] < 45].all()
+    assert not inside[recorded["true_range_m"] > 65].any()
 
 
 def test_sums_over_links_that_share_one_scatter_more() -> None:
