@@ -29,12 +29,16 @@ class LawConstant:
 
 @dataclass(frozen=True)
 class Rival:
-    """A law that the recordings do not exclude: in words, `behind` the best in nats."""
+    """A law that the recordings do not exclude: in words, `behind` the best in nats.
+
+    `listed`: it is an effect of the library, which is said before laws that do as well.
+    """
 
     words: str
     form: str
     columns: tuple[str, ...]
     behind: float
+    listed: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,9 @@ class FoundLaw:
 
     @property
     def nearest(self) -> str:
-        """The likeliest of what is not excluded, in words; "" where nothing is."""
+        """What is not excluded, in words: names of the library, else the likeliest; "" if none."""
+        if listed := [rival.words for rival in self.rivals if rival.listed]:
+            return f"; or {' or '.join(listed)}: these recordings cannot tell"
         rival = min(self.rivals, key=lambda one: one.behind, default=None)
         return f"; not excluded: {rival.words}" if rival else ""
 

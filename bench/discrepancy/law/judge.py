@@ -71,7 +71,7 @@ def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
     """
     of = f" of {law.where}" if law.where else ""
     given = names if law.fault == "position" else ()
-    return tuple(Rival(f"{name}{of} instead", "constant", (), 0.0) for name in given)
+    return tuple(Rival(f"{name}{of} instead", "constant", (), 0.0, True) for name in given)
 
 
 def _rival(one: Candidate, behind: float) -> Rival:

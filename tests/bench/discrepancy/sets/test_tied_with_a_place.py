@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import bench
-from bench.discrepancy.law.found import FoundLaw
+from bench.discrepancy.law.found import FoundLaw, Rival
 from bench.discrepancy.law.judge import tied_names
 
 CORNERS_M = np.array([[0.3, 0.3, 2.4], [11.7, 0.4, 2.4], [11.6, 6.6, 2.4], [0.4, 6.5, 2.4]])
@@ -37,7 +39,7 @@ def test_a_late_corner_is_never_said_to_stand_elsewhere_without_the_delay() -> N
     assert "antenna-delay" in said
     if found.setup_fault:
         assert found.selection.tied == ("antenna-delay",)
-        assert "; not excluded: antenna-delay of A2 instead" in found.headline
+        assert "; or antenna-delay of A2 instead: these recordings cannot tell" in found.headline
 
 
 def test_only_a_place_has_a_name_beside_it() -> None:
@@ -46,3 +48,11 @@ def test_only_a_place_has_a_name_beside_it() -> None:
     assert (rival.words, rival.behind) == ("antenna-delay of A2 instead", 0.0)
     assert tied_names(law, ()) == ()
     assert tied_names(FoundLaw(**{**vars(law), "fault": "unit"}), ("antenna-delay",)) == ()
+
+
+def test_a_name_that_does_as_well_is_said_before_laws_that_do() -> None:
+    sine = Rival("a sine", "periodic", ("time_s",), -0.8)
+    law = FoundLaw("position", (), "A2", "", "", "0", (), 9.0, None, None, (sine,), "position")  # type: ignore[arg-type]
+    assert law.nearest == "; not excluded: a sine"
+    both = replace(law, rivals=(sine, *tied_names(law, ("antenna-delay",))))
+    assert both.nearest == "; or antenna-delay of A2 instead: these recordings cannot tell"
