@@ -296,5 +296,5 @@ def _change(seen: Confirmed) -> str:
     before, after = f"{seen.mae_before_m.value:.3g}", f"{seen.mae_after_m.value:.3g}"
     means = f"{before} m before and after" if before == after else f"{before} -> {after} m"
     worse = seen.median_after_m.value > seen.median_before_m.value
-    more = f", in the median {_medians(seen)}" if worse and not _only_median(seen) else ""
+    more = f", in the median {_medians(seen)}" if worse and seen.serves else ""
     return f"mean |recorded - simulated| {means}{more} on sealed links"
