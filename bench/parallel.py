@@ -12,11 +12,11 @@ import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from threading import Lock, Thread
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from bench.errors import BenchError
 
@@ -44,6 +44,29 @@ def obey() -> None:
         import torch
 
         torch.set_num_threads(threads())
+
+
+def one_openmp_thread() -> AbstractContextManager[Any]:
+    """Return a context in which OpenMP, in which scikit-learn's trees grow, uses one thread.
+
+    Trees of a few thousand rows gain nothing from more. On a busy machine the threads wait for one
+    another after each of many short steps, ten times as long as the work takes.
+    """
+    import sklearn.ensemble  # noqa: F401 - only pools that are loaded are limited
+    from threadpoolctl import threadpool_limits
+
+    return cast("AbstractContextManager[Any]", threadpool_limits(1, user_api="openmp"))
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Return a context in which linear algebra uses one thread: matrices of a diagnosis are small.
+
+    It holds for all threads of this process.
+    """
+    import scipy.linalg  # noqa: F401 - with a pool of its own, beside numpy's
+    from threadpoolctl import threadpool_limits
+
+    return cast("AbstractContextManager[Any]", threadpool_limits(1, user_api="blas"))
 
 
 def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:

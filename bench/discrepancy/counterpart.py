@@ -24,11 +24,21 @@ PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "x
 def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[str, ...]:
     """Return how many rows of how many links each table has, and what was left out, in words."""
     lines = [f"recorded: {_words(recorded)}"]
-    more = [_one_pair(recorded.frame), _negative(recorded.frame)]
+    more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_noise(recorded.frame, simulated.frame))
     return (*lines, *(words for words in more if words))
+
+
+def _lone_rows(frame: pd.DataFrame) -> str:
+    """Return, in words, that every link has one row; "" where one has more."""
+    if len(frame) < 2 or frame["link"].nunique(dropna=False) < len(frame):
+        return ""
+    return (
+        "every link has one row only: what rows of one run have in common (a lag, an offset of "
+        "the link) cannot be told from scatter; give rows of one run one link"
+    )
 
 
 def _negative(frame: pd.DataFrame) -> str:

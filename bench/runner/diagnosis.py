@@ -10,9 +10,10 @@ import pandas as pd
 
 from bench.checkpoint.journal import Kept
 from bench.discrepancy import Diagnosis, Options, method, write_report
+from bench.discrepancy.data.truth import check_hidden
 from bench.errors import BenchError
 from bench.files import check_output
-from bench.parallel import Spread, spreading
+from bench.parallel import Spread, one_blas_thread, spreading
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import read_simulator
@@ -83,11 +84,13 @@ def diagnose(
     )  # fmt: skip
     table, against = read(recorded, environment), counterpart(simulated)
     table.require(*options.hide)
+    if not chosen:
+        check_hidden(table.frame, options.hide, table.source)
     if out is None:
-        with spreading(spread):
+        with spreading(spread), one_blas_thread():
             return method.diagnose(table, against, options, watch.stage)
     kept = _kept(Path(out), fingerprint(table, against, options), watch)
-    with spreading(spread):
+    with spreading(spread), one_blas_thread():
         found = method.diagnose(table, against, options, watch.stage, journal=kept)
     watch.note(f"report: {write_report(found, Path(out))}")
     write_inputs(Path(out), recorded, simulated, environment, table, against, found.base)

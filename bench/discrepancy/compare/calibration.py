@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.settings import AUC_FOLDS, AUC_LEAVES, AUC_TREES, FEWEST_AUC_LINKS
+from bench.parallel import one_openmp_thread
 
 
 def separability(ensemble: Ensemble, seed: int) -> float:
@@ -27,7 +28,8 @@ def separability(ensemble: Ensemble, seed: int) -> float:
     X = X[:, [all(np.isfinite(column[taught]).any() for taught, _ in folds) for column in X.T]]
     if not X.shape[1]:  # trees cannot be taught by what no row has
         return float("nan")
-    guess = cross_val_predict(model, X, y, cv=folds, method="predict_proba")
+    with one_openmp_thread():
+        guess = cross_val_predict(model, X, y, cv=folds, method="predict_proba")
     return float(roc_auc_score(y, guess[:, 1]))
 
 

@@ -15,6 +15,7 @@ from bench.discrepancy.data.settings import (
     SHORTEST_MEDIAN_RANGE_M,
     UNIT_MISTAKE,
 )
+from bench.discrepancy.data.truth import check_truth
 from bench.errors import BenchError
 from bench.recordings.places import distance_m
 from bench.recordings.table import Recordings
@@ -73,9 +74,21 @@ def check_recorded(recorded: Recordings) -> None:
         )
     if "true_range_m" not in frame and "tx_x_m" not in frame:
         raise BenchError(f"{source}: no column 'true_range_m' and no antenna positions")
+    _check_names(frame, source)
     _check_units(frame, source)
     check_figures(frame, source)
     _check_time(frame, source)
+
+
+def _check_names(frame: pd.DataFrame, source: str) -> None:
+    """Raise where the devices of one end are named and those of the other in no row."""
+    named = {end: bool(frame[end].notna().any()) for end in ("tx", "rx") if end in frame}
+    if len(set(named.values())) > 1:
+        empty = next(end for end, known in named.items() if not known)
+        raise BenchError(
+            f"{source}: column {empty!r} is empty in every row: expected the names of devices at "
+            "both ends; leave the column out where they are not known"
+        )
 
 
 def _check_units(frame: pd.DataFrame, source: str) -> None:
@@ -91,6 +104,7 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
     ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
+    check_truth(frame, source)
     _check_positions(frame, source)
     period = typical(frame, "sample_period_ns")
     if not SAMPLE_PERIOD_NS[0] <= period <= SAMPLE_PERIOD_NS[1]:
@@ -117,8 +131,8 @@ def _check_time(frame: pd.DataFrame, source: str) -> None:
     if not np.isfinite(time).any():
         return
     keys = [name for name in ("link", "tx", "rx", "los") if name in frame]
-    labels = frame[keys].astype(str).agg("/".join, axis=1)
-    steps = pd.Series(time).groupby(labels.to_numpy()).diff()
+    of = [frame[name].astype(object).to_numpy() for name in keys]
+    steps = pd.Series(time).groupby(of, dropna=False, sort=False).diff()
     back = np.flatnonzero(steps.to_numpy() < 0)
     if len(back):
         row = int(back[0])

@@ -25,6 +25,7 @@ from bench.discrepancy.settings import (
     REGRESSION_ROWS,
     REGRESSION_TREES,
 )
+from bench.parallel import one_openmp_thread
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +55,8 @@ def corrected(
                 _inputs(part, cov, names, own)
                 for part, cov in ((fit, fit_covariates), (held, held_covariates))
             )
-            shift, scale = _fitted(left, fit, which, right)
+            with one_openmp_thread():
+                shift, scale = _fitted(left, fit, which, right)
             members = versions[1:, :, place]
             centre = members.mean(axis=0)
             versions[1:, :, place] = centre + shift + (members - centre) * scale

@@ -89,3 +89,11 @@ def test_waveforms_that_are_no_magnitudes_are_refused() -> None:
                 check_tables(signed, Simulator(Base()))
         else:
             check_tables(signed, Simulator(Base()))
+
+
+def test_an_end_without_names_is_refused_and_names_may_be_numbers() -> None:
+    made = table("r.parquet", 1.0).frame.assign(time_s=np.arange(40.0), tx=3)
+    with pytest.raises(BenchError, match=r"column 'rx' is empty in every row: .*leave the column"):
+        check_tables(Recordings(made.assign(rx=np.nan), "r.parquet"), Simulator(Base()))
+    some = Recordings(made.assign(rx=[np.nan, "a"] * 20), "r.parquet")
+    check_tables(some, Simulator(Base()))
