@@ -15,6 +15,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
+from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import (
     CONFIRM_FIRST,
@@ -268,7 +269,7 @@ def _found_and_change(
     said = "Left out: " + ", ".join(names) if names else "Something is there, without a name"
     said += "".join(f": {v.cause}" for v in verdicts if isinstance(v, Unknown) and v.cause)
     said += " - and something without a name" if names and unknown else ""
-    said += more
+    said += more or (_device(verdicts) if names else "")
     if not added:
         return f"{said}. {NOT_ADDED}"
     change = _change(seen)
@@ -279,6 +280,13 @@ def _found_and_change(
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
     alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, ranges alike within chance"
     return f"{said}. {changed} fits better{sure}{alike}: {change}."
+
+
+def _device(verdicts: tuple[Verdict, ...]) -> str:
+    """Return at which device something without a name shows beside names, "" where at none."""
+    unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
+    seen = [one for v in unknown if not v.cause for one in left_at_device(v.findings)]
+    return f" ({seen[0].what} {seen[0].cell.place.where()})" if seen else ""
 
 
 def _only_median(seen: Confirmed) -> bool:

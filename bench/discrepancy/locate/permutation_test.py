@@ -71,10 +71,14 @@ class Finding:
         large = self.whole and abs(self.effect.value) > LARGER_HERE * abs(self.whole.effect.value)
         return self if self.whole is None or large else self.whole
 
+    @property
+    def what(self) -> str:
+        """What differs, in words."""
+        return self.cell.observable + _MOMENT_WORDS[self.cell.moment]
+
     def __str__(self) -> str:
-        what = self.cell.observable + _MOMENT_WORDS[self.cell.moment]
-        where = self.cell.place.where()
-        return f"{what} {where}: recorded - simulated = {self.effect}, p = {self.p:.3g}"
+        where = f"{self.what} {self.cell.place.where()}"
+        return f"{where}: recorded - simulated = {self.effect}, p = {self.p:.3g}"
 
 
 @dataclass(frozen=True)

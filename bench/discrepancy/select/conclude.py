@@ -19,6 +19,7 @@ from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
+from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.refute import Doubt
 from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
@@ -83,6 +84,8 @@ def verdicts(
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
     named = (*struck, *_named(search, rounds, added, whole or added, share))
     worth = worth and not (added and _within_forms(search, share))
+    if unexplained and added and not search.fit.waveform:
+        worth = worth or bool(left_at_device(last.located.findings))
     return (*named, _unknown(last, _why_left(last, named))) if worth else named
 
 

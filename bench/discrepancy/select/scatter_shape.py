@@ -9,7 +9,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.select.settings import BOUNDED_P, FEWEST_SHAPED, NO_SCATTER_SHARE
+from bench.discrepancy.select.settings import BOUNDED_P, FEWEST_SHAPED, NO_SCATTER_SHARE, SHAPE_Z
 from bench.discrepancy.select.within_links import components, drawn_by_rows
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
@@ -107,14 +107,16 @@ def bounded(own_m: Floats, links: NDArray[np.intp]) -> bool:
     two humps (bounded jitter, the dual-Dirac model: Agilent 5989-3206EN). A detour, a second
     path or a late row is one-sided, has tails, or another width in every link.
     """
-    from scipy.stats import f_oneway
+    from scipy.stats import f_oneway, kurtosis, skew
 
-    n = len(own_m)
     beside = own_m - own_m.mean()
-    wide = max(float(beside.std()), LEAST_SCATTER_M)
-    skew, peak = (float(np.mean((beside / wide) ** k)) for k in (3, 4))
-    if n < FEWEST_SHAPED or peak > 3 - 2 * np.sqrt(24 / n) or abs(skew) > 3 * np.sqrt(6 / n):
-        return False  # of normal draws: standard errors of both (Fisher 1930)
+    n = len(own_m)
+    if n < FEWEST_SHAPED or float(beside.std()) < LEAST_SCATTER_M:
+        return False
+    # Over the standard errors that both have of normal values (Fisher 1930).
+    tails, leaning = kurtosis(beside) / np.sqrt(24 / n), skew(beside) / np.sqrt(6 / n)
+    if tails > -SHAPE_Z or abs(leaning) > SHAPE_Z:
+        return False
     parts = [np.abs(beside[links == one]) for one in np.unique(links)]
     several = [one for one in parts if len(one) > 1]
     return len(several) > 1 and bool(f_oneway(*several).pvalue > BOUNDED_P)

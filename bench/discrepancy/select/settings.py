@@ -23,6 +23,7 @@ NO_SCATTER_SHARE: Final = (
     0.1  # of recorded variance: less than that has no shape to see [convention]
 )
 FEWEST_SHAPED: Final = 50  # rows, for a kurtosis within 0.7 of its own [convention]
+SHAPE_Z: Final = 3.0  # of shorter tails than normal, and below which a skew is none [convention]
 BOUNDED_P: Final = 0.01  # of equal widths in all links, that a bounded scatter must have [conv.]
 
 # --- Rows that follow each other (select/in_turn) -------------------------------------------------
@@ -98,3 +99,6 @@ LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may le
 SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is not said [convention]
 OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coarser steps than all
 # ranges do: by chance one device in two thousand [derived]
+
+# --- What names leave at one device (select/one_device) -------------------------------------------
+DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhere [four tables]
