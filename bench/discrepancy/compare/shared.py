@@ -180,7 +180,7 @@ def no_overlap(names: Sequence[str], far: NDArray[np.bool_], unknown: NDArray[np
     share = {name: float(one.mean()) for name, one in zip(names, far, strict=True)}
     worst = sorted((name for name in share if share[name] > 0), key=lambda name: -share[name])
     parts = [f"{name} ({100 * share[name]:.0f} % of the links)" for name in worst]
-    words = "no overlap of covariates: recorded links have no simulated link "
+    words = "no overlap of covariates: recorded links have no simulated link, or too few, "
     if parts:
         words += f"within {FAR_STD:g} standard deviations of {', '.join(parts)}"
     if unknown.any():
