@@ -217,7 +217,7 @@ def _bad(**changes) -> Recordings:
     ("table", "words"),
     [
         (lambda: replace(_recorded(), frame=_recorded().frame.drop(columns="link")), "link"),
-        (lambda: _bad(link="one", true_range_m=5.0, range_m=5.0, error_m=0.0), "at least 4"),
+        (lambda: _bad(link="one", true_range_m=5.0, range_m=5.1, error_m=0.1), "at least 4"),
         (lambda: _bad(error_m=np.nan, range_m=np.nan), "no truth"),
         (lambda: _bad(true_range_m=5000.0), "expected metres"),
         (lambda: _bad(range_m=5e6), "expected metres"),
