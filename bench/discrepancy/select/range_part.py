@@ -28,6 +28,7 @@ from bench.discrepancy.select.settings import (
 )
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
+from bench.discrepancy.sets.beside import varies
 from bench.discrepancy.sets.blocks import (
     OF_CLOCKS,
     Blocks,
@@ -210,7 +211,10 @@ class Flattened(Contest):
             mine = np.isin(made.places, self.evidence.places[one])
             flat = self.evidence.columns[:, made.places[mine]]  # all there is of a law made here
             out[one] = np.zeros(len(self.rows.rows))
-            out[one][self.known] = self.raw.get(one, flat) @ made.factors[mine]
+            bare = self.raw.get(one, flat)
+            if bare.shape[1] != flat.shape[1]:  # its constants are an antenna delay's
+                bare = bare[:, varies(self.seen(bare))]
+            out[one][self.known] = bare @ made.factors[mine]
         return out
 
 

@@ -12,7 +12,7 @@ from bench.discrepancy.law.between import constants_of_devices, over_places, own
 from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
-from bench.discrepancy.sets.settings import LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
+from bench.discrepancy.sets.settings import CONSTANT_M, LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 if TYPE_CHECKING:
@@ -67,11 +67,16 @@ def without_constants(contest: Contest, names: Collection[str]) -> dict[str, tup
     """
     blocks, out = contest.evidence.blocks, {}
     for one in (o for o in names if contest.kinds[o].everywhere):
-        left = tuple(part[:, np.ptp(part, axis=0) > 0] for part in blocks[one])
+        left = tuple(part[:, varies(part)] for part in blocks[one])
         columns, kept = (sum(part.shape[1] for part in some) for some in (blocks[one], left))
         if columns > kept > 0 and AntennaDelay.name in contest.library:
             out[one] = left
     return out
+
+
+def varies(columns: Floats) -> NDArray[np.bool_]:
+    """Return which columns [n, k] are not of one value alone."""
+    return np.asarray(np.ptp(columns, axis=0) > CONSTANT_M, np.bool_)
 
 
 def misplaced(contest: Contest, causes: Set) -> Set:
