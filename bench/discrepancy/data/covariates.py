@@ -18,6 +18,7 @@ MEASURED = {
     *SCALARS, *CIR_COLUMNS, "range_m", "first_path_index", "sample_period_ns", "link",
     "cir_power", "fp_ampl1", "fp_ampl2", "fp_ampl3",
 }  # fmt: skip
+DEVICES = ("tx=", "rx=")  # how groups of devices begin: in two-way ranging both ends receive
 
 
 @dataclass(frozen=True)

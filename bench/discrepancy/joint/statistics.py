@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
@@ -40,7 +41,6 @@ from bench.errors import BenchError
 from bench.physics.memory import Memory
 
 Floats = NDArray[np.float64]
-DEVICES = ("tx=", "rx=")  # how groups of devices begin: in two-way ranging both ends receive
 
 
 @dataclass(frozen=True)

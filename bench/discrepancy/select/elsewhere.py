@@ -14,9 +14,9 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.logged import DEVICES
 from bench.discrepancy.select.settings import OWN_GRID_PLACES, ROUNDING_VARIANCE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import within

@@ -20,6 +20,7 @@ from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import COUNT, LEVEL, NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.settings import (
@@ -42,7 +43,6 @@ from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 Floats = NDArray[np.float64]
 PEAK_NULL = next(p.high for p in LevelControl.parameters() if p.name == "peak_counts")
-DEVICES = ("tx=", "rx=")  # how the groups of devices begin
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.settings import DEVICE_LEADS
 from bench.discrepancy.settings import SURE_P
 
-DEVICE = ("tx=", "rx=")  # how a group of the rows of one device begins
 WIDER = ("spread", "link")  # moments that grow where a device stands elsewhere
 
 
@@ -32,6 +32,6 @@ def _size(found: Finding) -> float:
 def _at_device(found: Finding) -> bool:
     """Return whether a finding is of ranges where one device takes part."""
     cell = found.cell
-    if cell.observable != RANGE or not (cell.place.covariate or "").startswith(DEVICE):
+    if cell.observable != RANGE or not (cell.place.covariate or "").startswith(DEVICES):
         return False
     return cell.moment == "mean" or (cell.moment in WIDER and found.effect.value > 0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.grouped import in_several
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
@@ -235,7 +236,7 @@ def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Fl
 
 
 def _of_device(name: str) -> bool:
-    return name.startswith(("tx=", "rx="))
+    return name.startswith(DEVICES)
 
 
 def _standard(values: Floats) -> Floats:
