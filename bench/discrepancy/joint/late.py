@@ -4,7 +4,9 @@ Waveforms are compared from the detected index on, so they hardly show where tha
 record a first path can be found again, with one detector for both sides. Where the recorded index
 lies later behind that edge than the simulated one, and the range is longer by as much on the same
 links, the first path was found late: a delay, a clock or a bias moves the range and no index, and
-what lengthens the way of a path moves both the edge and the index.
+what lengthens the way of a path moves both the edge and the index. What changes the first pulse, or
+leaves a weak one in its place, moves indices too, by a detector that is no deafer than simulated:
+so they must be late for the detector that simulated indices tell, too.
 """
 
 from __future__ import annotations
@@ -14,17 +16,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
+from bench.discrepancy.compare.records import recorded_samples, simulated_samples
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View, swapped, without
 from bench.discrepancy.data.observables import NOISE, RANGE
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.detector import USUAL, Detector, Heard, as_deaf, learned
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
-    EDGE_AT,
-    EDGE_OF_NOISE,
-    EDGE_OF_PEAK,
     LATE_ERRORS,
     LATE_FRACTIONS,
     LATE_LEAST_M,
@@ -91,38 +91,14 @@ def likelihood(left_m: Floats) -> float:
     return float(np.max(np.sum(-np.log(sizes) - np.log1p((left_m / sizes) ** 2), axis=1)))
 
 
-def edges_ns(samples: Samples, noise: Floats) -> Floats:
-    """Return where the first edge of every record rises, in ns after its index [n].
-
-    At half of its first maximum; `noise` [n] is in the unit of the samples.
-    """
-    magnitude, delay = np.nan_to_num(np.abs(samples[0])), samples[1]
-    rows, last = np.arange(len(magnitude)), magnitude.shape[1] - 1
-    peak = magnitude.max(axis=1)
-    least = np.minimum(np.fmax(EDGE_OF_NOISE * noise, EDGE_OF_PEAK * peak), peak)
-    above = np.argmax(magnitude >= least[:, None], axis=1)
-    falls = np.hstack([magnitude[:, 1:] <= magnitude[:, :-1], np.ones((len(rows), 1), bool)])
-    places = np.arange(last + 1)
-    top = np.argmax(falls & (places >= above[:, None]), axis=1)
-    half = EDGE_AT * magnitude[rows, top]
-    below = (magnitude <= half[:, None]) & (places < top[:, None])
-    low = np.where(below, places, 0).max(axis=1)
-    high = np.minimum(low + 1, last)
-    step = np.maximum(magnitude[rows, high] - magnitude[rows, low], 1e-12)
-    part = np.clip((half - magnitude[rows, low]) / step, 0, 1)
-    return np.asarray(delay[rows, low] + part * (delay[rows, high] - delay[rows, low]))
-
-
-def late_by(search: Search, rows: View, added: Added) -> Late | None:
+def late_by(search: Search, rows: View, added: Added, detector: Detector = USUAL) -> Late | None:
     """Return by how much first paths are found later beside some effects, None without samples."""
-    recorded = _recorded(search, rows)
+    recorded, known = _recorded(search, rows), _versions(search, rows, added)
     ensemble = search.comparison.ensemble(rows, added, LATE_MEMBERS)
-    made = [_simulated(search, rows, added, number) for number in range(LATE_MEMBERS)]
-    known = [one for one in made if one is not None]
     if recorded is None or not known or RANGE not in ensemble.names:
         return None
-    edges = np.stack(known)
-    index = edges.mean(axis=0) - recorded
+    edges = np.stack([detector.edges_ns(one) for one in known])
+    index = edges.mean(axis=0) - detector.edges_ns(recorded)
     own = edges[1:].mean(axis=0) - edges[0] if len(edges) > 1 else np.zeros(len(index))
     left = ensemble.residual_of(RANGE)
     able = np.isfinite(index) & np.isfinite(left)
@@ -132,21 +108,27 @@ def late_by(search: Search, rows: View, added: Added) -> Late | None:
     return Late(*means)
 
 
-def _recorded(search: Search, rows: View) -> Floats | None:
-    """Return where edges of recorded rows rise [n], None without samples."""
+def _versions(search: Search, rows: View, added: Added) -> list[Heard]:
+    """Return what simulated versions of rows hold with effects, none without samples."""
+    made = [_simulated(search, rows, added, number) for number in range(LATE_MEMBERS)]
+    return [one for one in made if one is not None]
+
+
+def _recorded(search: Search, rows: View) -> Heard | None:
+    """Return what recorded rows hold, None without samples."""
     samples, seen = recorded_samples(search.comparison, rows), rows.recorded
     noise = seen.column(NOISE) if NOISE in seen.names else np.full(len(rows.rows), np.nan)
-    return None if samples is None else edges_ns(samples, noise)
+    return None if samples is None else Heard(samples, noise)
 
 
-def _simulated(search: Search, rows: View, added: Added, number: int) -> Floats | None:
-    """Return where edges rise in one simulated version [n], None without samples."""
+def _simulated(search: Search, rows: View, added: Added, number: int) -> Heard | None:
+    """Return what one simulated version holds, None without samples."""
     comparison = search.comparison
     samples = simulated_samples(comparison, rows, added, number)
     if samples is None or not isinstance(comparison, Resimulation | TableComparison):
         return None
     outcome = comparison.outcome(rows, added, number)
-    return edges_ns(samples, np.asarray(outcome.noise_std, np.float64))
+    return Heard(samples, np.asarray(outcome.noise_std, np.float64))
 
 
 def _m(delay_ns: Floats) -> Floats:
@@ -164,8 +146,22 @@ def found_late(search: Search) -> LateDetection | None:
     if LateDetection.name not in search.kinds or not search.fit.waveform:
         return None
     rows = compared_rows(search)
+    return fitted_late(search, rows, ()) if _is_late(search, rows) else None
+
+
+def _is_late(search: Search, rows: View) -> bool:
+    """Return whether paths are found late, for detectors that simulated indices tell, too.
+
+    A changed pulse has another edge and another centre, and a path that something weakened is
+    passed over by a detector that always was as deaf.
+    """
     seen = late_by(search, rows, ())
-    return fitted_late(search, rows, ()) if seen is not None and seen.found else None
+    if seen is None or not seen.found:
+        return False
+    versions = _versions(search, rows, ())
+    told = learned(versions)
+    asked = (late_by(search, rows, (), one) for one in (told, *as_deaf(told, versions)))
+    return all(one is not None and one.found for one in asked)
 
 
 def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
@@ -173,13 +169,14 @@ def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
 
     Of the noise or of the peak: one threshold decides in nearly all rows.
     """
-    edges = _recorded(search, rows)
-    assert edges is not None
+    recorded = _recorded(search, rows)
+    assert recorded is not None
+    edges = USUAL.edges_ns(recorded)
 
     def off(effect: LateDetection) -> float:
         """Return the summed CRPS of two versions, in ns."""
         made = [_simulated(search, rows, (*beside, effect), number) for number in range(2)]
-        one, two = (np.asarray(each) for each in made)
+        one, two = (USUAL.edges_ns(each) for each in made if each is not None)
         apart = (np.abs(one - edges) + np.abs(two - edges) - np.abs(one - two)) / 2
         return float(np.nansum(apart))
 

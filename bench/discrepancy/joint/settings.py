@@ -130,6 +130,13 @@ EDGE_OF_NOISE: Final = 6.0  # times the noise of a component, from where on a sa
 # 1 000 samples of noise alone none in 60 000 records [derived]
 EDGE_OF_PEAK: Final = 0.12  # of the highest sample, the same: over side lobes [convention]
 EDGE_AT: Final = 0.5  # of the first maximum, where an edge is timed: steepest there [derived]
+EDGE_PARTS: Final = tuple(0.1 * step for step in range(1, 10))
+# of a maximum, where detectors are tried to time an edge [cost]
+CENTRE_SAMPLES: Final = 2  # on both sides of a top: so long a pulse of 2 ns is [derived]
+DEAF_TIMES: Final = tuple(1.25**step for step in range(1, 10))  # deafer, that is tried [cost]
+EDGE_WRONG_NS: Final = 3.0  # from where on an edge is another path: a pulse lasts 2 ns [derived]
+EDGE_SPARE_NS: Final = 0.005  # on the mean, by which deafer detectors may differ in simulated rows:
+# one edge in 600 is another path [convention]
 LATE_MEMBERS: Final = 4  # simulated versions whose edges are found [cost]
 LATE_SIZES_M: Final = tuple(1e-3 * 10 ** (0.1 * step) for step in range(41))
 # scatters of links that are tried, up to 10 m [cost]

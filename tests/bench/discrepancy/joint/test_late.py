@@ -13,7 +13,7 @@ from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.late import Late, edges_ns, found_late, holds
+from bench.discrepancy.joint.late import Late, found_late, holds
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
@@ -44,14 +44,6 @@ def searched(hidden: Added) -> Search:
     rows = view(made, link_codes(made), np.arange(len(made)), window)
     comparison = Resimulation(Simulator(Base(), (), 11, "test"), window)
     return Search(comparison, rows, rows, {LateDetection.name: LateDetection}, 1, work=rows)
-
-
-def test_an_edge_is_timed_at_half_of_the_first_maximum() -> None:
-    delay = np.arange(-4.0, 8.0)[None]
-    rise = np.array([[0, 0, 0, 0, 2.0, 4.0, 3.0, 1.0, 8.0, 10.0, 5.0, 0]])
-    assert edges_ns((rise, delay), np.array([0.1])) == pytest.approx([0.0])
-    assert edges_ns((rise, delay), np.array([0.5])) == pytest.approx([0.0])
-    assert edges_ns((rise, delay), np.array([1.0])) == pytest.approx([4.0 - 1 + 4 / 7])
 
 
 def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> None:
