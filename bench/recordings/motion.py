@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from bench.recordings.slopes import LONGEST_GAP_S, slopes
+
 SPEED = "radial_speed_m_per_s"
-LONGEST_GAP_S = 2.0
-"""Between rows further apart in time nothing is known of the motion: robots turn within seconds."""
 NEAREST_ROWS = 8
 """Rows of a device before and after one, of which its velocity is taken: so many partners answer in
 one round."""
-BESIDE = (-2, -1, 1, 2)
-"""Neighbours of a row, by whose true ranges its speed is taken."""
-EVEN_STEPS = 3.0
-"""Times the shortest of their steps in time, that the longest is at most: across a short one beside
-long ones hardly anything but the noise of the truth is seen."""
 OFF_LINE_M = 0.1
 """Root mean square; where places of a device are farther from an even motion it turns, or its times
 belong to several of one name."""
@@ -28,10 +22,11 @@ def with_radial_speed(frame: pd.DataFrame) -> pd.DataFrame:
     """Return the table with `radial_speed_m_per_s`, where it can be had and is not there yet.
 
     Needs `time_s` and `true_range_m`. The speed of a row is the slope of the true range among
-    its neighbours in time, two on either side where they are as far apart as each other, of the
-    same pair (`tx`, `rx`) and environment; NaN without a neighbour within two seconds. Rows that
-    stand in one place have 0. In a table that is read chunk by chunk the rows at a chunk's edges
-    have fewer neighbours; give the column to have the same in all chunks.
+    its neighbours in time, of the same pair (`tx`, `rx`) and environment: two on either side where
+    they are as far apart as each other, more where the truth is noisy (see `slopes`); NaN without
+    a neighbour within two seconds. Rows that stand in one place have 0. In a table that is read
+    chunk by chunk the rows at a chunk's edges have fewer neighbours; give the column to have the
+    same in all chunks.
     """
     if SPEED in frame or not {"time_s", "true_range_m"} <= set(frame.columns):
         return frame
@@ -48,7 +43,7 @@ def radial_speed_m_per_s(frame: pd.DataFrame) -> NDArray[np.float64]:
     order = order[np.isfinite(time[order]) & np.isfinite(true[order])]
     starts = np.flatnonzero(np.diff(pair[order], prepend=-1))
     for rows in np.split(order, starts[1:]):
-        speed[rows] = _slopes(time[rows], true[rows])
+        speed[rows] = slopes(time[rows], true[rows])
     return speed
 
 
@@ -60,49 +55,6 @@ def _series_of(frame: pd.DataFrame) -> NDArray[np.intp]:
     if not names:
         return np.zeros(len(frame), np.intp)
     return np.asarray(frame.groupby(names, dropna=False, sort=False).ngroup(), np.intp)
-
-
-def _slopes(time: NDArray[np.float64], true: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the slope at every time of one series: between both neighbours, or the nearer one.
-
-    Of the two neighbours on either side where these are about as far apart as each other.
-    """
-    step, rise = np.diff(time), np.diff(true)
-    near = (step > 0) & (step <= LONGEST_GAP_S)
-    rise, step = np.where(near, rise, 0.0), np.where(near, step, 0.0)
-    before, after = np.r_[0.0, step], np.r_[step, 0.0]
-    climbed = np.r_[0.0, rise] + np.r_[rise, 0.0]
-    span = before + after
-    out = np.where(span > 0, climbed / np.where(span > 0, span, 1.0), np.nan)
-    if len(time) > len(BESIDE):
-        middle = _evenly(step)
-        out[middle] = _of_four(time, true, middle)
-    return out
-
-
-def _evenly(step: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Return which times [k] have neighbours at even steps [n - 1], of which none is 0."""
-    steps = sliding_window_view(step, len(BESIDE))
-    least, most = steps.min(axis=1), steps.max(axis=1)
-    return np.flatnonzero((least > 0) & (least * EVEN_STEPS >= most)) + len(BESIDE) // 2
-
-
-def _of_four(
-    time: NDArray[np.float64], true: NDArray[np.float64], middle: NDArray[np.intp]
-) -> NDArray[np.float64]:
-    """Return the slope [k] at some times of the polynomial through these and four neighbours.
-
-    A device that turns is slower between two neighbours than at the time between them: the straight
-    line errs with the square of their distance in time, this with its fourth power.
-    """
-    away = np.stack([time[middle + one] - time[middle] for one in BESIDE])
-    climbed = np.stack([true[middle + one] - true[middle] for one in BESIDE])
-    weights = [
-        np.prod([other / (other - mine) for n, other in enumerate(away) if n != number], axis=0)
-        / mine
-        for number, mine in enumerate(away)
-    ]
-    return np.asarray((np.stack(weights) * climbed).sum(axis=0))
 
 
 def speed_by_places_m_per_s(frame: pd.DataFrame) -> NDArray[np.float64]:

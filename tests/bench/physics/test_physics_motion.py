@@ -62,6 +62,17 @@ def test_a_device_that_turns_is_not_slower_for_being_seen_seldom(
     assert np.nanmax(np.abs(radial_speed_m_per_s(jumpy)[2:-2])) < 5e-3
 
 
+@pytest.mark.parametrize("noise_m", [0.01, 0.02])
+def test_a_lag_is_not_smaller_for_a_truth_that_was_measured(noise_m: float) -> None:
+    """Of a tag on a round of 30 s at 10 Hz (four neighbours: 30 % less)."""
+    rng = np.random.default_rng(2)
+    time, turn, lag_s = np.arange(600) / 10, 2 * np.pi / 30, 0.2
+    error = lag_s * 1.5 * turn * np.cos(turn * time)
+    true = 6 + 1.5 * np.sin(turn * time) + noise_m * rng.normal(size=600)
+    speed = radial_speed_m_per_s(pd.DataFrame({"time_s": time, "true_range_m": true, "link": "a"}))
+    assert error @ speed / (speed @ speed) == pytest.approx(lag_s, rel=0.03)
+
+
 def test_a_speed_that_is_given_is_kept_and_none_is_made_without_times() -> None:
     given = drive().assign(**{SPEED: 7.0})
     assert (with_radial_speed(given)[SPEED] == 7.0).all()
