@@ -10,8 +10,9 @@ raised; it stays where signals grow stronger or weaker. Propagation: `material-d
 `diffraction`, `blocked-path`, `path-loss`, `antenna-pattern` act on the CIR's first path, on what
 comes before a detour, or on all of it; reflections and tails are added to it. `small-scale-fading`
 would tear the pulse apart and is refused (`on_tables`). A table without phases is taken as real;
-where an effect adds copies of samples (`with_phases`), every lobe of a row is given a random phase,
-else noise would add up like a pulse. Without a CIR, effects act on a single path.
+where an effect adds copies of samples or a tone (`with_phases`), every lobe of a row is given a
+random phase, else noise would add up like a pulse, or beat with a tone as one wave. Without a CIR,
+effects act on a single path.
 """
 
 from __future__ import annotations

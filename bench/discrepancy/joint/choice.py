@@ -16,6 +16,7 @@ class WaveChoice:
     form beside it, both in nats. `unexplained`: so much is left that no name is sure.
     `marked`: names that bear a mark of their own; `scattering`: of those by which links scatter
     more than without them; `doubted`: of those that something without a form would do as well as.
+    `shown`: of those that a log of theirs, or samples of noise alone, show and nothing else does.
     `beyond` maps names to those of members that do not do what they do, whatever their forms.
     """
 
@@ -29,6 +30,7 @@ class WaveChoice:
     scattering: tuple[str, ...] = ()
     doubted: tuple[str, ...] = ()
     beyond: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    shown: tuple[str, ...] = ()
 
     @property
     def named(self) -> Added:

@@ -68,8 +68,8 @@ def fitness(
     return paid(given, nats + moments.within, parameters)
 
 
-def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
-    """Return the mean square of what a set leaves, in scatters of its links: 1 where it is right.
+def misfits(given: Statistics, moments: Moments, responses: Responses) -> Floats:
+    """Return what a set leaves [L, p], in scatters of its links: of size 1 where it is right.
 
     A posterior predictive check (Gelman, Meng and Stern 1996): among other sets the likeliest may
     be far off all the same. Forms and what devices have of their own are at their likeliest.
@@ -80,7 +80,7 @@ def misfit(given: Statistics, moments: Moments, responses: Responses) -> float:
     columns = np.concatenate([own_columns(matrices, moments), *forms], axis=2)
     ways = columns.reshape(flat.size, columns.shape[2])
     factors = np.linalg.solve(ways.T @ ways + np.eye(ways.shape[1]), ways.T @ flat.ravel())
-    return float(((flat - columns @ factors) ** 2).mean())
+    return np.asarray(flat - columns @ factors)
 
 
 def link_nats(given: Statistics, moments: Moments, responses: Responses) -> Floats:

@@ -5,7 +5,8 @@ mean of the squared power of noise is twice the square of its mean power; a tone
 power beside it takes K^2 / (1 + K)^2 off (Rice 1945), half as much where two tones of one size
 beat, and a louder noise nothing. So a set with a tone is likelier, or less likely, than one with a
 noise floor of the same power by how much the recorded samples have of that. The square of the mean
-is of pairs of samples that are too far apart for the colour of noise to make them alike.
+is of pairs of samples that are too far apart for the colour of noise to make them alike. Both are
+summed over rows, so that the few samples before the path are enough.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.joint.settings import (
     COLOUR_SAMPLES,
     KEPT,
+    QUIET_EARLY,
     QUIET_ERROR,
     QUIET_FEWEST,
     QUIET_LOUDER,
@@ -37,7 +39,7 @@ from bench.physics.memory import Memory
 
 @dataclass(frozen=True)
 class Heard:
-    """Recorded rows: which samples are `quiet` [K], their ratio's mean and its standard error."""
+    """Recorded rows: which samples are `quiet` [K], their ratio and its standard error."""
 
     quiet: NDArray[np.bool_]
     ratio: float
@@ -72,11 +74,13 @@ class Quiet:
             return None
         quiet = quiet_samples(*recorded) & quiet_samples(*bare)
         if quiet.sum() < QUIET_FEWEST:
+            quiet = early_samples(recorded[1]) & early_samples(bare[1])
+        if quiet.sum() < QUIET_EARLY:
             return None
-        ours, theirs = (ratios(samples[0][:, quiet]) for samples in (recorded, bare))
-        links = given.of_links(ours[:, None])[:, 0]
-        square = links.var() / given.links + theirs.var() / (QUIET_MEMBERS * len(np.unique(theirs)))
-        return Heard(quiet, float(ours.mean()), float(np.sqrt(square + QUIET_ERROR**2)))
+        ours, theirs = (moments_of(samples[0][:, quiet]) for samples in (recorded, bare))
+        own = error_of(np.unique(theirs, axis=0)) ** 2 / QUIET_MEMBERS
+        square = error_of(given.of_links(ours)) ** 2 + own + QUIET_ERROR**2
+        return Heard(quiet, ratio_of(ours), float(np.sqrt(square)))
 
     def _ratio(self, added: Added, heard: Heard) -> float:
         """Return the mean ratio of quiet samples of simulated rows with effects."""
@@ -88,8 +92,8 @@ class Quiet:
             effects = (*given.beside, *added)
             made = simulated_samples(given.comparison, given.rows, effects, number)
             assert made is not None  # the bare rows have samples
-            every.append(float(ratios(made[0][:, heard.quiet]).mean()))
-        return float(np.mean(every))
+            every.append(moments_of(made[0][:, heard.quiet]))
+        return ratio_of(np.concatenate(every))
 
 
 def speaks(left: float, tone: float, error: float) -> float:
@@ -110,8 +114,7 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
 
     Those before it, and those from where on the mean power is that of these.
     """
-    power, at = np.nanmean(magnitude**2, axis=0), np.nanmean(delay, axis=0)
-    early = np.asarray(at < NOISE_BEFORE_NS)
+    power, early = np.nanmean(magnitude**2, axis=0), early_samples(delay)
     if not early.any():
         return early
     smooth = np.convolve(power, np.full(QUIET_SMOOTH, 1 / QUIET_SMOOTH), "same")
@@ -119,17 +122,35 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
     return np.asarray(early | (np.arange(len(power)) > loud.max(initial=early.sum())))
 
 
-def ratios(magnitude: Floats) -> Floats:
-    """Return the mean squared power over the squared mean power of each row [n] of samples [n, K].
+def early_samples(delay: Floats) -> NDArray[np.bool_]:
+    """Return which samples [K] of rows with such delays [n, K] lie before the path."""
+    return np.asarray(np.nanmean(delay, axis=0) < NOISE_BEFORE_NS)
 
-    Beside the mean power of every sample, as some may hold a little of a tail. 2 of noise of any
-    colour: the squared mean is the mean product of samples that are no neighbours.
+
+def moments_of(magnitude: Floats) -> Floats:
+    """Return the mean squared power and the squared mean power of rows [n, 2] of samples [n, K].
+
+    Over the square of the row's own mean, so that loud rows count like others, and beside the mean
+    power of every sample, as some may hold a little of a tail. The squared mean is the mean product
+    of samples that are no neighbours: it is of noise of any colour.
     """
     power = magnitude**2
     power = power / np.nanmean(power, axis=0)
+    power = power / np.maximum(np.nanmean(power, axis=1, keepdims=True), np.finfo(float).tiny)
     known = np.isfinite(power).astype(np.float64)
     pairs = _products(np.nan_to_num(power)) / _products(known)
-    return np.asarray(np.nanmean(power**2, axis=1) / pairs)
+    return np.stack([np.nanmean(power**2, axis=1), pairs], axis=1)
+
+
+def ratio_of(moments: Floats) -> float:
+    """Return the mean squared power over the squared mean power of rows [n, 2]: 2 of noise."""
+    return float(moments[:, 0].sum() / moments[:, 1].sum())
+
+
+def error_of(moments: Floats) -> float:
+    """Return the standard error of `ratio_of` of rows or links [n, 2]: that of a ratio of means."""
+    left = moments[:, 0] - ratio_of(moments) * moments[:, 1]
+    return float(left.std() / np.sqrt(len(left)) / moments[:, 1].mean())
 
 
 def _products(values: Floats) -> Floats:

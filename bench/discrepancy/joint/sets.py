@@ -95,9 +95,31 @@ class Sets:
         wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
         beyond = {one: beyond_forms(self.given, best, one) for one in best.names}
+        shown = tuple(name for name in best.names if self._shown(best, name))
         return WaveChoice(
-            best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond
-        )
+            best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond,
+            shown,
+        )  # fmt: skip
+
+    def _shown(self, fit: Fit, name: str) -> bool:
+        """Return whether a log of its own shows a member, or samples of noise alone a tone.
+
+        These are a measurement of it: no scatter does that, nor is it in doubt how small it is.
+        """
+        if name == NarrowbandInterference.name and self.quiet.nats(fit.effects) >= NAME_NATS:
+            return True
+        return self._logged(fit, name)
+
+    def _logged(self, fit: Fit, name: str) -> bool:
+        """Return whether a member is what receivers log of it, or of what may do the same.
+
+        Then there is no doubt that one of the two is there.
+        """
+        rest = self._without(fit, name)
+        keys = {one.name: _key((*rest.effects, one)) for one in self._counterparts(fit, name)}
+        alike = {name: fit} | {one: self.fits[key] for one, key in keys.items() if key in self.fits}
+        plain = self._plain(rest)
+        return any(logged(self.given, made, plain, one) for one, made in alike.items())
 
     def _doubted(self, best: Fit) -> tuple[str, ...]:
         """Return the members that bring too little beside something without a form.
@@ -106,7 +128,7 @@ class Sets:
         """
         whole = beside_unformed(self.given, best)
         less = {name: self._plain(self._without(best, name)) for name in best.names}
-        less = {n: rest for n, rest in less.items() if not logged(self.given, best, rest, n)}
+        less = {n: rest for n, rest in less.items() if not self._logged(best, n)}
         rests = {name: beside_unformed(self.given, one, best) for name, one in less.items()}
         return tuple(name for name, rest in rests.items() if whole - rest < NAME_NATS)
 

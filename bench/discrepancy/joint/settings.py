@@ -69,14 +69,18 @@ SCATTERED_SHARE: Final = 0.01  # the same over one covariate, of a set that scat
 # hides much of what goes with a covariate, but no form is right to a thousandth [convention]
 MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulated links, up to which
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]
+MISFIT_FAR: Final = 3.0  # scatters, that a link's statistic counts in that at most: of normal ones
+# three in a thousand are farther [convention]
 MISFIT_SHARE: Final = 0.02  # of the mean square that is there without any effect, that a set may
 # leave: forms of effects are right to a seventh at best [convention]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]
 DB_PER_NEPER: Final = 8.686  # of an amplitude [derived]
 TONE_FADING_DB: Final = 3.0  # of a tone where its fit begins: half that of a Rayleigh channel
-QUIET_FEWEST: Final = 24  # samples of noise alone in a record, to say how they scatter: of fewer
-# the colour of the noise moves that by more than it is uncertain [derived]
+QUIET_FEWEST: Final = 24  # samples of noise alone in a record, of which some lie behind the last
+# path: of fewer, those hold echoes that are rare [convention]
+QUIET_EARLY: Final = 8  # samples before the path, to say how they scatter: ten pairs of them are no
+# neighbours [derived]
 QUIET_LOUDER: Final = 1.26  # times the power before the path, up to which samples behind the last
 # path hold noise alone: one decibel [convention]
 QUIET_SMOOTH: Final = 8  # samples that this power is averaged over, as many as are before the path

@@ -180,9 +180,8 @@ def _said(
         left_out(search, turn, effect if place == 0 else one.effect, one.gain, added, 1.0, sizes)
         for place, one in enumerate(turn.explanation.contenders[: _alike(turn, effect)])
     ]
-    wider = effect.name in choice.scattering
     check = Guard().safely("objection", _objection, "")
-    why = [check(search, swapped_for(added, effect, one.effect), one, wider) for one in options]
+    why = [check(search, swapped_for(added, effect, o.effect), o, effect, choice) for o in options]
     why = beside_untold(search.comparison, effect, [one.effect for one in options], why)
     passed = tuple(one for one, words in zip(options, why, strict=True) if not words)
     passed = without_disguises(passed, search.searched)
@@ -193,18 +192,23 @@ def _said(
     return of_class(turn, passed, True)
 
 
-def _objection(search: Search, added: Added, option: LeftOut, wider: bool) -> str:
-    """Return in words why an effect is no name, "" where it may be.
+def _objection(
+    search: Search, added: Added, option: LeftOut, first: Effect, choice: WaveChoice
+) -> str:
+    """Return in words why an effect is no name in the place of the `first`, "" where it may be.
 
-    One that makes links scatter (`wider`), and has nothing more that it must do, must look like
-    recordings wherever one looks: scatter stands for whatever is not predicted.
+    Where that makes links scatter, and has nothing more that it must do, it must look like
+    recordings wherever one looks: scatter stands for whatever is not predicted. Not where a log or
+    samples of noise alone show it, which also tell it from none, whatever its intervals hold.
     """
+    shown = first.name in choice.shown
     if option.control.passed is False:
         return f"it is there too in {option.control.words}"
-    if untold(option):
+    if untold(option) and not shown:
         return "none of its values is told from zero"
     if words := unused(option.effect) or _idle(option) or taken_away(option.effect):
         return words
+    wider = first.name in choice.scattering and not shown
     if not wider or type(option.effect).essential:
         return ""
     found = adequacy(search.comparison, (search.fit, search.discover), added, option.effect)

@@ -153,6 +153,21 @@ def test_what_is_remembered_gives_the_same_numbers(table: ForeignTable) -> None:
     assert table.observe(both, 3, 2, cir=False).cir is None
 
 
+def test_a_tone_makes_noise_alike_within_a_record_of_magnitudes() -> None:
+    """Noise has phases though a table of magnitudes has none: it does not beat as one wave."""
+    frame = Simulator(effects=()).simulate(line(200, far_m=8.0)).frame
+    magnitudes = ForeignTable(frame.drop(columns=["cir_i", "cir_q"], errors="ignore"))
+    tone = NarrowbandInterference(level_db=0.0, fading_db=0.0, offset_mhz=80.0)
+
+    def scatter(effects: tuple[NarrowbandInterference, ...]) -> float:
+        cir = magnitudes.observe(effects).cir
+        assert cir is not None
+        late = cir[:, -12:]
+        return float(np.median(late.std(axis=1) / late.mean(axis=1)))
+
+    assert scatter((tone,)) < 0.9 * scatter(())  # 0.41 beside 0.52, if there were many samples
+
+
 def test_a_tone_raises_the_magnitude_but_hardly_its_scatter(table: ForeignTable) -> None:
     """The chip reports the scatter of magnitudes: against samples drawn as it would see them."""
     rng = np.random.default_rng(0)

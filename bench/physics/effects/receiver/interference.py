@@ -31,6 +31,7 @@ class NarrowbandInterference(Effect):
     signature = "ripple of one period over all bins; raises the noise, so late detection too"
     needs = (("cir",),)
     without_cir = False
+    with_phases = True  # beside magnitudes taken as real it would beat with all noise alike
     told_by = NOISE_TOLD_BY
 
     level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)

@@ -146,3 +146,17 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
         search = SimpleNamespace(choice=choice)
         made = verdicts.wave_verdicts(search, (first, last), (late,), WaveChoice((late,)))
         assert len(made) == count
+
+
+def test_what_a_log_shows_is_refused_by_no_interval(monkeypatch):
+    """Its log is a measurement of it, however small it is; a failed control is none."""
+    noise = NoiseFloor(level_db=0.5)
+    option = LeftOut(noise, (), GAIN, 1.0, Control("", None))
+    monkeypatch.setattr(verdicts, "untold", lambda option: True)
+    monkeypatch.setattr(verdicts, "adequacy", lambda *_: SimpleNamespace(adequate=False))
+    search, plain = SimpleNamespace(), WaveChoice(scattering=(noise.name,))
+    shown = WaveChoice(scattering=(noise.name,), shown=(noise.name,))
+    assert "told from zero" in verdicts._objection(search, (), option, noise, plain)
+    assert verdicts._objection(search, (), option, noise, shown) == ""
+    there = LeftOut(noise, (), GAIN, 1.0, Control("rows", False))
+    assert verdicts._objection(search, (), there, noise, shown)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,7 @@ from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.apart import brought_alone, logged, unlogged, untouched
-from bench.discrepancy.joint.likelihood import left_free, misfit
+from bench.discrepancy.joint.likelihood import left_free, misfits
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS, SCATTERED_SHARE
@@ -29,6 +30,7 @@ from bench.physics.simulator import Simulator
 
 LINKS = 60
 STEEPER = PathLoss(exponent=2.3, offset_db=-0.5)
+TWINS = NarrowbandInterference(level_db=0.0), NoiseFloor(level_db=3.0)
 WHITE = {"lag_1": 0.0, "lag_2": 0.0, "lag_3": 0.0}
 
 
@@ -74,8 +76,8 @@ def test_a_noise_floor_of_every_device_leaves_nothing_without_a_name():
     of_one = left_free(given, uniform, fit.responses, fit.parameters)
     of_each = left_free(given, fit.moments, fit.responses, fit.parameters)
     assert max(of_one) > LEFT_NATS > max(of_each)
-    at_one, at_each = (misfit(given, each, fit.responses) for each in (uniform, fit.moments))
-    assert at_each < 1 < at_one
+    at_one, at_each = (misfits(given, each, fit.responses) for each in (uniform, fit.moments))
+    assert (at_each**2).mean() < 1 < (at_one**2).mean()
 
 
 def test_a_noise_floor_of_every_device_is_no_tone_that_fades():
@@ -104,7 +106,8 @@ def test_a_noise_that_comes_and_goes_is_no_tone():
     assert floor.moments.uneven is not None
     assert floor.nats > tone.nats + NAME_NATS
     even = replace(floor.moments, uneven=None)
-    assert misfit(given, floor.moments, floor.responses) < 1 < misfit(given, even, floor.responses)
+    left, of_even = (misfits(given, one, floor.responses) for one in (floor.moments, even))
+    assert (left**2).mean() < 1 < (of_even**2).mean()
 
 
 @pytest.mark.parametrize(("level_db", "needed"), [(0.8, True), (0.0, False)])
@@ -180,3 +183,23 @@ def test_what_scatters_may_leave_a_hundredth_over_what_is_known(
     most = max(LEFT_NATS, SCATTERED_SHARE * explained)
     monkeypatch.setattr(module, "left_free", lambda *_: (0.0, share * most))
     assert sets.chosen().unexplained is not sure
+
+
+@pytest.mark.parametrize(
+    ("logs", "heard", "shown"), [(5.0, 0.0, True), (0.0, 9.0, True), (0.0, 0.0, False)]
+)
+def test_a_tone_is_shown_by_samples_of_noise_or_by_a_noise_floor_that_is_logged(
+    monkeypatch: pytest.MonkeyPatch, logs: int, heard: float, shown: bool
+) -> None:
+    """What is logged of a noise floor is a tone's or its own: one of them is there."""
+    tone, floor = (SimpleNamespace(effects=(one,), names=(one.name,)) for one in TWINS)
+    sets = Sets.__new__(Sets)
+    sets.given, sets.none = SimpleNamespace(), SimpleNamespace()
+    sets.fits = {frozenset(floor.names): floor, frozenset(tone.names): tone}
+    sets.screen = SimpleNamespace(points={floor.names[0]: ()})
+    sets.quiet = SimpleNamespace(nats=lambda effects: heard)
+    monkeypatch.setattr(Sets, "_without", lambda *_: SimpleNamespace(effects=()))
+    monkeypatch.setattr(Sets, "_plain", lambda _, fit: fit)
+    monkeypatch.setattr(module, "logged", lambda _, fit, rest, name: fit is floor and bool(logs))
+    assert sets._shown(tone, tone.names[0]) is shown
+    assert sets._logged(tone, tone.names[0]) is bool(logs)

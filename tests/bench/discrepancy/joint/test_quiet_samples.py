@@ -7,7 +7,7 @@ import pytest
 
 from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint import sets as module
-from bench.discrepancy.joint.quiet import Quiet, quiet_samples, ratios, speaks
+from bench.discrepancy.joint.quiet import Quiet, moments_of, quiet_samples, ratio_of, speaks
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -31,7 +31,7 @@ def test_what_is_before_the_path_and_behind_the_last_one_is_quiet():
 
 def test_a_tone_makes_quiet_samples_alike_as_rice_says():
     rng = np.random.default_rng(1)
-    noise, tone = (ratios(_quiet(rng, power)).mean() for power in (0.0, 1.0))
+    noise, tone = (ratio_of(moments_of(_quiet(rng, power))) for power in (0.0, 1.0))
 
     assert noise == pytest.approx(2.0, abs=0.05)
     assert noise - tone == pytest.approx(0.25, abs=0.04)
@@ -42,7 +42,8 @@ def test_the_colour_of_noise_does_not_make_quiet_samples_alike():
     white = _wave(rng, 0.0, 1.0, 24, rows=4000)
     coloured = (white[:, :-1] + 0.8 * white[:, 1:])[:, :23]
 
-    assert ratios(np.abs(coloured)).mean() == pytest.approx(ratios(np.abs(white)).mean(), abs=0.02)
+    of_white, of_coloured = (ratio_of(moments_of(np.abs(one))) for one in (white, coloured))
+    assert of_coloured == pytest.approx(of_white, abs=0.02)
 
 
 def test_a_ratio_speaks_for_a_tone_or_for_noise_or_for_neither():
@@ -63,8 +64,25 @@ def test_sets_with_a_tone_are_likelier_where_one_was_recorded(monkeypatch, power
     assert (heard.nats((TONE,)) > 3) if for_a_tone else (heard.nats((TONE,)) < -3)
 
 
+@pytest.mark.parametrize(("power", "for_a_tone"), [(1.0, True), (0.0, False)])
+def test_the_few_samples_before_the_path_are_enough(monkeypatch, power, for_a_tone):
+    said = _heard(monkeypatch, power, samples=BEFORE + 30).nats((TONE,))
+
+    assert (said > 3) if for_a_tone else (said < -1)
+
+
 def test_where_hardly_a_sample_is_quiet_nothing_is_said(monkeypatch):
+    monkeypatch.setattr(quiet, "QUIET_EARLY", BEFORE + 1)
+
     assert _heard(monkeypatch, 1.0, samples=BEFORE + 30).nats((TONE,)) == 0.0
+
+
+def test_loud_rows_and_few_samples_leave_the_ratio_of_noise_as_it_is():
+    rng = np.random.default_rng(5)
+    noise = _wave(rng, 0.0, 1.0, 8, rows=4000)
+    loud = noise * rng.lognormal(0.0, 1.0, (4000, 1))
+
+    assert ratio_of(moments_of(np.abs(loud))) == pytest.approx(2.0, abs=0.05)
 
 
 def test_a_tone_is_judged_beside_a_noise_floor_that_hides_as_much():
