@@ -11,7 +11,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.likelihood import misfit
+from bench.discrepancy.joint.likelihood import misfits
 from bench.discrepancy.joint.polish import polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
@@ -64,7 +64,8 @@ def test_walls_of_two_kinds_are_of_one_name_though_no_one_scale_is_right():
     assert fit is not None
     assert given.kinds.sum(axis=0).tolist() == [20, 20, 20]
     uniform = replace(fit.moments, own=None, uneven=None)
-    assert misfit(given, fit.moments, fit.responses) < 1 < misfit(given, uniform, fit.responses)
+    left, of_uniform = (misfits(given, one, fit.responses) for one in (fit.moments, uniform))
+    assert (left**2).mean() < 1 < (of_uniform**2).mean()
     sets = Sets(given.comparison, given.rows, given.rows, (MaterialDelay, Diffraction, PathLoss))
     assert [effect.name for effect in sets.chosen().named] == ["material-delay"]
 
