@@ -34,13 +34,14 @@ from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.last_round import last_round
 from bench.discrepancy.select.level_slope import with_absorption, with_slope
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
-from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
+from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.scatter_size import with_sizes
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.second_level import beyond_geometry, calmed
@@ -261,7 +262,7 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     kept, safely = journal.kept, state.guard.safely
     state, located = _located(state, turn, journal)
     if not located.significant:
-        return _last(state, located, journal)
+        return last_round(state, located, journal)
     marked = safely("marks", seen_first, state)(state, located)
     if marked is not state:
         return marked
@@ -285,19 +286,12 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
     if best is None:
         located = safely("levels left", kept(calmed), located)(search, added, located, turn)
         if not located.significant:
-            return _last(state, located, journal)
+            return last_round(state, located, journal)
         scatter = safely("scatter alone", kept(scatter_alone), None)
         found = scatter(search, added, explanation, located)
         last = struck_round(located, explanation, found) if found else None
         return state.after(last or Round(located, explanation, None), finished=True)
     return _with_best(state, located, explanation, best, journal)
-
-
-def _last(state: State, located: Located, journal: Journal) -> State:
-    """Return the finished state where nothing stands out any more, but for scatter beside names."""
-    beside = state.guard.safely("scatter beside", journal.kept(scatter_beside), None)
-    last = beside(state.search, state.added, located)
-    return state.after(last or Round(located, None, None), finished=True)
 
 
 def _located(state: State, turn: int, journal: Journal) -> tuple[State, Located]:

@@ -50,6 +50,24 @@ def rows_of_their_own(comparison: Comparison, view: View) -> bool:
     return comparison.paired(view) and all(len(np.unique(p)) == len(p) for p in picks)
 
 
+def once(comparison: Comparison, view: View, members: int) -> NDArray[np.bool_] | None:
+    """Return which simulated rows [members, n] are the first to stand for any row of their link.
+
+    A simulated link of few rows stands for a recorded one of more by some of them twice, and what
+    is there twice scatters less. None where every row has its own. The members are the first
+    versions, or, where these are few, those that come after the rows' own.
+    """
+    if not isinstance(comparison, TableComparison) or rows_of_their_own(comparison, view):
+        return None
+    picks, own = comparison.versions(view), comparison.distinct(view)
+    start = own if members > own else 0
+    out = np.zeros((members, len(view.rows)), bool)
+    for number in range(members):
+        pair = np.stack([view.links, picks[(start + number) % len(picks)]])
+        out[number, np.unique(pair, axis=1, return_index=True)[1]] = True
+    return out
+
+
 def beyond_own_draws(
     located: Located,
     ensemble: Ensemble,

@@ -72,17 +72,17 @@ def _offered(search: Search, added: Added) -> type[Effect] | None:
 
 
 def scatter_beside(search: Search, added: Added, located: Located) -> Round | None:
-    """Return a round that adds independent scatter beside causes that are named, None without.
+    """Return a round that adds independent scatter beside the causes that are named, None without.
 
     Among thousands of places nothing else may stand out, and loud levels hide what ranges do: this
     asks for one thing alone. Rows of a link must scatter by more than another form of the causes
     could make them.
     """
     kind = _offered(search, added)
-    if not added or kind is None or search.choice.others:
+    if kind is None or search.choice.others:
         return None
     found = _scattering(search, added, kind)
-    if found is None or not _beyond_forms(search, added, found.effect):
+    if found is None or (added and not _beyond_forms(search, added, found.effect)):
         return None
     if not beyond_marks(search, added, found.effect):
         return None
@@ -126,7 +126,8 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
         return None
     if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
         return None
-    nats = _nats(recorded[usable], spread, spread + extra)
+    shared = 1 + usable.sum() / np.isfinite(simulated).sum()  # both sides scatter by chance
+    nats = _nats(recorded[usable], spread, spread + extra) / shared
     evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
     if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
         return None  # normal rows of all links make both at once, a few wild links the first alone

@@ -12,7 +12,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.select.own_draws import rows_of_their_own
+from bench.discrepancy.select.own_draws import once, rows_of_their_own
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
@@ -75,7 +75,9 @@ def beside_simulated(search: Search, added: Added) -> tuple[Ensemble, Floats, Fl
     comparison, rows = search.comparison, search.work
     if not rows_of_their_own(comparison, rows):
         made = versions(comparison, rows, added)
-        return (made, *within(made)) if RANGE in made.names else (made, *_nothing())
+        if RANGE not in made.names:
+            return made, *_nothing()
+        return made, *within(made, once(comparison, rows, len(made.simulated)))
     whole = comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
     made = whole.first(comparison.distinct(rows))
     if RANGE not in made.names:

@@ -29,19 +29,29 @@ def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
     return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
 
 
-def within(made: Ensemble) -> tuple[Floats, Floats]:
+def within(made: Ensemble, once: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
     """Return how far recorded [n] and simulated ranges [m, n] lie from their link, in metres.
 
-    As far as a row lies from a mean it has no part in; NaN for links of one row.
+    As far as a row lies from a mean it has no part in; NaN for links of one row. `once` [m, n] are
+    the simulated rows that count (see `own_draws.once`), NaN for others.
     """
     code = np.unique(made.links, return_inverse=True)[1]
     values = made.versions_of(RANGE)
-    count = np.bincount(code)[code].astype(np.float64)
-    mean = np.stack([np.bincount(code, one)[code] for one in values]) / count
-    with np.errstate(divide="ignore", invalid="ignore"):
-        whole = np.where(count > 1, np.sqrt(count / (count - 1)), np.nan)
-    left = (values - mean) * whole
+    known = np.ones(values.shape, bool)
+    if once is not None:
+        known[1:] = once
+    pairs = zip(values, known, strict=True)
+    left = np.stack([_beside_mean(one, code, some) for one, some in pairs])
     return left[0], left[1:]
+
+
+def _beside_mean(values: Floats, code: NDArray[np.intp], known: NDArray[np.bool_]) -> Floats:
+    """Return how far known values [n] lie from the mean of the others of their link."""
+    count = np.bincount(code, known)[code]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.bincount(code, np.where(known, values, 0.0))[code] / count
+        whole = np.where(known & (count > 1), np.sqrt(count / (count - 1)), np.nan)
+        return np.asarray((values - mean) * whole)
 
 
 def rows_off(ensemble: Ensemble) -> float:

@@ -103,8 +103,9 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     tried = []
     for law in formed(contest, best, gone):
         lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - before
-        wins = lead > FORM_NATS or (lead > TIED_NATS and _another(contest, best, gone, law))
-        if wins and not _bends(contest, rest, gone, law):
+        leads = lead > FORM_NATS
+        wins = leads or (lead > TIED_NATS and _another(contest, best, gone, law))
+        if wins and not (_bends if leads else _mostly)(contest, rest, gone, law):
             tried.append(Beaten(gone, law, lead))
     return max(tried, key=lambda one: one.lead, default=None)
 
@@ -184,6 +185,23 @@ def _bends(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
     parts = np.hstack(law.parts) * factors
     mine, more = parts[:, own].sum(axis=1), parts[:, ~own].sum(axis=1)
     return bool((more**2).sum() < DEFORMED**2 * (mine**2).sum())
+
+
+def _mostly(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
+    """Return whether a law that is no likelier than some names is mostly what these do.
+
+    A lag that grows with a temperature is its mean, and a little that bends it: it tells of no
+    other cause. Asked of names of one column; what devices or curves may be is nearly anything.
+    """
+    columns = contest.evidence.columns[
+        :, [p for one in names for p in contest.evidence.places[one]]
+    ]
+    if columns.shape[1] > 1 or not np.ptp(columns):
+        return _bends(contest, rest, names, law)
+    factors = weighed_with(contest, rest, {law.name: law.parts}).factors[-len(law.parts) :]
+    whole = np.hstack(law.parts) @ factors
+    mine = columns @ np.linalg.lstsq(columns, whole, rcond=None)[0]
+    return bool(((whole - mine) ** 2).sum() < DEFORMED**2 * (mine**2).sum())
 
 
 def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:

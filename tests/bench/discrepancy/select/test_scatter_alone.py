@@ -134,6 +134,32 @@ def test_scatter_beside_a_name_is_found_where_nothing_else_stands_out() -> None:
     assert beside(0.0, 0.4) is None  # jumps are no scatter
 
 
+@pytest.mark.parametrize(("jitter_m", "said"), [(0.0, False), (0.03, True)])
+def test_rows_that_stand_for_several_make_no_scatter(jitter_m: float, said: bool) -> None:
+    """Simulated links have two rows for four: what is there twice scatters less."""
+    rng = np.random.default_rng(9)
+    theirs = np.repeat(np.arange(80), 2)
+    ours, others = (
+        pd.DataFrame(
+            {
+                "link": [f"{name}{i}" for i in link],
+                "true_range_m": far_m[link] + rng.uniform(-0.2, 0.2, len(link)),
+            }
+        )
+        for name, link, far_m in (
+            ("l", LINK, rng.uniform(3, 20, 80)),
+            ("o", theirs, rng.uniform(3, 20, 80)),
+        )
+    )
+    recorded = ours.assign(error_m=rng.normal(0, np.hypot(0.02, jitter_m), len(LINK)))
+    simulated = others.assign(error_m=rng.normal(0, 0.02, len(theirs)))
+    seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
+    kinds = {TimestampJitter.name: TimestampJitter}
+    search = Search(TableComparison(simulated, Window()), seen, seen, kinds, 0, work=seen)
+    found = scatter_beside(search, (), Located((), 0.4, 2.0, 3.0, 1, {}))
+    assert bool(found) == said
+
+
 @pytest.mark.parametrize("own_m", [0.0, 0.02])
 def test_the_size_of_scatter_is_what_rows_of_links_say(own_m: float) -> None:
     """Whatever the simulator scatters by; beside it, nothing is heavy."""

@@ -38,6 +38,26 @@ def test_a_name_holds_only_where_no_law_predicts_as_well(
     assert any(one.startswith(form) for one in (*found.others, ""))
 
 
+def speed(frame: pd.DataFrame) -> np.ndarray:
+    """Return radial speeds, in m/s, that go with nothing else."""
+    return 1.2 * np.sin(40 * frame["true_range_m"].to_numpy())
+
+
+def moving(table: Recordings) -> Recordings:
+    return replace(table, frame=table.frame.assign(radial_speed_m_per_s=speed(table.frame)))
+
+
+@pytest.mark.parametrize(("bend", "names"), [(0.2, ("time-lag",)), (0.4, ())])
+def test_a_lag_that_hardly_varies_is_a_lag(bend: float, names: tuple[str, ...]) -> None:
+    """A law of the speed and the temperature does as well, or is likelier, as it varies by more."""
+
+    def late(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        warm = (frame["temperature_c"].to_numpy() - 22) / 17
+        return 0.15 * (1 + bend * warm) * speed(frame)
+
+    assert chosen(search_of(late, 11, moving), ()).names == names
+
+
 HEIGHTS_M = {"d5": 1.2, "d6": 2.4, "d7": 2.1, "d8": 1.5, "d9": 1.4, "d10": 2.6}
 
 

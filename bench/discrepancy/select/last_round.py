@@ -1,0 +1,25 @@
+"""The round in which nothing stands out any more, among thousands of places that were searched."""
+
+from __future__ import annotations
+
+from bench.checkpoint.journal import Journal
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.scatter_alone import scatter_beside
+from bench.discrepancy.select.state import Round, State
+from bench.discrepancy.sets import turn as sets
+
+
+def last_round(state: State, located: Located, journal: Journal) -> State:
+    """Return the finished state where nothing stands out any more, but for scatter of rows.
+
+    Where nothing did before either, what scatters may be any cause by which rows of a link differ:
+    then sets of causes are asked first, and there is another round where they name one.
+    """
+    beside = state.guard.safely("scatter beside", journal.kept(scatter_beside), None)
+    last = beside(state.search, state.added, located)
+    if last and not state.added:
+        state, news = sets.agreed(state, located, journal)
+        if news:
+            return state
+        last = None if state.search.choice.others else last
+    return state.after(last or Round(located, None, None), finished=True)
