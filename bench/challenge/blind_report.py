@@ -28,7 +28,7 @@ def _intro(outcomes: list[Outcome], seed: int, families: tuple[str, ...]) -> lis
     used = sorted({one.family for one in outcomes})
     opened = f"Families {', '.join(used)}"
     if set(KEPT) & set(used):
-        opened += f"; {kept} were written last"
+        opened += f"; written last: {kept}"
     return [
         "## Blind cases",
         "",

@@ -19,7 +19,7 @@ from bench.physics.simulator import Simulator
 LATEST = (
     "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery",
     "belfry", "cowshed", "fairground", "garage", "cannery", "vineyard", "crag",
-    "chairlift", *KEPT,
+    "chairlift", "atrium", "hangar", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -123,6 +123,7 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
     "cannery": 12, "vineyard": 11, "crag": 9, "chairlift": 10, "atrium": 9, "hangar": 9,
+    "manege": 10,
 }  # fmt: skip
 
 
@@ -135,7 +136,7 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     assert {1, 2, 3, 4, fifth} <= {*sizes} <= {*range(1, most + 1)}
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
     links |= {"foundry": 102, "garage": 105, "cannery": 96, "vineyard": 110, "crag": 108}
-    links |= {"chairlift": 104, "atrium": 100, "hangar": 105}
+    links |= {"chairlift": 104, "atrium": 100, "hangar": 105, "manege": 109}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -446,6 +447,7 @@ ROWS_OF = {
     "chairlift": ("Trip", "comes_to"),
     "atrium": ("Ride", "grows_by"),
     "hangar": ("Job", "onward"),
+    "manege": ("Lesson", "lengthens"),
 }
 
 
@@ -727,6 +729,9 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("hangar", "bursts-rotated", 0.05),
         ("hangar", "late-part-loops", 0.05),
         ("hangar", "video-filter-left-on", 0.05),
+        ("manege", "late-part-in-decibels", 0.05),
+        ("manege", "divided-by-neighbours", 0.05),
+        ("manege", "summed-from-the-end", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
