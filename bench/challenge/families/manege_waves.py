@@ -124,7 +124,9 @@ def _in_the_hall(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> C
     Plates are where they are; how much each returns is a matter of its angle, by chance of links.
     """
     lesson = Lesson(rows, 0, rng)
-    steel = lesson.crosses("metal") * lesson.per_link(lambda n: rng.beta(6.0, 4.0, n))
+    steel = lesson.crosses("metal") * lesson.per_link(
+        lambda n: rng.beta(6.0, 4.0, n).clip(max=0.84)
+    )
     wave = (1 - steel)[:, None] * _struck(rng, top)
     legs = [one[:, None] - RAFTERS_M for one in (lesson.at, lesson.post)]
     longer = np.sum([np.sqrt((leg**2).sum(axis=2)) for leg in legs], axis=0)

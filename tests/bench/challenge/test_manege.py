@@ -1,0 +1,138 @@
+"""The manege: what is particular to it, and what its receivers leave alone."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.challenge.cases import make_case
+from bench.challenge.families.case import MODES, Draw, Tables, turn_of, world_of
+from bench.challenge.families.manege_handset import OF_SIZES, hiss, pulses, put_off
+
+
+@cache
+def _tables(name: str, strength: float = 1.0, mode: str = "ranges") -> Tables:
+    world: Any = world_of("manege", mode)
+    made: Tables = world.tables(Draw((name,) if name else (), strength, 1), 9)
+    return made
+
+
+def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
+    made = _tables(name, strength, mode)
+    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+
+
+def _ridden(made: Tables) -> np.ndarray:
+    return np.asarray(made.recorded["rx"].str.startswith("horse"), bool)
+
+
+def test_riders_crouch_no_lower_than_half_a_metre_and_harrows_do_not() -> None:
+    made, shift = _tables("riders-crouch-at-speed"), _shift("riders-crouch-at-speed")
+    horses, rows = _ridden(made), made.recorded
+    assert not shift[~horses].any()
+    up = (rows["tx_z_m"] - rows["rx_z_m"]).to_numpy() / rows["true_range_m"].to_numpy()
+    assert (np.abs(shift) <= 0.55 * np.abs(up) + 0.05).all()
+    assert (shift[up > 0] >= -1e-9).all()  # letters hang above riders: lower is farther
+    still = rows.groupby("link")["true_range_m"].transform(np.ptp).eq(0).to_numpy()
+    alone = rows.groupby("link")["link"].transform("size").eq(1).to_numpy()
+    assert np.abs(shift[still & ~alone]).max() < 1e-9
+
+
+def test_letters_of_short_sides_are_where_they_were_set_and_others_are_farther_in() -> None:
+    made, shift = _tables("letters-along-a-slack-cord"), _shift("letters-along-a-slack-cord")
+    ends = made.recorded["tx"].isin(["letter0", "letter6"]).to_numpy()
+    assert not shift[ends].any()
+    assert (np.abs(shift) <= 0.34 + 1e-9).all()
+    middle = made.recorded["tx"].isin(["letter3", "letter9"]).to_numpy()
+    assert np.abs(shift[middle]).mean() > 0.1
+    assert (shift[~ends] < 1e-9).mean() > 0.95  # nearer to what is between them
+
+
+def test_antennas_take_turns_so_that_ranges_are_long_in_one_round_and_short_in_the_next() -> None:
+    made, shift = _tables("antennas-by-turns"), _shift("antennas-by-turns")
+    horses, rows = _ridden(made), made.recorded
+    assert not shift[~horses].any()
+    assert np.abs(shift).max() < 0.23 + 1e-9
+    seen = rows[horses].assign(shift=shift[horses])
+    turned = seen.groupby("link")["shift"].transform(lambda one: one * one.shift(1)).dropna()
+    loud = np.abs(turned) > 0.05**2
+    assert (turned[loud] < 0).mean() > 0.97
+
+
+def test_ranges_are_cut_down_from_an_end_that_every_letter_has() -> None:
+    made = _tables("range-rounding")
+    turn = np.cos(2 * np.pi * made.recorded["range_m"] / 0.128)
+    by_letter = turn.groupby(made.recorded["tx"])
+    assert by_letter.agg(np.ptp).max() < 1e-6
+    assert by_letter.first().nunique() == 12
+    assert (_shift("range-rounding") <= 0).all()
+
+
+def test_horses_and_harrows_keep_to_the_arena_and_letters_take_turns() -> None:
+    rows = _tables("").recorded
+    assert rows["rx_x_m"].between(1, 63).all()
+    assert rows["rx_y_m"].between(1, 22).all()
+    assert (rows["rx_z_m"] > 1.2).equals(rows["rx"].str.startswith("horse"))
+    lessons = rows.groupby(rows["link"].str.extract(r"(\d+)")[0])
+    assert lessons["tx"].nunique().between(3, 7).all()
+    assert lessons["rx"].nunique().eq(1).all()
+    assert lessons["time_s"].apply(lambda one: one.is_monotonic_increasing).all()
+    tall = rows["rx"].str.startswith("horse")
+    assert 0.4 < tall.mean() < 0.95
+    assert lessons["true_range_m"].agg(lambda one: one.mean()).std() > 2
+
+
+def test_noise_is_alike_from_sample_to_sample_as_measured() -> None:
+    """In a DW1000 by .32, -.17 and -.20 after one, two and three samples."""
+    noise = hiss(np.random.default_rng(3), 900)
+    assert np.abs(noise).std() == pytest.approx(OF_SIZES, rel=0.01)
+    alike = [(noise[:, k:] * noise[:, : -k or None].conj()).real.mean() / 2 for k in range(4)]
+    assert np.allclose(alike, [1.0, 0.32, -0.17, -0.17], atol=0.015)
+
+
+def test_what_is_put_off_keeps_its_size_and_leaves_at_the_end() -> None:
+    wave = pulses(np.full(4, 60.0)).astype(np.complex128)
+    late = np.array([0.0, 3.0, 10.4, 400.0])
+    moved = np.abs(put_off(wave, late))
+    assert np.allclose(moved[:3], pulses(60.0 + late[:3]), atol=0.03)
+    assert moved[3].max() < 1e-9
+
+
+ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstructed-path",
+              "ground-bounce", "diffraction", "material-delay")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ON_THE_WAY)
+def test_what_is_on_the_way_leaves_the_noise_of_radios_as_large_as_it_was(name: str) -> None:
+    made = _tables(name, 2.0, "CIR")
+    found, plain = (np.stack(list(t["cir"]))[:, :8] for t in (made.recorded, made.clean))
+    power = [np.median((one**2).mean(axis=1)) for one in (found, plain)]  # some lose first paths
+    assert power[0] == pytest.approx(power[1], rel=0.06)
+    assert made.recorded["noise_std"].equals(made.clean["noise_std"])
+
+
+@pytest.mark.parametrize("name", ["timestamp-jitter", "obstructed-path"])
+def test_the_truth_draws_chances_anew(name: str) -> None:
+    made = _tables(name, mode="CIR")
+    once, anew = (
+        (table["error_m"] - made.clean["error_m"]).to_numpy(np.float64)
+        for table in (made.recorded, made.truth)
+    )
+    assert abs(np.corrcoef(once, anew)[0, 1]) < 0.5
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
+    turns = (n for n in range(60) if turn_of(n, ("manege",)).mode == mode)
+    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
+    case, again = (make_case(number, 4, ("manege",)) for _ in range(2))
+    assert case.drawn == again.drawn
+    assert case.drawn.hidden
+    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
+        assert one.frame["range_m"].equals(other.frame["range_m"])
+        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
+        assert not told.isna().any(axis=None)
+        assert not {"mid_x", "pace", "into_s"} & {*told}
