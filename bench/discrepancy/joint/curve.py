@@ -7,13 +7,16 @@ that none of these does: where signals are weaker than that, or to what no level
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.joint.likelihood import columns_of, integrated, owns, paid, white, whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import ACTS, CURVE_PARTS, FORMS
-from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.joint.statistics import Moments, Statistics
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +30,31 @@ def beside_own_curve(given: Statistics, fit: Fit, rest: Fit, name: str) -> float
     if not curved or not set(curved) <= set(rest.names):
         return float("inf")
     return _evidence(given, fit, curved) - _evidence(given, rest, curved)
+
+
+def with_own_curve(fit: Fit) -> Moments:
+    """Return the statistics of a set, where an effect with a curve of its own may have any.
+
+    As what devices have of their own: what is left beside it is then none of its forms.
+    """
+    curves = [
+        response
+        for one, response in zip(fit.effects, fit.responses, strict=True)
+        if type(one).own_curve
+    ]
+    own = [] if fit.moments.own is None else [fit.moments.own]
+    whole = [*own, *(_parts_of(one) for one in curves)]
+    return replace(fit.moments, own=np.concatenate(whole, axis=2)) if curves else fit.moments
+
+
+def _parts_of(response: Floats) -> Floats:
+    """Return what any curve may do [L, p, k], to one statistic in one part of the links each."""
+    far, parts = any_curve(response)
+    acts = np.flatnonzero(far.any(axis=0))
+    out = np.zeros((*response.shape, len(acts) * parts.shape[1]))
+    for column, (place, part) in enumerate(product(acts, parts.T)):
+        out[:, place, column] = far[:, place] * part
+    return out
 
 
 def _evidence(given: Statistics, fit: Fit, curved: list[str]) -> float:

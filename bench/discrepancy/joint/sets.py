@@ -15,7 +15,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.curve import beside_own_curve
+from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, variances
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
@@ -85,7 +85,7 @@ class Sets:
         best = self._plain(best)
         marked = self.start.names
         explained = self.worth(best) - self.worth(self.none)
-        free = left_free(self.given, best.moments, best.responses, best.parameters)
+        free = left_free(self.given, with_own_curve(best), best.responses, best.parameters)
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         least = max(LEFT_NATS, SCATTERED_SHARE * explained)

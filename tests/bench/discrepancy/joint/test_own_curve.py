@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.joint.curve import any_curve, beside_own_curve
+from bench.discrepancy.joint.curve import any_curve, beside_own_curve, with_own_curve
+from bench.discrepancy.joint.statistics import Moments
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
@@ -65,3 +66,19 @@ def test_a_curve_goes_nowhere_where_nothing_is_done() -> None:
     none, whole = any_curve(np.zeros((LINKS, 2)))
     assert not none.any()
     assert whole.shape == (LINKS, 1)
+
+
+def test_any_curve_of_a_control_is_a_form_of_what_it_leaves() -> None:
+    """Beside a cause whose form is known nothing is free; a control's own may go any way above."""
+    response = np.stack([0.3 * OVER, np.zeros(LINKS)], axis=1)
+    moments = Moments(response, response, {1: np.eye(2)}, response, response)
+    loss: Any = SimpleNamespace(effects=(LOSS,), responses=(response,), moments=moments)
+    control: Any = SimpleNamespace(effects=(CURVED,), responses=(response,), moments=moments)
+    assert with_own_curve(loss).own is None
+    own = with_own_curve(control).own
+    assert own is not None
+    assert not own[LEVEL < -85].any()
+    assert not own[:, 1].any()
+    bent = np.where(OVER > 8, -1.0, 1.0) * (OVER > 3)
+    left = bent - own[:, 0] @ np.linalg.lstsq(own[:, 0], bent, rcond=None)[0]
+    assert (left**2).sum() < 0.4 * (bent**2).sum()
