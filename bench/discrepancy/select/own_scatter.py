@@ -3,9 +3,10 @@
 An edge is timed the worse the more noise there is beside the signal: its standard deviation goes
 with the square root of noise over signal (Kay 1993, section 3.11). A truth that is late is not
 equally late in every row (a tracker has frames, a host a queue), and a device moves as far
-meanwhile as it is fast: what that leaves goes with the speed. Clocks scatter every range alike.
-Where a receiver logs a noise that is louder than simulated, or motion is named, both are put to
-ranges.
+meanwhile as it is fast: what that leaves goes with the speed. A crystal's offset wanders, with its
+warmth or by itself, and what that makes goes with the reply time, as what it makes in the mean
+does. Time stamps scatter every range alike. Where a receiver logs a noise that is louder than
+simulated, motion or clocks are named, these are put to ranges.
 """
 
 from __future__ import annotations
@@ -22,30 +23,35 @@ from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.in_turn import apart_in_turn
 from bench.discrepancy.select.logged import logs
-from bench.discrepancy.select.settings import EXTRA_SCATTER_M
+from bench.discrepancy.select.settings import EXTRA_SCATTER_M, REPLY_RATIO
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import FIT_MEMBERS, LEAD_NATS, LEAST_SCATTER_M
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.units import Floats
 from bench.recordings.motion import SPEED
 
+REPLY = "reply_time_s"
 OF_NOISE = "it scatters as the noise does that is logged"
 OF_MOTION = "it scatters as devices move"
-OWN = (OF_NOISE, OF_MOTION)
+OF_CLOCKS = "it scatters as clocks wander"
+OWN = (OF_NOISE, OF_MOTION, OF_CLOCKS)
 FARTHER = "it scatters the more, the farther devices are apart"
 WEAKER = "it scatters the more, the weaker the signal"
+FASTER = "it scatters the more, the faster devices move apart"
 
 
 def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     """Return whether independent scatter is told from that which other causes make themselves.
 
     Of rows beside their link: that of clocks must be likelier by 3 nats than one whose variance
-    goes with the noise that was not simulated over the signal, or with how far devices move. No
-    scatter that grows with the distance, or as the signal fades, may be likelier by as much. And it
-    is drawn for every row, so rows that follow each other must differ as any two do.
+    goes with the noise that was not simulated over the signal, with how far devices move, or with
+    the reply time. No scatter that grows with the distance, with the speed, or as the signal fades,
+    may be likelier by as much. And it is drawn for every row, so rows that follow each other must
+    differ as any two do.
     """
     if not type(effect).independent or type(effect).marked or search.work is None:
         return Adequacy(True)
@@ -72,10 +78,14 @@ def uneven(made: Ensemble, rows: View) -> list[str]:
     """Return what the scatter of ranges grows with, by what to say; nothing where it is even.
 
     Its variance with the square of the distance, or one over the power of the signal: so a noise
-    scatters edges, of signals that fade in free space. Beside simulated scatter, which may grow so.
+    scatters edges, of signals that fade in free space. Or with the square of the speed: so does a
+    truth that is off along the way, though nothing that it does is named. Beside simulated scatter,
+    which may grow so.
     """
     left, simulated = _beside(made)
     goes = {FARTHER: rows.scene.true_range_m**2}
+    if SPEED in rows.frame:
+        goes[FASTER] = numeric(rows.frame, SPEED) ** 2
     if LEVEL in rows.frame:
         goes[WEAKER] = 10 ** (-numeric(rows.frame, LEVEL) / 10)
     return [note for note, one in goes.items() if _grows(left, simulated, one)]
@@ -109,6 +119,10 @@ def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:
             [moved_m(search.comparison, rows, rest, one, FIT_MEMBERS) ** 2 for one in moving],
             axis=0,
         )
+    reply_s = numeric(rows.frame, REPLY) if REPLY in rows.frame else np.zeros(0)
+    clocks = any(one.physics == ClockOffset.name for one in rest)
+    if clocks and np.nanmax(reply_s, initial=0.0) > REPLY_RATIO * np.nanmin(reply_s):
+        out[OF_CLOCKS] = reply_s**2
     return out
 
 

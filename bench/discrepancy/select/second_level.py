@@ -5,15 +5,18 @@ distance, and an effect's own curve is never quite right. Each leaves a level th
 distance a little, and so looks like a path loss. So an effect on levels has to predict links left
 out better than these can without it: any gain over headings where a pattern is named, two-ray
 fading where heights are known, any level where a named effect acts, and smooth deformations of what
-it does to levels.
+it does to levels. Beside a receiver's control of levels, of which every make has its own curve, it
+must lead any curve that turns strong signals down.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import LEVEL
@@ -43,6 +46,7 @@ from bench.physics.effects.propagation.two_rays import fading_ways
 from bench.physics.effects.receiver.level_control import LevelControl
 
 Floats = NDArray[np.float64]
+Regression = Callable[[Floats, Floats, Floats], Floats]  # of a design, values, rows to be told
 OBSTACLES, OBSTACLE = "obstacles", "obstacle="  # the column, and how its groups begin
 
 
@@ -132,7 +136,46 @@ def _second(search: Search, rows: View, added: Added, contender: Contender) -> b
     if type(effect).independent or not known.any() or not np.ptp(change[known]) > 0:
         return True
     others = np.hstack([np.ones((len(left), 1)), *_reasons(search, rows, added, effect)])
-    return predicts(left[known], change[known], others[known], rows.links[known])
+    return predicts(left[known], change[known], others[known], rows.links[known]) and (
+        _beyond_control(search, rows, added, effect)
+    )
+
+
+def _beyond_control(search: Search, rows: View, added: Added, effect: Effect) -> bool:
+    """Return whether an effect predicts levels beside any curve of a control among `added`.
+
+    A control turns signals down, the stronger the more: what is read falls behind what arrives. No
+    curve of it makes levels fall faster than they do, and whatever they fall slower by may be its.
+    """
+    control = next((one for one in added if one.physics == LevelControl.name), None)
+    if control is None:
+        return True
+    rest, acts = without(added, control), np.any(_deformed(search, rows, added, control), axis=1)
+    bare, whole = (
+        search.comparison.ensemble(rows, some, FIT_MEMBERS) for some in (rest, (*rest, effect))
+    )
+    arriving, moved = (one.simulated_of(LEVEL).mean(axis=0) for one in (bare, whole))
+    left, change = bare.residual_of(LEVEL), (moved - arriving)[:, None]
+    known = np.isfinite(left) & np.isfinite(change[:, 0])
+    curve = np.hstack([_either_sign(np.ones_like(change)), -_over_levels(arriving, acts)])[known]
+    both = np.hstack([curve, _either_sign(change)[known]])
+    codes = np.unique(rows.links[known], return_inverse=True)[1]
+    after, before = (_squares(left[known], one, codes, _turned_down) for one in (both, curve))
+    return _better(after, before)
+
+
+def _either_sign(columns: Floats) -> Floats:
+    """Return columns [n, k] with their negatives, [n, 2 k], for factors that are not negative."""
+    return np.hstack([columns, -columns])
+
+
+def _turned_down(design: Floats, values: Floats, wanted: Floats) -> Floats:
+    """Return what a ridge regression with no factor below zero says of `wanted` rows [m, k]."""
+    size = np.sqrt((design**2).mean(axis=0))
+    design, wanted = (one[:, size > 0] / size[size > 0] for one in (design, wanted))
+    small = np.sqrt(LEVEL_RIDGE * len(design)) * np.eye(design.shape[1])
+    nothing = np.zeros(design.shape[1])
+    return np.asarray(wanted @ nnls(np.vstack([design, small]), np.r_[values, nothing])[0])
 
 
 def _reasons(
@@ -201,7 +244,7 @@ def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[
     flat = np.ones((len(left_db), 1))
     alone = np.column_stack([flat, change_db])
     nothing, single, many, both = (
-        np.asarray(np.bincount(codes, _left_out(left_db, design, codes) ** 2), np.float64)
+        _squares(left_db, design, codes)
         for design in (flat, alone, others, np.column_stack([others, change_db]))
     )
     if not _better(many, nothing):  # what explains nothing is no rival
@@ -215,16 +258,7 @@ def _better(after: Floats, before: Floats) -> bool:
     gained = before - after
     error = float(gained.std()) * np.sqrt(len(gained))
     worth = float(gained.sum()) > LEVEL_SHARE * float(before.sum())
-    return worth and float(gained.sum()) > ONE_SIDED_95 * error
-
-
-def _left_out(values: Floats, design: Floats, codes: NDArray[np.intp]) -> Floats:
-    """Return what ridge regressions [n, k] on other links leave of values [n]."""
-    out = np.empty_like(values)
-    for fold in range(LEVEL_FOLDS):
-        held = codes % LEVEL_FOLDS == fold
-        out[held] = values[held] - _ridge(design[~held], values[~held], design[held])
-    return out
+    return bool(worth and float(gained.sum()) > ONE_SIDED_95 * error)
 
 
 def _ridge(design: Floats, values: Floats, wanted: Floats) -> Floats:
@@ -233,3 +267,22 @@ def _ridge(design: Floats, values: Floats, wanted: Floats) -> Floats:
     design, wanted = (one[:, size > 0] / size[size > 0] for one in (design, wanted))
     square = design.T @ design + LEVEL_RIDGE * len(design) * np.eye(design.shape[1])
     return np.asarray(wanted @ np.linalg.solve(square, design.T @ values))
+
+
+def _left_out(
+    values: Floats, design: Floats, codes: NDArray[np.intp], fit: Regression = _ridge
+) -> Floats:
+    """Return what regressions [n, k] on other links leave of values [n]."""
+    out = np.empty_like(values)
+    for fold in range(LEVEL_FOLDS):
+        held = codes % LEVEL_FOLDS == fold
+        out[held] = values[held] - fit(design[~held], values[~held], design[held])
+    return out
+
+
+def _squares(
+    values: Floats, design: Floats, codes: NDArray[np.intp], fit: Regression = _ridge
+) -> Floats:
+    """Return the squares that regressions on other links leave of values [n], by link [L]."""
+    left = _left_out(values, design, codes, fit)
+    return np.asarray(np.bincount(codes, left**2), np.float64)

@@ -82,6 +82,8 @@ LOGGED_SHIFTS_DB: Final = (-6.0, -4.5, -3.0, -1.5, 0.0, 1.5, 3.0, 4.5, 6.0)  # [
 LOGGED_COMPRESSIONS: Final = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.25, 1.5)  # [cost]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
 EXTRA_SCATTER_M: Final = (1e-3, 1.0, 61)  # tried beside the simulated: from, to, how many [cost]
+REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell what goes with it:
+# four times the variance [convention]
 ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]
 SPARE_LINKS: Final = 8  # at least, beyond what is fitted [convention]
 

@@ -15,6 +15,7 @@ from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.state import Search
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -127,3 +128,38 @@ def test_scatter_of_a_named_cause_is_nothing_without_a_name(
     found = refute._stated(search, (), (lag, jitter), ())  # type: ignore[arg-type]
     assert found.added == (lag,)
     assert len(found.doubts) == strange
+
+
+@pytest.mark.parametrize(
+    ("of_reply", "beside", "named"),
+    [(False, ClockOffset(), True), (True, ClockOffset(), False), (True, SCALE, True)],
+)
+def test_scatter_of_clocks_that_wander_is_no_jitter(
+    monkeypatch: pytest.MonkeyPatch, of_reply: bool, beside: Effect, named: bool
+) -> None:
+    """What a crystal is off by, and how much that changes, both go with the reply time."""
+    rng, links = np.random.default_rng(8), np.repeat(np.arange(ROWS // 6), 6)
+    reply_s = rng.uniform(0.005, 0.05, ROWS // 6)[links]
+    share = reply_s / np.sqrt(np.mean(reply_s**2)) if of_reply else 1.0
+    versions = rng.normal(0, 0.02, (9, ROWS, 1))
+    versions[0, :, 0] += 0.04 * share * rng.normal(size=ROWS)
+    made = Ensemble(("error_m",), ("m",), versions, links)
+    monkeypatch.setattr(own_scatter, "versions", lambda *_: made)
+    frame, at = pd.DataFrame({"reply_time_s": reply_s}), near(np.full(ROWS, 5.0))
+    work = SimpleNamespace(frame=frame, scene=at)
+    search = SimpleNamespace(logged=(), work=work, comparison=None, seed=0)
+    jitter = TimestampJitter()
+    assert beyond_causes(search, (beside, jitter), jitter).adequate is named  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_scatter_that_grows_with_the_speed_is_no_jitter(moving: bool) -> None:
+    """Nor where nothing is named that moves: places may be off along the way."""
+    rng, links = np.random.default_rng(9), np.repeat(np.arange(ROWS // 6), 6)
+    speed = rng.normal(0, 1.5, ROWS) * (rng.random(ROWS) < 0.6)
+    versions = rng.normal(0, 0.02, (9, ROWS, 1))
+    versions[0, :, 0] += 0.03 * (speed if moving else 1.0) * rng.normal(size=ROWS)
+    made = Ensemble(("error_m",), ("m",), versions, links)
+    frame = pd.DataFrame({"radial_speed_m_per_s": speed})
+    rows = SimpleNamespace(frame=frame, scene=near(np.full(ROWS, 5.0)))
+    assert own_scatter.uneven(made, rows) == [own_scatter.FASTER] * moving  # type: ignore[arg-type]

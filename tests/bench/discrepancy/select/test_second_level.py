@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
@@ -16,6 +17,7 @@ from bench.discrepancy.select.second_level import calmed, predicts
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.propagation.two_rays import fading_db, fading_ways, pulling_ways, rays
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -153,3 +155,23 @@ def test_a_control_of_levels_may_have_any_curve_where_it_acts_and_none_below() -
         found = design @ np.linalg.lstsq(design, made, rcond=None)[0]
         assert np.mean((made - found) ** 2) < 0.05 * np.mean(made**2)
     assert not design[~acts].any()
+
+
+@pytest.mark.parametrize(("exponent", "named"), [(2.0, False), (1.7, False), (4.0, True)])
+def test_a_slope_beside_a_control_is_one_that_no_curve_of_a_receiver_makes(
+    exponent: float, named: bool
+) -> None:
+    """Levels that fall slower than in free space may be turned down; none is turned up."""
+    search, _ = _level_search(0.0)
+    assert search.work is not None
+    arriving = search.comparison.ensemble(search.work, (), 1).simulated_of("rx_power_dbm")[0]
+    far = search.work.frame["true_range_m"].to_numpy()
+    arriving = arriving - 10 * (exponent - 2) * np.log10(far / 20)
+    turned_down = arriving - 0.3 * np.maximum(arriving + 90, 0)
+    turned_down = turned_down + 0.5 * np.random.default_rng(3).normal(size=len(far))
+    frame = search.work.frame.assign(rx_power_dbm=turned_down)
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), ("rx_power_dbm",), False)
+    control = (LevelControl(compression=0.5, shift_db=-10.0),)
+    slope = PathLoss(exponent=3.0, offset_db=-13.0)
+    assert second_level._beyond_control(search, rows, control, slope) is named
+    assert second_level._beyond_control(search, rows, (), slope)
