@@ -59,6 +59,7 @@ from bench.discrepancy.select.stepwise import (
     with_contender,
     witnessed_by_links,
 )
+from bench.discrepancy.select.uncounted import with_uncounted
 from bench.discrepancy.select.unnamed import curve_words, unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
@@ -198,8 +199,7 @@ def diagnose(
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
     return Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
-        law, said.fault, kept, measured, (link_count(whole), link_count(frame)),
-        numbers,
+        law, said.fault, kept, measured, (link_count(whole), link_count(frame)), numbers,
     )  # fmt: skip
 
 
@@ -337,7 +337,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)
     held = state.guard.safely("marks", with_marks, held)(search, held)
     said = journal.kept(verdicts)(search, held.rounds, held.added, held.doubts, held.whole)
-    said = of_the_rest(said, held.rounds)
+    said = with_uncounted(search, held.simulated, of_the_rest(said, held.rounds))
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
     out = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)

@@ -80,6 +80,8 @@ LOGGED_LEVELS: Final = (0.05, 0.15, 0.25, 0.4, 0.5, 0.6, 0.75, 0.85, 0.95)  # qu
 LOGGED_SHARES: Final = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.2)  # of the measured fall [cost]
 LOGGED_SHIFTS_DB: Final = (-6.0, -4.5, -3.0, -1.5, 0.0, 1.5, 3.0, 4.5, 6.0)  # [cost]
 LOGGED_COMPRESSIONS: Final = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.25, 1.5)  # [cost]
+CONTROL_SLOPES: Final = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0)  # of every dB above
+# its start, that a control may take: no more than all [cost]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
 EXTRA_SCATTER_M: Final = (1e-3, 1.0, 61)  # tried beside the simulated: from, to, how many [cost]
 REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell what goes with it:
