@@ -119,6 +119,7 @@ SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which rea
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck
 PREDICTED_SHARE: Final = 0.25  # of which those are, that it tells then (as a correlation a
 # half), where straight paths are seen behind what stands there [convention]
+SAME_DEVICE: Final = 0.999  # correlation, from where on a number is which device it is [convention]
 
 EARLIEST_SAMPLES: Final = 40  # before a detected path, where a straight one is looked for [cost]
 STRAIGHT_NS: Final = (-0.5, 2.5)  # about the edge of a straight path that would be detected: so

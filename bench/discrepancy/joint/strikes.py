@@ -37,6 +37,7 @@ from bench.discrepancy.joint.settings import (
     NAME_SHARE,
     PREDICTED_P,
     PREDICTED_SHARE,
+    SAME_DEVICE,
     SHORT_OF_STRUCK,
     STRIKE_ALIKE,
     STRIKE_HARD,
@@ -189,9 +190,9 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
     Some are struck and more are not, nothing known tells which, their ranges are longer than in
-    `made`, which nothing struck, and those of all their rows. Where straight paths are seen (`seen`
-    nats) something stands there, and what does stands somewhere: then what is known may tell a
-    little.
+    `made`, which nothing struck, and those of all their rows. What stands in the way stands near
+    some device, so devices may tell a little; all that is known may where straight paths are seen
+    (`seen` nats), for something stands there.
     """
     struck, able = found.struck, ~found.mixture.inert
     if not found.divides:
@@ -203,9 +204,34 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     known = np.isfinite(offset_m)
     longer = is_longer(offset_m[known], struck[known])
     short = longer and as_often_short(offset_m[known], struck[known])
-    least = PREDICTED_SHARE if seen > CLASS_NATS else 0.0
-    known_which = predicted(given.known[able], struck[able], least)
-    return longer and not short and not known_which
+    return longer and not short and not told_which(given, struck, able, seen > CLASS_NATS)
+
+
+def told_which(
+    given: Statistics, struck: NDArray[np.bool_], able: NDArray[np.bool_], seen: bool
+) -> bool:
+    """Return whether what is known tells which of the `able` links [L] are struck.
+
+    Devices must tell a share of it, all else only where something is `seen` to stand in the way.
+    """
+    least = PREDICTED_SHARE if seen else 0.0
+    known, devices = but_devices(given)[able], given.devices[able]
+    which = struck[able]
+    return predicted(known, which, least) or predicted(devices, which, PREDICTED_SHARE)
+
+
+def but_devices(given: Statistics) -> Floats:
+    """Return what is known of links [L, q] but whether a device is at an end of them."""
+    known, devices = given.known, given.devices
+    alike = np.abs(_correlations(known, devices)).max(axis=1, initial=0.0)
+    return known[:, alike < SAME_DEVICE]
+
+
+def _correlations(one: Floats, other: Floats) -> Floats:
+    """Return the correlations of columns [L, q] and [L, r], [q, r]; 0 of what does not vary."""
+    about, beside = (each - each.mean(axis=0) for each in (one, other))
+    wide = np.sqrt((about**2).sum(axis=0)[:, None] * (beside**2).sum(axis=0))
+    return np.asarray(about.T @ beside / np.maximum(wide, np.finfo(float).tiny))
 
 
 def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:

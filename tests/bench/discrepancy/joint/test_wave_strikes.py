@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,12 +19,14 @@ from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strikes import (
     as_often_short,
+    but_devices,
     enough,
     is_longer,
     least_nats,
     predicted,
     strike_beside,
     told,
+    told_which,
 )
 from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.base import Base
@@ -204,3 +207,18 @@ def test_straight_paths_that_are_seen_say_nothing_for_a_blocked_path():
 def told_kinds(alike: list[Found], seen: float) -> list[str]:
     """Return the names of the kinds that are left."""
     return [one.mixture.kind.name for one in told(alike, seen)]
+
+
+def test_struck_links_may_gather_at_a_device_but_not_over_what_else_is_known() -> None:
+    """What stands in the way stands near some device; a device that is off is off in all links."""
+    device, number = (np.arange(80) % 8 == 0).astype(float), np.linspace(-1.7, 1.7, 80)
+    standard = (device - device.mean()) / device.std()
+    given = SimpleNamespace(known=np.stack([number, standard], axis=1), devices=device[:, None])
+    every = np.ones(80, bool)
+    some = np.isin(np.arange(80), [0, 8, 16, 24, 32, 5, 21, 37, 53, 62, 77])
+    assert but_devices(given).shape == (80, 1)
+    assert predicted(given.known, some)
+    assert not told_which(given, some, every, False)
+    assert told_which(given, device > 0, every, False)
+    far = np.isin(np.arange(80), [79, 77, 75, 73, 71, 66, 61, 55, 50, 45, 33])
+    assert told_which(given, far, every, False)
