@@ -100,7 +100,15 @@ class Served:
     medians_m: Pair = (0.0, 0.0)
     surely: bool = False
 
+    @property
+    def idle(self) -> bool:
+        """Whether the effects do nothing at all in these rows, which then tell nothing of them."""
+        same = (self.before_m, self.medians_m[0]) == (self.missed_m, self.medians_m[1])
+        return same and self.gain.low == self.gain.high == 0
+
     def __str__(self) -> str:
+        if self.idle:
+            return "in sealed links it has nothing to act on"
         score = "better" if self.gain.value > 0 else "no better"
         which, means = "mean", (self.before_m, self.missed_m)
         if means[1] <= means[0] and much_farther(*self.medians_m):  # it is the typical link that is

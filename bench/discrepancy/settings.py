@@ -131,7 +131,8 @@ RATIO_STEPS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.3)  # where the way is in 
 DECIBEL_STEPS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)  # in decibels [waves]
 ONSET_SHARES: Final = (0.2, 0.4, 0.6, 0.8)  # of the way from a point that does nothing to one that
 # does too much [convention]
-SCATTERED_POINTS: Final = 12  # where no amplitude leads from nothing [cost]
+SCATTERED_POINTS: Final = 128  # where no amplitude leads from nothing, of paths alone [cost]
+SCATTERED_WAVEFORMS: Final = 16  # and of waveforms [cost]
 ELSEWHERE_POINTS: Final = 8  # with the other parameters elsewhere [cost]
 DELAY_POINTS: Final = 16  # of those where a delay is among them: echoes are short [waves]
 SHORTEST_ECHO_NS: Final = 1.5  # of the delays tried: half a pulse of 500 MHz [derived]
@@ -335,7 +336,6 @@ WIDE_LEVELS_DB: Final = 8.0  # that rows must spread over to say so: half the S-
 # --- What is kept beside the report (report/evidence) --------------------------------------------
 EVIDENCE_ROWS: Final = 400  # of the working links [cost]
 EVIDENCE_MEMBERS: Final = 8  # whose mean stands for the simulator [cost]
-
 STACKED_ROWS: Final = 2048  # of several replicates that are simulated as one batch, at most:
 # enough to pay for the calls, few enough to stay near the processor (changes nothing but time)
 

@@ -23,6 +23,7 @@ from bench.discrepancy.settings import (
     ONSET_SHARES,
     RATIO_STEPS,
     SCATTERED_POINTS,
+    SCATTERED_WAVEFORMS,
     SHORTEST_ECHO_NS,
 )
 from bench.physics.effect import Effect, Parameter
@@ -56,13 +57,19 @@ def starts(kind: type[Effect], thorough: bool, several: bool) -> list[dict[str, 
             out += [defaults | {amplitude.name: inside(amplitude, value)} for value in at]
     if len(amplitudes) > 1 and several:
         out += _together(amplitudes, defaults)
-    if not amplitudes:
-        rng = np.random.default_rng(0)
-        out += [
-            {p.name: inside(p, rng.uniform(p.low, p.high)) for p in free}
-            for _ in range(SCATTERED_POINTS)
-        ]
-    return out
+    count = SCATTERED_POINTS if thorough else SCATTERED_WAVEFORMS
+    return out if amplitudes else out + _scattered(free, count)
+
+
+def _scattered(free: tuple[Parameter, ...], count: int) -> list[dict[str, float]]:
+    """Return points spread evenly over all bounds, by ratio where these span decades.
+
+    Nothing is known of an effect without an amplitude, and its parameters make up for each other: a
+    body that is narrow and one that is wide, whose edges send more, take as much of a level.
+    """
+    points = qmc.Sobol(len(free), seed=0).random_base2(count.bit_length() - 1) if free else ()
+    pairs = (zip(free, point, strict=True) for point in points)
+    return [{p.name: between(p, p.low, p.high, float(u)) for p, u in pair} for pair in pairs]
 
 
 def _together(amplitudes: list[Parameter], defaults: dict[str, float]) -> list[dict[str, float]]:

@@ -29,7 +29,8 @@ def unrefused(
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
     few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
-    here too: what it does to ranges depends on a receiver's detector.
+    here too: what it does to ranges depends on a receiver's detector. And so does what has nothing
+    to act on there (no metal stands in any sealed link), of which they tell nothing.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -48,6 +49,7 @@ def unrefused(
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
     struck = [(e, seen[e.name]) for e in gone if e.name in seen]
     held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
+    held |= {e.physics for e in gone if (alone := change((e,))) is not None and alone.idle}
     if sealed.waveform:
         sure = _surely_better(found.verdicts)
         held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}

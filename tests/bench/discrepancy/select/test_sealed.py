@@ -78,6 +78,21 @@ def test_what_makes_sealed_links_worse_loses_its_name(monkeypatch: pytest.Monkey
     assert (nothing.names, nothing.added, len(nothing.verdicts)) == ((), (), 1)
 
 
+@pytest.mark.parametrize(("missed_m", "said"), [(0.1, True), (0.1001, False)])
+def test_sealed_links_refuse_no_name_of_what_does_nothing_there(
+    monkeypatch: pytest.MonkeyPatch, missed_m: float, said: bool
+) -> None:
+    """No metal stands in any of them."""
+    judged = Served(Estimate(0, 0, 0), False, missed_m, 0.1)
+    monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    found = replace(selection(), added=(LAG,), verdicts=(named(LAG),))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=False)
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said
+    assert ("nothing to act on" in made.withheld.get("time-lag", "")) is said
+
+
 @pytest.mark.parametrize(("high", "said"), [(1, True), (-1, False)])
 def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
     monkeypatch: pytest.MonkeyPatch, high: float, said: bool
