@@ -275,12 +275,21 @@ def _named(
         )
         objections = [objection(search, turn, whole, effect, option) for option in options]
         passed = tuple(o for o, why in zip(options, objections, strict=True) if not why)
-        passed = without_disguises(passed, search.searched)
+        passed = without_disguises(gaining(passed, options[0]), search.searched)
         if not passed:  # a name whose own negative control fails is none
             out.append(_refuted(turn, objections[0]))
         else:
             out.append(of_class(turn, passed, search.fit.waveform))
     return tuple(out)
+
+
+def gaining(passed: tuple[LeftOut, ...], first: LeftOut) -> tuple[LeftOut, ...]:
+    """Return the options that hold: without the first, which is refused, those that gain for sure.
+
+    What does as well as a name that is refused is no better known than that: it must gain by
+    itself, as what comes in the place of a refused effect must elsewhere (see `refute`).
+    """
+    return passed if first in passed else tuple(o for o in passed if o.gain.likely_above_zero)
 
 
 def of_class(turn: Round, options: tuple[LeftOut, ...], waveform: bool) -> Verdict:
