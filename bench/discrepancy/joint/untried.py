@@ -9,8 +9,6 @@ chance: the straight path is weaker and later there, whichever it is.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -21,7 +19,8 @@ from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Verdict
+from bench.discrepancy.select.unlisted import NOT_LISTED
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
@@ -30,7 +29,6 @@ from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
 NOT_PLACED = "it could not be tried: it needs "
-NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
 def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
@@ -47,7 +45,7 @@ def _with_unplaced(search: Search, said: Verdict) -> Verdict:
     fitted = _options(said)
     kinds = [search.untried.get(type(one.effect).resembles) for one in fitted]
     more = tuple(
-        _untried(one, kind(), NOT_PLACED + ", ".join(kind.needs[0]))
+        not_tried(one, kind(), NOT_PLACED + ", ".join(kind.needs[0]))
         for one, kind in zip(fitted, kinds, strict=True)
         if kind is not None
     )
@@ -67,7 +65,7 @@ def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Eff
         return said
     if levels_exclude(search, added, said.effect):
         return said
-    options = (said, *(_untried(said, kind()) for kind in rivals))
+    options = (said, *(not_tried(said, kind(), NOTE) for kind in rivals))
     return Ambiguous(options, separating(options))
 
 
@@ -80,14 +78,8 @@ def with_unlisted(search: Search, said: Verdict) -> Verdict:
     if not any(isinstance(one.effect, ObstructedPath) for one in fitted):
         return said
     kinds = [one for one in search.untried.values() if any("obstacles" in way for way in one.needs)]
-    options = (*fitted, *(_untried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
+    options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said
-
-
-def _untried(said: LeftOut, effect: Effect, note: str = NOTE) -> LeftOut:
-    """Return an effect that was not fitted beside one that was."""
-    unknown = Control(type(effect).control, None)
-    return replace(said, effect=effect, parameters=(), control=unknown, note=note)
 
 
 def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:

@@ -25,6 +25,7 @@ from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
+from bench.discrepancy.select.unlisted import with_walls
 from bench.discrepancy.select.verdict import (
     Ambiguous,
     Control,
@@ -64,7 +65,8 @@ def verdicts(
     """
     last = rounds[-1]
     beside = whole or added
-    struck = tuple(struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
+    strikes = (struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
+    struck = tuple(with_walls(search, one) for one in strikes)
     if doubts:
         held = verdicts(search, rounds, added, whole=whole) if added else struck
         known = tuple(v for v in held if not isinstance(v, Unknown))

@@ -89,6 +89,9 @@ REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell w
 ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]
 SPARE_LINKS: Final = 8  # at least, beyond what is fitted [convention]
 
+# --- Walls that nobody listed (select/unlisted) ---------------------------------------------------
+WALLS_M: Final = 1.0  # of excess, that walls make at most: 0.8 m of concrete [derived]
+
 # --- Effects on levels beside geometry (select/second_level) -------------------------------------
 LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
 LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]

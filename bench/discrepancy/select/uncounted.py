@@ -15,7 +15,7 @@ from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import CONTROL_SLOPES, LOGGED_LEVELS
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Verdict
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.sets.settings import NAME_NATS
 from bench.discrepancy.settings import FIT_MEMBERS, RESOLUTION
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -40,9 +40,7 @@ def _with_control(search: Search, added: Added, said: Verdict) -> Verdict:
         return said
     if not _as_well(search, added, said.effect):
         return said
-    unknown = Control(LevelControl.control, None)
-    other = LevelControl()
-    options = (said, LeftOut(other, (), said.gain, said.share, unknown, said.findings, note=NOTE))
+    options = (said, not_tried(said, LevelControl(), NOTE))
     return Ambiguous(options, separating(options))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any
 
@@ -47,6 +47,12 @@ class LeftOut:
 
     def __str__(self) -> str:
         return f"left out: {self.names[0]} ({type(self.effect).signature})"
+
+
+def not_tried(said: LeftOut, effect: Effect, note: str) -> LeftOut:
+    """Return an effect that could not be tried, beside one that was; `note` says what it needs."""
+    unknown = Control(type(effect).control, None)
+    return replace(said, effect=effect, parameters=(), control=unknown, note=note)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,37 @@
+"""Links struck at random where nobody listed obstacles: walls may stand in their way.
+
+What blocks a path leaves a reflection, which comes metres later. A wall lets it through, weaker and
+later by its thickness times the excess of its index: a metre of excess takes 0.8 m of concrete
+(ITU-R P.2040-3, a relative permittivity of 5.24). So where links are struck by less, and no table
+says what stands where, walls and edges could not be tried and are not excluded.
+"""
+
+from __future__ import annotations
+
+from bench.discrepancy.select.separate import separating
+from bench.discrepancy.select.settings import WALLS_M
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
+from bench.physics.effects.propagation.blocked_path import BlockedPath
+
+OBSTACLES = "obstacles"
+NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
+
+
+def with_walls(search: Search, said: Verdict) -> Verdict:
+    """Return a verdict on struck links, of ranges alone, with what obstacles that nobody listed do.
+
+    As it is where detours are longer than walls make, for all that is known of their mean.
+    """
+    if search.fit.waveform or not (isinstance(said, LeftOut) and _short(said)):
+        return said
+    able = search.untried.values()
+    kinds = [kind for kind in able if any(OBSTACLES in way for way in kind.needs)]
+    options = (said, *(not_tried(said, kind(), NOT_LISTED) for kind in kinds))
+    return Ambiguous(options, separating(options)) if kinds else said
+
+
+def _short(said: LeftOut) -> bool:
+    """Return whether a path is blocked for detours that are surely short in the mean (90 %)."""
+    detours = (one for one in said.parameters if one.name == "detour_m")
+    return isinstance(said.effect, BlockedPath) and any(one.high < WALLS_M for one in detours)
