@@ -20,6 +20,7 @@ from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.one_device import left_at_device
+from bench.discrepancy.select.own_scatter import OF_SCATTER, left_by_causes
 from bench.discrepancy.select.refute import Doubt
 from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
@@ -48,8 +49,6 @@ from bench.discrepancy.settings import (
     SURE_P,
 )
 from bench.physics.effect import Effect
-
-OF_SCATTER = ("spread", "rows")  # moments that say how far ranges scatter
 
 
 def verdicts(
@@ -81,6 +80,7 @@ def verdicts(
     least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and not last.strike and real(search, last))
+    worth = worth and not left_by_causes(search, added, last.located.findings)
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         seen = _marked(search, _named(search, rounds, added, whole or added, share))
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))

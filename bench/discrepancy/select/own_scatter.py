@@ -20,6 +20,7 @@ from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.law.likelihood import log_density
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.in_turn import apart_in_turn
 from bench.discrepancy.select.logged import logs
@@ -39,6 +40,7 @@ OF_NOISE = "it scatters as the noise does that is logged"
 OF_MOTION = "it scatters as devices move"
 OF_CLOCKS = "it scatters as clocks wander"
 OWN = (OF_NOISE, OF_MOTION, OF_CLOCKS)
+OF_SCATTER = ("spread", "rows")  # moments that say how far ranges scatter
 FARTHER = "it scatters the more, the farther devices are apart"
 WEAKER = "it scatters the more, the weaker the signal"
 FASTER = "it scatters the more, the faster devices move apart"
@@ -63,6 +65,20 @@ def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     if notes := [*own, *uneven(made, search.work)]:
         return Adequacy(False, 1.0, note=notes[0])
     return apart_in_turn(made, numeric(search.work.frame, "time_s"), search.seed)
+
+
+def left_by_causes(search: Search, added: Added, findings: tuple[Finding, ...]) -> bool:
+    """Return whether all that is left is scatter of ranges which named causes make by themselves.
+
+    It has their name: nothing is left without one.
+    """
+    cells = [one.cell for one in findings]
+    if not added or not all(c.observable == RANGE and c.moment in OF_SCATTER for c in cells):
+        return False
+    kind = next((k for k in search.kinds.values() if k.independent and not k.marked), None)
+    if kind is None or not cells or any(isinstance(one, kind) for one in added):
+        return False
+    return beyond_causes(search, (*added, kind()), kind()).note in OWN
 
 
 def _own_notes(made: Ensemble, own: dict[str, Floats]) -> list[str]:

@@ -163,3 +163,21 @@ def test_scatter_that_grows_with_the_speed_is_no_jitter(moving: bool) -> None:
     frame = pd.DataFrame({"radial_speed_m_per_s": speed})
     rows = SimpleNamespace(frame=frame, scene=near(np.full(ROWS, 5.0)))
     assert own_scatter.uneven(made, rows) == [own_scatter.FASTER] * moving  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("moment", "note", "nothing"),
+    [
+        ("spread", own_scatter.OF_NOISE, True),
+        ("mean", own_scatter.OF_NOISE, False),
+        ("spread", own_scatter.FARTHER, False),
+    ],
+)
+def test_what_noise_scatters_that_has_a_name_is_not_left_without_one(
+    monkeypatch: pytest.MonkeyPatch, moment: str, note: str, nothing: bool
+) -> None:
+    monkeypatch.setattr(own_scatter, "beyond_causes", lambda *_: Adequacy(False, 1.0, note=note))
+    search = SimpleNamespace(kinds={TimestampJitter.name: TimestampJitter})
+    left = (SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=moment)),)
+    assert own_scatter.left_by_causes(search, NOISY, left) is nothing  # type: ignore[arg-type]
+    assert not own_scatter.left_by_causes(search, (), left)  # type: ignore[arg-type]
