@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.joint.rows import compared_rows
@@ -24,11 +25,13 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tr
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
 NOT_PLACED = "it could not be tried: it needs "
+NO_RAYS = "it fits less well, but the rays round what stands in the way are not in the table"
 
 
 def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
@@ -72,11 +75,22 @@ def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Eff
 def with_unlisted(search: Search, said: Verdict) -> Verdict:
     """Return the verdict on what struck links, with what obstacles do that nobody listed.
 
-    An obstructed path is what these do to a link that they stand in the way of.
+    An obstructed path is what these do to a link that they stand in the way of. In a table that is
+    what a blocked path does, too: of the rays round what stands there the table has none.
     """
     fitted = _options(said)
-    if not any(isinstance(one.effect, ObstructedPath) for one in fitted):
+    known = {type(one.effect) for one in fitted}
+    if ObstructedPath in known:
+        return _obstructed(search, fitted, said)
+    again = isinstance(search.comparison, Resimulation)
+    if BlockedPath not in known or again or ObstructedPath.name not in search.kinds:
         return said
+    options = (*fitted, not_tried(fitted[0], ObstructedPath(), NO_RAYS))
+    return Ambiguous(options, separating(options))
+
+
+def _obstructed(search: Search, fitted: tuple[LeftOut, ...], said: Verdict) -> Verdict:
+    """Return the verdict on an obstructed path, with what does that and needs obstacles listed."""
     kinds = [one for one in search.untried.values() if any("obstacles" in way for way in one.needs)]
     options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said

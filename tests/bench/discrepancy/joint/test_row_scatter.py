@@ -203,6 +203,16 @@ def test_what_obstructs_links_may_be_what_obstacles_do_that_nobody_listed(
     assert with_unlisted(replace(search, untried={}), said) is said
 
 
+def test_in_a_table_a_blocked_path_may_be_an_obstructed_one() -> None:
+    """The table has no rays round what stands in the way, so neither fits as it would."""
+    said = LeftOut(BlockedPath(), (), SAID.gain, 1.0, SAID.control)
+    kinds: dict[str, type[Effect]] = {k.name: k for k in (BlockedPath, ObstructedPath)}
+    table = Search(None, None, None, kinds, 0)  # type: ignore[arg-type]
+    assert with_unlisted(table, said).names == ("blocked-path", "obstructed-path")
+    again = replace(table, comparison=Resimulation.__new__(Resimulation))
+    assert with_unlisted(again, said) is said
+
+
 def test_what_links_keep_of_a_tail_is_fitted_to_how_their_rows_scatter():
     hidden = DiffuseTail(static=0.95)
     comparison, rows = compared((hidden,))
