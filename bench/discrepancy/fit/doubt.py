@@ -18,16 +18,18 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.bootstrap import ESTIMATORS, latent_values
 from bench.discrepancy.fit.estimate import ParameterEstimate, within_bounds
-from bench.discrepancy.fit.sandwich import difference_step
+from bench.discrepancy.fit.sandwich import difference_step, off
 from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.sets.believed import Unsure
+from bench.discrepancy.sets.settings import OWN_SHARE
 from bench.discrepancy.settings import (
     INTERVAL_LEVEL,
     LEAST_CURVATURE,
     MOVED_M,
     RESIDUAL_MEMBERS,
+    UNDETERMINED,
 )
-from bench.physics.effect import Effect
+from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
 Estimates = tuple[ParameterEstimate, ...]
@@ -50,6 +52,7 @@ def with_doubt(
     def does(one: Effect) -> Floats:
         return _change_m(comparison, view, others, one)
 
+    intervals = _told_by_sets(effect, does, intervals, known)
     ways = _moved_by(view, effect, does, known.columns, intervals)
     every = known.columns.T @ known.columns
     out = []
@@ -58,6 +61,52 @@ def with_doubt(
         made = _of_rows(one, every, known) if way is None else _of_sets(one, way, known)
         out.append(within_bounds(made, effect))
     return tuple(out)
+
+
+def _told_by_sets(effect: Effect, does: Does, intervals: Estimates, known: Unsure) -> Estimates:
+    """Return the intervals, of values that a score leaves open as wide as a set of causes knows.
+
+    Of few simulated rows a score is too rough to say how fast it falls beside a small value: it is
+    bent at every one of them. Not of what others of the same effect can do as well, nor of what it
+    does not do.
+    """
+    items = {item.name: item for item in type(effect).parameters()}
+    some = [one for one in intervals if one.name in items and not off(effect, items[one.name])]
+    if type(effect) in ESTIMATORS or all(one.determined for one in some):
+        return intervals
+    every = tuple(replace(one, determined=True) for one in some)
+    ways = _of_parameters(effect, does, known.columns, every)
+    apart = _apart(effect, does, every) if ways else set()
+    return tuple(
+        one
+        if one.determined or one.name not in apart
+        else _alone(items[one.name], one, ways[one.name], known)
+        for one in intervals
+    )
+
+
+def _alone(
+    item: Parameter, one: ParameterEstimate, way: Floats, known: Unsure
+) -> ParameterEstimate:
+    """Return the interval of a value that changes so with the factors [k] of the joint fit."""
+    half = QUANTILE * float(np.sqrt(way @ known.alone @ way))
+    told = 2 * half < UNDETERMINED * (item.high - item.low)
+    return replace(one, low=one.value - half, high=one.value + half, determined=told)
+
+
+def _apart(effect: Effect, does: Does, every: Estimates) -> set[str]:
+    """Return the values of an effect that do what no others of it do."""
+    slopes = _slopes(effect, does, every)
+    out = set()
+    for name, slope in slopes.items():
+        rest = [other for one, other in slopes.items() if one != name]
+        left = slope
+        if rest:
+            design = np.stack(rest, axis=1)
+            left = slope - design @ np.linalg.lstsq(design, slope, rcond=None)[0]
+        if float((left**2).sum()) > OWN_SHARE * float((slope**2).sum()):
+            out.add(name)
+    return out
 
 
 def _of_rows(one: ParameterEstimate, every: Floats, known: Unsure) -> ParameterEstimate:
@@ -122,6 +171,15 @@ def _of_parameters(
     effect: Effect, does: Does, shifts_m: Floats, intervals: Estimates
 ) -> dict[str, Floats]:
     """Return the same for parameters of the library's effects, those that are determined."""
+    slopes = _slopes(effect, does, intervals)
+    if not slopes:
+        return {}
+    ways = np.linalg.lstsq(np.stack(list(slopes.values()), axis=1), shifts_m, rcond=None)[0]
+    return dict(zip(slopes, ways, strict=True))
+
+
+def _slopes(effect: Effect, does: Does, intervals: Estimates) -> dict[str, Floats]:
+    """Return what an effect does more to every row [n] per unit of its determined parameters."""
     items = {item.name: item for item in type(effect).parameters()}
     slopes = {}
     for one in (i for i in intervals if i.name in items and i.determined):
@@ -131,10 +189,7 @@ def _of_parameters(
         low, high = (does(revalued(effect, {one.name: float(end)})) for end in ends)
         if np.abs(high - low).max() > MOVED_M:
             slopes[one.name] = (high - low) / (ends[1] - ends[0])
-    if not slopes:
-        return {}
-    ways = np.linalg.lstsq(np.stack(list(slopes.values()), axis=1), shifts_m, rcond=None)[0]
-    return dict(zip(slopes, ways, strict=True))
+    return slopes
 
 
 def _change_m(comparison: Comparison, view: View, others: Added, effect: Effect) -> Floats:

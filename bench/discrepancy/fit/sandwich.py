@@ -45,11 +45,34 @@ def parameter_intervals(
     """Return every fitted parameter with its 90 % interval, from the rows it was fitted on."""
     if not effect.fitted:
         return latent_intervals(comparison, view, added, effect)
-    free = free_parameters(type(effect))
-    moving = [p for p in free if p.high > p.low]
+    free = tuple(p for p in free_parameters(type(effect)) if p.high > p.low)
+    made = _intervals(comparison, view, added, effect, free)
+    on = tuple(p for p in free if not off(effect, p))
+    if len(on) == len(free) or all(one.determined for one in made if one.name in _names(on)):
+        return made
+    known = {one.name: one for one in _intervals(comparison, view, added, effect, on)}
+    return tuple(known.get(one.name, one) for one in made)
+
+
+def off(effect: Effect, item: Parameter) -> bool:
+    """Return whether an effect does not do what it does only if asked, and so needs no value of it.
+
+    A fit has left it out, as it gains nothing: a warm-up, that may stand in for a slope over a
+    temperature which falls with the time.
+    """
+    return bool(item.default == item.null == getattr(effect, item.name))
+
+
+def _names(items: tuple[Parameter, ...]) -> set[str]:
+    return {item.name for item in items}
+
+
+def _intervals(
+    comparison: Comparison, view: View, added: Added, effect: Effect, moving: tuple[Parameter, ...]
+) -> tuple[ParameterEstimate, ...]:
+    """Return some parameters with their intervals, the others as they are."""
     values = np.array([float(getattr(effect, p.name)) for p in moving])
     steps = np.array([difference_step(p, v) for p, v in zip(moving, values, strict=True)])
-
     edges = np.array([(p.low, p.high) for p in moving]).reshape(-1, 2)
     centre = np.clip(values, edges[:, 0] + steps, edges[:, 1] - steps)
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 from bench.discrepancy.compare.skill import gain, gain_interval, gains, tally
 from bench.discrepancy.compare.view import Added, Comparison, View, swapped, without
 from bench.discrepancy.fit.per_device import with_values
+from bench.discrepancy.fit.sandwich import off
 from bench.discrepancy.fit.search import Fitted, Objective, refine, screen
 from bench.discrepancy.select.candidates import (
     Contender,
@@ -156,13 +157,18 @@ def polished(
 
 
 def _again(
-    comparison: Comparison, fit: View, added: Added, effect: Effect, anew: bool
+    comparison: Comparison, fit: View, added: Added, effect: Effect, anew: bool, last: bool = False
 ) -> tuple[Effect, float]:
-    """Return one effect fitted again, and what that gained on the fitted rows."""
+    """Return one effect fitted again, and what that gained on the fitted rows.
+
+    In the `last` fit it does nothing more than it did: a warm-up that brought nothing stays out.
+    """
     others = without(added, effect)
     base = tally(comparison.ensemble(fit, others, FIT_MEMBERS))
     objective = Objective(type(effect), comparison, fit, others, base)
     objective.held = {name: getattr(effect, name) for name in type(effect).instead}
+    if last:
+        objective.free = tuple(p for p in objective.free if not off(effect, p))
     try:
         before = objective({p.name: getattr(effect, p.name) for p in objective.free})
         if anew:
@@ -183,7 +189,7 @@ def settled(comparison: Comparison, rows: View, added: Added) -> Added:
     """
     for effect in added:
         if effect.fitted:
-            better, _ = _again(comparison, rows, added, effect, False)
+            better, _ = _again(comparison, rows, added, effect, False, True)
         else:
             better = _relearnt(comparison, rows, added, effect)
         added = swapped(added, better)

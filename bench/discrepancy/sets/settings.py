@@ -64,3 +64,4 @@ HUMP_STEPS: Final = 60  # of expectation and maximisation, of two humps of range
 SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a centre [derived]
 LEAST_SHARE: Final = 0.01  # of belief, that a set is asked for what else a name may do [cost]
 CONSTANT_M: Final = 1e-9  # by which a column of one value may differ from row to row [rounding]
+OWN_SHARE: Final = 0.1  # of what a value of an effect does, that no others of it do [convention]

@@ -52,6 +52,17 @@ def _of_range(seen: View) -> np.ndarray:
     return 0.01 * seen.scene.true_range_m[:, None]
 
 
+def test_what_a_score_leaves_open_is_as_wide_as_the_joint_fit_knows(seen: View) -> None:
+    """Of one simulated row a score is too rough to be bent as much as it is."""
+    loose = ParameterEstimate("scale", 0.01, -0.05, 0.05, "m/m", determined=False)
+    known = _known(0.1 * _of_range(seen), (1.0, 1.0, 1.0))
+    made = _interval(seen, known, loose)
+    assert made.determined
+    assert (made.low, made.high) == pytest.approx((0.01 - 0.001645, 0.01 + 0.001645), abs=1e-5)
+    nothing = _interval(seen, known, loose, RangeScale(scale=0.0))  # what it does not do
+    assert not nothing.determined
+
+
 def test_what_the_joint_fit_leaves_open_counts(seen: View):
     made = _interval(seen, _known(_of_range(seen), (1.0, 1.0, 4.0)))
     assert made.low == pytest.approx(0.008, abs=1e-5)
