@@ -12,7 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.joint.agreement import links_agree
 from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
+from bench.discrepancy.joint.beyond_level import beyond_level
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
@@ -75,6 +77,7 @@ class Sets:
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
         self.quiet = Quiet(self.given)
+        self.idle: set[str] = set()
         self._plains: Memory[Fit] = Memory(KEPT)
         self._evidences: Memory[float] = Memory(KEPT)
 
@@ -139,14 +142,27 @@ class Sets:
         """
         begin = self._likeliest(self.fits.values())
         for _ in range(SETTLED):
-            best = self._needed(begin)
+            best = self._without_idle(self._needed(begin))
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
-            alike = [fit for fit in self.fits.values() if len(fit.names) == len(best.names)]
+            alike = [fit for fit in self._able() if len(fit.names) == len(best.names)]
             begin = self._likeliest(alike)
             if _key(begin.effects) == _key(best.effects):
                 break
         return best, rivals
+
+    def _without_idle(self, best: Fit) -> Fit:
+        """Return the likelier of a set and of what is needed of the likeliest without idle members.
+
+        These took the place of what has something to do of its own.
+        """
+        if not self.idle:
+            return best
+        return self._likeliest((best, self._needed(self._likeliest(self._able()))))
+
+    def _able(self) -> list[Fit]:
+        """Return the sets that hold none that is known to do nothing of its own."""
+        return [fit for fit in self.fits.values() if not self.idle.intersection(fit.names)]
 
     def _likeliest(self, fits: Iterable[Fit]) -> Fit:
         """Return the set of most evidence; of those that do as well, the one that fits best.
@@ -224,7 +240,10 @@ class Sets:
             least = min(spare, key=lambda name: spare[name])
             if spare[least] >= 0:
                 break
-            fit = self._without(fit, least)
+            rest = self._without(fit, least)
+            if not self._own(fit, rest):
+                self.idle.add(least)
+            fit = rest
         return fit
 
     @property
@@ -247,12 +266,21 @@ class Sets:
             return float("inf")
         if beside_own_curve(self.given, fit, rest, name) < NAME_NATS:
             return float("inf")
+        if not self._own(fit, rest):
+            return float("inf")
         formed = of_form(self.given, fit, name)
         if not formed and NAME_SHARE * whole <= NAME_NATS:
             return NAME_NATS
         if alone >= NAME_NATS:
             return NAME_NATS
         return float("inf") if formed else NAME_SHARE * whole
+
+    def _own(self, fit: Fit, rest: Fit) -> bool:
+        """Return whether a set does more than its rest and a level, and links agree on that."""
+        plain, less = self._plain(fit), self._plain(rest)
+        if not links_agree(self.given, plain, less):
+            return False
+        return beyond_level(self.given, plain, less) >= NAME_NATS
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""

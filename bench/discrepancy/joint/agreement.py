@@ -1,0 +1,29 @@
+"""Whether links agree on a member of a set: it is no effect of all links if few of them decide.
+
+The likelihood of links may be wrong for some: one that is odd as no simulated link is gains many
+nats from any effect that makes its oddity less rare. How far links differ in what they gain tells
+how far their sum is by chance (Vuong 1989, a test of models neither of which need be right).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.joint.likelihood import link_nats
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import AGREED_ERRORS
+from bench.discrepancy.joint.statistics import Statistics
+
+
+def links_agree(given: Statistics, fit: Fit, rest: Fit) -> bool:
+    """Return whether links speak for a set over the `rest` of it beyond how they differ.
+
+    Less what its parameters cost. Where rows of links tell, too, these are not asked.
+    """
+    if given.told_within:
+        return True
+    whole, less = (link_nats(given, one.moments, one.responses) for one in (fit, rest))
+    cost = (fit.parameters - rest.parameters) / 2 * float(np.log(given.links))
+    gains = np.asarray(whole - less)
+    error = float(np.std(gains, ddof=1) * np.sqrt(len(gains)))
+    return float(gains.sum()) - cost >= AGREED_ERRORS * error

@@ -1,0 +1,59 @@
+"""What a member of a set brings beyond a level that is off everywhere, and beyond scatter.
+
+A transmit power, antennas and cables are in no table, so levels may be off by so many decibels in
+all links and say nothing: a pulse that is a little wider loses a little of its peak, too. And
+simulated links may scatter more than recorded ones do, as similar ones stand for the same: what
+makes links more alike is then likelier though it moves no mean to where that is. So neither counts
+for a name; what makes links scatter more is judged by its own scatter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.joint.form import variances
+from bench.discrepancy.joint.likelihood import (
+    columns_of,
+    integrated,
+    owns,
+    paid,
+    white,
+    whitener,
+)
+from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import FORMS, LEVEL_DB, LEVELS
+from bench.discrepancy.joint.statistics import Statistics
+
+Floats = NDArray[np.float64]
+
+
+def beyond_level(given: Statistics, fit: Fit, rest: Fit) -> float:
+    """Return the evidence of a set over the `rest` of it beside one level in all links, in nats.
+
+    With the scatter of the rest where the set makes links more alike.
+    """
+    before, after = (np.log(variances(one.moments)).sum() for one in (rest, fit))
+    if after < before:
+        moments = replace(fit.moments, covariances=rest.moments.covariances)
+        fit = replace(fit, moments=moments)
+    return _evidence(given, fit) - _evidence(given, rest)
+
+
+def _evidence(given: Statistics, fit: Fit) -> float:
+    """Return the evidence of a set, whatever its forms, beside a level of all links, in nats."""
+    matrices, volume = whitener(given, fit.moments, fit.responses)
+    flat = white(matrices, fit.moments.left)
+    levels = LEVEL_DB * np.isin(given.names, LEVELS).astype(np.float64)
+    level = white(matrices, np.tile(levels, (given.links, 1)))[:, :, None]
+
+    def nats(form: float) -> float:
+        """Return the log likelihood for one allowance of the forms."""
+        columns = [columns_of(matrices, form * one, given.ways) for one in fit.responses]
+        every = (np.concatenate([*columns, level, own], 2) for own in owns(matrices, fit.moments))
+        return max(integrated(flat, each) for each in every) - 0.5 * volume
+
+    best = max(nats(form) for form in FORMS)
+    return paid(given, best + fit.moments.within, fit.parameters)
