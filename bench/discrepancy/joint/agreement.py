@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from bench.discrepancy.joint.beyond_level import beyond_level
 from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import AGREED_ERRORS
+from bench.discrepancy.joint.settings import AGREED_ERRORS, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
 
 
@@ -27,3 +28,8 @@ def links_agree(given: Statistics, fit: Fit, rest: Fit) -> bool:
     gains = np.asarray(whole - less)
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains)))
     return float(gains.sum()) - cost >= AGREED_ERRORS * error
+
+
+def brings_its_own(given: Statistics, fit: Fit, rest: Fit) -> bool:
+    """Return whether a set does more than its rest and a level would, and links agree on that."""
+    return links_agree(given, fit, rest) and beyond_level(given, fit, rest) >= NAME_NATS

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import SCATTERS
 from bench.discrepancy.joint.statistics import Moments, Statistics
 from bench.discrepancy.select.deformation import within
 
@@ -31,6 +32,15 @@ def beyond_forms(given: Statistics, fit: Fit, name: str) -> tuple[str, ...]:
     sizes = _all_sizes(given, fit)
     own = sizes.pop(name)
     return tuple(other for other, one in sizes.items() if not within(own, one[None], 1.0))
+
+
+def scatters_more(fit: Fit, rest: Fit) -> bool:
+    """Return whether links of a set scatter more than those of the rest of it.
+
+    What is known should tell nothing of what scatters.
+    """
+    before, after = (variances(each.moments) for each in (rest, fit))
+    return bool((after > SCATTERS * before).any())
 
 
 def variances(moments: Moments) -> Floats:

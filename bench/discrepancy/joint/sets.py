@@ -12,13 +12,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.joint.agreement import links_agree
+from bench.discrepancy.joint.agreement import brings_its_own
 from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
-from bench.discrepancy.joint.beyond_level import beyond_level
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
-from bench.discrepancy.joint.form import beyond_forms, of_form, variances
+from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
 from bench.discrepancy.joint.polish import Fit, fitted, polished
@@ -38,7 +37,6 @@ from bench.discrepancy.joint.settings import (
     POLISHED,
     REFITTED,
     SCATTERED_SHARE,
-    SCATTERS,
     SETTLED,
     STEPS,
 )
@@ -92,10 +90,10 @@ class Sets:
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         least = max(LEFT_NATS, SCATTERED_SHARE * explained)
-        much = much or (self._scatters(best, self.none) and free[1] > least)
+        much = much or (scatters_more(best, self.none) and free[1] > least)
         much = much or (best.names != marked and off(self.given, best, self.none))
         brings = {one: self._brings(best, one) for one in best.names}
-        wider = tuple(n for n in best.names if self._scatters(best, self._without(best, n)))
+        wider = tuple(n for n in best.names if scatters_more(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
         beyond = {one: beyond_forms(self.given, best, one) for one in best.names}
         shown = tuple(name for name in best.names if self._shown(best, name))
@@ -277,23 +275,12 @@ class Sets:
 
     def _own(self, fit: Fit, rest: Fit) -> bool:
         """Return whether a set does more than its rest and a level, and links agree on that."""
-        plain, less = self._plain(fit), self._plain(rest)
-        if not links_agree(self.given, plain, less):
-            return False
-        return beyond_level(self.given, plain, less) >= NAME_NATS
+        return brings_its_own(self.given, self._plain(fit), self._plain(rest))
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""
         rest = self._plain(self._without(fit, name))
         return by_chance(self.given, self._plain(fit), rest)
-
-    def _scatters(self, fit: Fit, rest: Fit) -> bool:
-        """Return whether links of a set scatter more than those of the rest of it.
-
-        What is known should tell nothing of what scatters.
-        """
-        before, after = (variances(each.moments) for each in (rest, fit))
-        return bool((after > SCATTERS * before).any())
 
     def _brings(self, fit: Fit, name: str) -> float:
         """Return the evidence that one member of a set brings beside the others, in nats."""
