@@ -2,17 +2,19 @@
 
 The likelihood of links may be wrong for some: one that is odd as no simulated link is gains many
 nats from any effect that makes its oddity less rare. How far links differ in what they gain tells
-how far their sum is by chance (Vuong 1989, a test of models neither of which need be right).
+how far their sum is by chance (Vuong 1989, a test of models neither of which need be right). Links
+in which a member does nothing, as what it needs is not in their way, are not asked.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.joint.beyond_level import beyond_level
 from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import AGREED_ERRORS, NAME_NATS
+from bench.discrepancy.joint.settings import ACTS, AGREED_ERRORS, FEWEST_ALIKE, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
 
 
@@ -25,9 +27,17 @@ def links_agree(given: Statistics, fit: Fit, rest: Fit) -> bool:
         return True
     whole, less = (link_nats(given, one.moments, one.responses) for one in (fit, rest))
     cost = (fit.parameters - rest.parameters) / 2 * float(np.log(given.links))
-    gains = np.asarray(whole - less)
+    gains = np.asarray(whole - less)[_acted_on(fit, rest)]
+    if len(gains) < FEWEST_ALIKE:
+        return False
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains)))
     return float(gains.sum()) - cost >= AGREED_ERRORS * error
+
+
+def _acted_on(fit: Fit, rest: Fit) -> NDArray[np.bool_]:
+    """Return in which links [L] what a set has beside the `rest` of it does anything."""
+    more = [r for n, r in zip(fit.names, fit.responses, strict=True) if n not in rest.names]
+    return np.asarray(np.abs(np.stack(more)).max(axis=(0, 2)) >= ACTS)
 
 
 def brings_its_own(given: Statistics, fit: Fit, rest: Fit) -> bool:

@@ -68,11 +68,15 @@ def test_links_that_a_set_makes_more_alike_are_no_evidence() -> None:
     assert beyond_level(given, fit, rest) > 50  # wider scatter is what some effects make
 
 
-@pytest.mark.parametrize(("of", "agree"), [(LINKS, True), (1, False)])
-def test_one_odd_link_makes_no_effect_of_all(of: int, agree: bool) -> None:
-    size = 1.3 if agree else 20.0
+@pytest.mark.parametrize(
+    ("of", "size", "scatter", "agree"),
+    [(LINKS, 1.3, 1.0, True), (6, 6.0, 2.0, True), (1, 20.0, 1.0, False)],
+)
+def test_links_agree_where_something_is_done_but_one_odd_link_decides_nothing(
+    of: int, size: float, scatter: float, agree: bool
+) -> None:
     response = np.where(np.arange(LINKS)[:, None] < of, size, 0.0) * np.ones((1, 3))
-    given, (fit, rest) = _given(), _of(response)
+    given, (fit, rest) = _given(), _of(response, scatter)
     parts = [(one.moments, one.responses, one.parameters) for one in (fit, rest)]
     assert evidence(given, *parts[0]) - evidence(given, *parts[1]) > 8
     assert links_agree(given, fit, rest) == agree
