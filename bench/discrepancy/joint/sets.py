@@ -52,7 +52,8 @@ from bench.physics.memory import Memory
 class Sets:
     """Sets of effects beside each other; all hold those of `start`, whose marks were seen.
 
-    `tries`: forms of the marked effects. Raises BenchError where nothing can be simulated.
+    `tries`: forms of the marked effects. `struck`: some links were struck, of which these may hold
+    a few more. Raises BenchError where nothing can be simulated.
     """
 
     def __init__(
@@ -62,7 +63,9 @@ class Sets:
         few: View,
         kinds: Iterable[type[Effect]],
         tries: Sequence[Added] = ((),),
+        struck: bool = False,
     ) -> None:
+        self.struck = struck
         self.given = Statistics(comparison, rows)
         bare = fitted(self.given, ())
         if bare is None:
@@ -275,7 +278,7 @@ class Sets:
 
     def _own(self, fit: Fit, rest: Fit) -> bool:
         """Return whether a set does more than its rest and a level, and links agree on that."""
-        return brings_its_own(self.given, self._plain(fit), self._plain(rest))
+        return brings_its_own(self.given, self._plain(fit), self._plain(rest), self.struck)
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""

@@ -83,12 +83,15 @@ def _spared(
     left = kept(locate_left)(after.search, (), 1)
     if not left.significant:
         return after, left, WaveChoice()
-    again = safely("sets of waveform effects", kept(chosen), WaveChoice())(after.search)
+    again = safely("sets of waveform effects", kept(chosen), WaveChoice())(after.search, True)
     return after, left, again
 
 
-def chosen(search: Search) -> WaveChoice:
-    """Return the set of effects that waveforms of all working rows speak for."""
+def chosen(search: Search, struck: bool = False) -> WaveChoice:
+    """Return the set of effects that waveforms of all working rows speak for.
+
+    `struck`: some other links were struck at random.
+    """
     kinds = [
         kind
         for kind in search.kinds.values()
@@ -96,7 +99,7 @@ def chosen(search: Search) -> WaveChoice:
     ]
     tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
     rows = compared_rows(search)
-    sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries)
+    sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries, struck)
     return sets.chosen()
 
 

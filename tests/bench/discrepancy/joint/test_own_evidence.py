@@ -80,4 +80,5 @@ def test_links_agree_where_something_is_done_but_one_odd_link_decides_nothing(
     parts = [(one.moments, one.responses, one.parameters) for one in (fit, rest)]
     assert evidence(given, *parts[0]) - evidence(given, *parts[1]) > 8
     assert links_agree(given, fit, rest) == agree
+    assert links_agree(given, fit, rest, struck=True) == (agree and of == LINKS)
     assert links_agree(SimpleNamespace(told_within=True), fit, rest)  # type: ignore[arg-type]
