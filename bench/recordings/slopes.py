@@ -18,6 +18,8 @@ BESIDE = (-2, -1, 1, 2)
 EVEN_STEPS = 3.0
 """Times the shortest of their steps in time, that the longest is at most: across a short one beside
 long ones hardly anything but the noise of the truth is seen."""
+NEAR_STEPS = 100.0
+"""The same of a cubic or quintic: rows at nearly one time are one row to it, and too few."""
 REACH = (3, 4, 6, 8, 12, 16, 24, 32, 48)
 """Rows on either side, of which a cubic is taken where the truth is noisy."""
 ENOUGH = 30
@@ -68,7 +70,9 @@ def _within(step: Floats, reach: int) -> NDArray[np.intp]:
     """Return which times [k] have so many neighbours on either side, all of them apart and near."""
     if len(step) < 2 * reach:
         return np.empty(0, np.intp)
-    return np.flatnonzero(sliding_window_view(step, 2 * reach).min(axis=1) > 0) + reach
+    steps = sliding_window_view(step, 2 * reach)
+    least, most = steps.min(axis=1), steps.max(axis=1)
+    return np.flatnonzero((least > 0) & (least * NEAR_STEPS >= most)) + reach
 
 
 def _of_four(time_s: Floats, true_m: Floats, middle: NDArray[np.intp]) -> tuple[Floats, Floats]:

@@ -73,6 +73,14 @@ def test_a_lag_is_not_smaller_for_a_truth_that_was_measured(noise_m: float) -> N
     assert error @ speed / (speed @ speed) == pytest.approx(lag_s, rel=0.03)
 
 
+def test_rows_at_nearly_one_time_end_nothing_and_are_no_speed() -> None:
+    """Each row twice, a nanosecond apart, of a truth that was measured."""
+    time = np.sort(np.concatenate([np.arange(200) / 10, np.arange(200) / 10 + 1e-9]))
+    true = 3 + 2 * time + np.random.default_rng(0).normal(0, 0.01, 400)
+    speed = radial_speed_m_per_s(pd.DataFrame({"time_s": time, "true_range_m": true, "link": "a"}))
+    assert np.median(speed) == pytest.approx(2.0, abs=0.2)
+
+
 def test_a_speed_that_is_given_is_kept_and_none_is_made_without_times() -> None:
     given = drive().assign(**{SPEED: 7.0})
     assert (with_radial_speed(given)[SPEED] == 7.0).all()
