@@ -53,26 +53,22 @@ def slopes(time_s: Floats, true_m: Floats) -> Floats:
     out = np.where(span > 0, climbed / np.where(span > 0, span, 1.0), np.nan)
     if len(time_s) <= len(BESIDE):
         return out
-    even = _evenly(step)
+    even = _within(step, len(BESIDE) // 2, EVEN_STEPS)
     narrow = np.full(len(out), np.nan)
     out[even], narrow[even] = _of_four(time_s, true_m, even)
     return _smoothed(out, narrow, time_s, true_m, step)
 
 
-def _evenly(step: Floats) -> NDArray[np.intp]:
-    """Return which times [k] have four neighbours at even steps [n - 1], of which none is 0."""
-    steps = sliding_window_view(step, len(BESIDE))
-    least, most = steps.min(axis=1), steps.max(axis=1)
-    return np.flatnonzero((least > 0) & (least * EVEN_STEPS >= most)) + len(BESIDE) // 2
+def _within(step: Floats, reach: int, even: float = NEAR_STEPS) -> NDArray[np.intp]:
+    """Return which times [k] have so many neighbours on either side, all of them apart and near.
 
-
-def _within(step: Floats, reach: int) -> NDArray[np.intp]:
-    """Return which times [k] have so many neighbours on either side, all of them apart and near."""
+    The longest of their steps [n - 1] is at most `even` times the shortest.
+    """
     if len(step) < 2 * reach:
         return np.empty(0, np.intp)
     steps = sliding_window_view(step, 2 * reach)
     least, most = steps.min(axis=1), steps.max(axis=1)
-    return np.flatnonzero((least > 0) & (least * NEAR_STEPS >= most)) + reach
+    return np.flatnonzero((least > 0) & (least * even >= most)) + reach
 
 
 def _of_four(time_s: Floats, true_m: Floats, middle: NDArray[np.intp]) -> tuple[Floats, Floats]:

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from bench.discrepancy.joint.beyond_level import beyond_level
 from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import ACTS, AGREED_ERRORS, FEWEST_ALIKE, NAME_NATS
+from bench.discrepancy.joint.settings import ACTS, FEWEST_ALIKE, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.settings import ONE_SIDED_95
 
 
 def links_agree(given: Statistics, fit: Fit, rest: Fit, struck: bool = False) -> bool:
@@ -33,7 +34,7 @@ def links_agree(given: Statistics, fit: Fit, rest: Fit, struck: bool = False) ->
     if len(gains) < FEWEST_ALIKE:
         return False
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains)))
-    return float(gains.sum()) - cost >= AGREED_ERRORS * error
+    return float(gains.sum()) - cost >= ONE_SIDED_95 * error
 
 
 def _acted_on(fit: Fit, rest: Fit) -> NDArray[np.bool_]:

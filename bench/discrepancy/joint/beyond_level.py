@@ -14,17 +14,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.over_distance import LEVELS
 from bench.discrepancy.joint.form import variances
-from bench.discrepancy.joint.likelihood import (
-    columns_of,
-    integrated,
-    owns,
-    paid,
-    white,
-    whitener,
-)
+from bench.discrepancy.joint.likelihood import columns_of, paid, white, whitened
 from bench.discrepancy.joint.polish import Fit
-from bench.discrepancy.joint.settings import FORMS, LEVEL_DB, LEVELS
+from bench.discrepancy.joint.settings import FORMS, LEVEL_DB
 from bench.discrepancy.joint.statistics import Statistics
 
 Floats = NDArray[np.float64]
@@ -44,16 +38,12 @@ def beyond_level(given: Statistics, fit: Fit, rest: Fit) -> float:
 
 def _evidence(given: Statistics, fit: Fit) -> float:
     """Return the evidence of a set, whatever its forms, beside a level of all links, in nats."""
-    matrices, volume = whitener(given, fit.moments, fit.responses)
-    flat = white(matrices, fit.moments.left)
+    seen = whitened(given, fit.moments, fit.responses)
     levels = LEVEL_DB * np.isin(given.names, LEVELS).astype(np.float64)
-    level = white(matrices, np.tile(levels, (given.links, 1)))[:, :, None]
-
-    def nats(form: float) -> float:
-        """Return the log likelihood for one allowance of the forms."""
-        columns = [columns_of(matrices, form * one, given.ways) for one in fit.responses]
-        every = (np.concatenate([*columns, level, own], 2) for own in owns(matrices, fit.moments))
-        return max(integrated(flat, each) for each in every) - 0.5 * volume
-
-    best = max(nats(form) for form in FORMS)
+    level = white(seen.matrices, np.tile(levels, (given.links, 1)))[:, :, None]
+    every = (
+        [columns_of(seen.matrices, form * one, given.ways) for one in fit.responses]
+        for form in FORMS
+    )
+    best = max(seen.nats([*columns, level]) for columns in every)
     return paid(given, best + fit.moments.within, fit.parameters)

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.joint.likelihood import columns_of, integrated, owns, paid, white, whitener
+from bench.discrepancy.joint.likelihood import columns_of, paid, whitened
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import ACTS, CURVE_PARTS, FORMS
 from bench.discrepancy.joint.statistics import Moments, Statistics
@@ -59,15 +59,12 @@ def _parts_of(response: Floats) -> Floats:
 
 def _evidence(given: Statistics, fit: Fit, curved: list[str]) -> float:
     """Return the evidence of a set where what some of its members do may have any curve."""
-    matrices, volume = whitener(given, fit.moments, fit.responses)
-    flat = white(matrices, fit.moments.left)
-    columns = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
+    seen = whitened(given, fit.moments, fit.responses)
+    columns = [columns_of(seen.matrices, FORMS[1] * one, given.ways) for one in fit.responses]
     for name in curved:
         response = fit.responses[fit.names.index(name)]
-        columns.append(columns_of(matrices, *any_curve(response)))
-    ways = (np.concatenate([*columns, own], axis=2) for own in owns(matrices, fit.moments))
-    nats = max(integrated(flat, each) for each in ways) - 0.5 * volume
-    return paid(given, nats + fit.moments.within, fit.parameters)
+        columns.append(columns_of(seen.matrices, *any_curve(response)))
+    return paid(given, seen.nats(columns) + fit.moments.within, fit.parameters)
 
 
 def any_curve(response: Floats) -> tuple[Floats, Floats]:

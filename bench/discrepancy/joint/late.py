@@ -91,21 +91,43 @@ def likelihood(left_m: Floats) -> float:
     return float(np.max(np.sum(-np.log(sizes) - np.log1p((left_m / sizes) ** 2), axis=1)))
 
 
-def late_by(search: Search, rows: View, added: Added, detector: Detector = USUAL) -> Late | None:
-    """Return by how much first paths are found later beside some effects, None without samples."""
+@dataclass(frozen=True)
+class Seen:
+    """Rows of `links` [n] that two sides hold: recorded, simulated versions, and ranges.
+
+    `left_m` [n]: recorded ranges beyond simulated ones, in metres.
+    """
+
+    recorded: Heard
+    versions: tuple[Heard, ...]
+    left_m: Floats
+    links: NDArray[np.intp]
+
+    def late_by(self, detector: Detector = USUAL) -> Late | None:
+        """Return by how much first paths are found later, None where no edge is seen."""
+        edges = np.stack([detector.edges_ns(one) for one in self.versions])
+        index = edges.mean(axis=0) - detector.edges_ns(self.recorded)
+        own = edges[1:].mean(axis=0) - edges[0] if len(edges) > 1 else np.zeros(len(index))
+        able = np.isfinite(index) & np.isfinite(self.left_m)
+        if not able.any():
+            return None
+        values = (_m(index), self.left_m, _m(own))
+        return Late(*(_means(one[able], self.links[able]) for one in values))
+
+
+def seen_beside(search: Search, rows: View, added: Added) -> Seen | None:
+    """Return what both sides hold beside some effects, None without samples or ranges."""
     recorded, known = _recorded(search, rows), _versions(search, rows, added)
     ensemble = search.comparison.ensemble(rows, added, LATE_MEMBERS)
     if recorded is None or not known or RANGE not in ensemble.names:
         return None
-    edges = np.stack([detector.edges_ns(one) for one in known])
-    index = edges.mean(axis=0) - detector.edges_ns(recorded)
-    own = edges[1:].mean(axis=0) - edges[0] if len(edges) > 1 else np.zeros(len(index))
-    left = ensemble.residual_of(RANGE)
-    able = np.isfinite(index) & np.isfinite(left)
-    if not able.any():
-        return None
-    means = (_means(one[able], rows.links[able]) for one in (_m(index), left, _m(own)))
-    return Late(*means)
+    return Seen(recorded, tuple(known), ensemble.residual_of(RANGE), rows.links)
+
+
+def _late(seen: Seen | None, detector: Detector = USUAL) -> bool:
+    """Return whether first paths were found late, by one detector."""
+    found = seen.late_by(detector) if seen else None
+    return found is not None and found.found
 
 
 def _versions(search: Search, rows: View, added: Added) -> list[Heard]:
@@ -155,13 +177,11 @@ def _is_late(search: Search, rows: View) -> bool:
     A changed pulse has another edge and another centre, and a path that something weakened is
     passed over by a detector that always was as deaf.
     """
-    seen = late_by(search, rows, ())
-    if seen is None or not seen.found:
+    seen = seen_beside(search, rows, ())
+    if seen is None or not _late(seen):
         return False
-    versions = _versions(search, rows, ())
-    told = learned(versions)
-    asked = (late_by(search, rows, (), one) for one in (told, *as_deaf(told, versions)))
-    return all(one is not None and one.found for one in asked)
+    told = learned(seen.versions)
+    return all(_late(seen, one) for one in (told, *as_deaf(told, seen.versions)))
 
 
 def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
@@ -201,5 +221,4 @@ def holds(search: Search, late: LateDetection, choice: WaveChoice) -> bool:
     """
     if choice.unlisted:
         return False
-    seen = late_by(search, compared_rows(search), without(choice.added, late))
-    return seen is not None and seen.found
+    return _late(seen_beside(search, compared_rows(search), without(choice.added, late)))

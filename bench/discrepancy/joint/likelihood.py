@@ -99,7 +99,7 @@ def evidence(
 
     With `free`, beside something that has no form: sizes, each with the ways [L, w] that it goes.
     """
-    seen = _whitened(given, moments, responses)
+    seen = whitened(given, moments, responses)
     every = (_evidence(given, seen, moments, responses, form, free) for form in FORMS)
     return max(paid(given, nats, parameters) for nats in every)
 
@@ -108,7 +108,7 @@ def evidence_of(
     given: Statistics, moments: Moments, responses: Responses, parameters: int
 ) -> float:
     """Return the log evidence of a set, for one allowance of its forms, in nats."""
-    seen = _whitened(given, moments, responses)
+    seen = whitened(given, moments, responses)
     return paid(given, _evidence(given, seen, moments, responses, FORMS[1], NONE), parameters)
 
 
@@ -124,7 +124,7 @@ def left_free(
     plain = max(
         evidence(given, moments, responses, parameters, (size, given.ways)) for size in FREE_SIZES
     )
-    seen = _whitened(given, moments, responses)
+    seen = whitened(given, moments, responses)
     free: list[Free] = [(KNOWN_SIZE, way[:, None]) for way in given.known.T]
     alone = [_evidence(given, seen, moments, responses, FORMS[1], one) for one in free]
     over = [paid(given, nats, parameters) for nats in alone]
@@ -133,7 +133,7 @@ def left_free(
 
 
 @dataclass(frozen=True)
-class _Whitened:
+class Whitened:
     """What links leave, whitened: the `matrices` [L, p, p] that do so, and their log `volume`.
 
     `flat` [L, p]: what is left; `owns`: see the function.
@@ -144,16 +144,21 @@ class _Whitened:
     flat: Floats
     owns: tuple[Floats, ...]
 
+    def nats(self, columns: Sequence[Floats]) -> float:
+        """Return the log likelihood beside normal factors of columns, of [L, p, k] each."""
+        ways = (np.concatenate([*columns, own], axis=2) for own in self.owns)
+        return max(integrated(self.flat, each) for each in ways) - 0.5 * self.volume
 
-def _whitened(given: Statistics, moments: Moments, responses: Responses) -> _Whitened:
+
+def whitened(given: Statistics, moments: Moments, responses: Responses) -> Whitened:
     """Return what links leave beside a set, whitened: the same for all forms of it."""
     matrices, volume = whitener(given, moments, responses)
-    return _Whitened(matrices, volume, white(matrices, moments.left), owns(matrices, moments))
+    return Whitened(matrices, volume, white(matrices, moments.left), owns(matrices, moments))
 
 
 def _evidence(
     given: Statistics,
-    seen: _Whitened,
+    seen: Whitened,
     moments: Moments,
     responses: Responses,
     form: float,
@@ -162,9 +167,7 @@ def _evidence(
     """Return the log evidence of a set for one allowance of its forms, not yet `paid`."""
     columns = [columns_of(seen.matrices, form * response, given.ways) for response in responses]
     columns.append(columns_of(seen.matrices, np.full_like(moments.left, free[0]), free[1]))
-    ways = (np.concatenate([*columns, own], axis=2) for own in seen.owns)
-    nats = max(integrated(seen.flat, each) for each in ways) - 0.5 * seen.volume
-    return nats + moments.within
+    return seen.nats(columns) + moments.within
 
 
 def integrated(flat: Floats, columns: Floats) -> float:

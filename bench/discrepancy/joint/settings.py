@@ -60,15 +60,7 @@ SPREAD_WEIGHT: Final = 0.4  # of squared deviations in a fit, beside the means [
 
 NAME_NATS: Final = 8.0  # that a name must bring: some fifteen compete with many forms [joint]
 NAME_SHARE: Final = 0.04  # of all that a set explains, that a name must bring [joint]
-LEVELS: Final = (
-    "rx_power_dbm",
-    "first_path_power_dbm",
-    "energy_db",
-    "max_amplitude_db",
-    "peak_counts_db",
-)
 LEVEL_DB: Final = 3.0  # by which transmit powers and antennas of all links may be off [convention]
-AGREED_ERRORS: Final = 1.645  # of how links differ, that what they gain must exceed: 5 %, one-sided
 CLASS_NATS: Final = 3.0  # behind the best set, within which another is not excluded: 20 to 1
 CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do as well [joint]
 LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is

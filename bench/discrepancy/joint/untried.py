@@ -20,7 +20,7 @@ from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.unlisted import NOT_LISTED
+from bench.discrepancy.select.unlisted import with_obstacles
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
@@ -81,19 +81,12 @@ def with_unlisted(search: Search, said: Verdict) -> Verdict:
     fitted = _options(said)
     known = {type(one.effect) for one in fitted}
     if ObstructedPath in known:
-        return _obstructed(search, fitted, said)
+        return with_obstacles(search, fitted, said)
     again = isinstance(search.comparison, Resimulation)
     if BlockedPath not in known or again or ObstructedPath.name not in search.kinds:
         return said
     options = (*fitted, not_tried(fitted[0], ObstructedPath(), NO_RAYS))
     return Ambiguous(options, separating(options))
-
-
-def _obstructed(search: Search, fitted: tuple[LeftOut, ...], said: Verdict) -> Verdict:
-    """Return the verdict on an obstructed path, with what does that and needs obstacles listed."""
-    kinds = [one for one in search.untried.values() if any("obstacles" in way for way in one.needs)]
-    options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
-    return Ambiguous(options, separating(options)) if kinds else said
 
 
 def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:

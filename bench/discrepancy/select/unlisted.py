@@ -25,9 +25,17 @@ def with_walls(search: Search, said: Verdict) -> Verdict:
     """
     if search.fit.waveform or not (isinstance(said, LeftOut) and _short(said)):
         return said
+    return with_obstacles(search, (said,), said)
+
+
+def with_obstacles(search: Search, fitted: tuple[LeftOut, ...], said: Verdict) -> Verdict:
+    """Return a verdict of effects that were fitted, with those that need obstacles listed.
+
+    As it is where these were tried.
+    """
     able = search.untried.values()
     kinds = [kind for kind in able if any(OBSTACLES in way for way in kind.needs)]
-    options = (said, *(not_tried(said, kind(), NOT_LISTED) for kind in kinds))
+    options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said
 
 
