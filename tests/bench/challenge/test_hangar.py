@@ -89,30 +89,6 @@ def test_slabs_with_echoes_inside_never_hurry_a_wave() -> None:
     assert not shift[~through].any()
 
 
-ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstructed-path",
-              "ground-bounce", "diffraction", "material-delay")  # fmt: skip
-
-
-@pytest.mark.parametrize("name", ON_THE_WAY)
-def test_what_is_on_the_way_leaves_the_noise_of_receivers_as_large_as_it_was(name: str) -> None:
-    """No echo repeats the noise, fading does not scale it, and a loss leaves all of it."""
-    made = _tables(name, 2.0, mode="CIR")
-    found, plain = (np.stack(list(t["cir"]))[:, :8] for t in (made.recorded, made.clean))
-    power = [np.median((one**2).mean(axis=1)) for one in (found, plain)]  # some lose first paths
-    assert power[0] == pytest.approx(power[1], rel=0.06)
-    assert made.recorded["noise_std"].equals(made.clean["noise_std"])
-
-
-@pytest.mark.parametrize("name", ["timestamp-jitter", "obstructed-path"])
-def test_the_truth_draws_chances_anew(name: str) -> None:
-    made = _tables(name, mode="CIR")
-    once, anew = (
-        (table["error_m"] - made.clean["error_m"]).to_numpy(np.float64)
-        for table in (made.recorded, made.truth)
-    )
-    assert abs(np.corrcoef(once, anew)[0, 1]) < 0.5
-
-
 @pytest.mark.parametrize("mode", [mode for mode, one in SCHEDULE if one == "hangar"])
 def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
     turns = (n for n in range(60) if turn_of(n, ("hangar",)).mode == mode)

@@ -120,6 +120,32 @@ def test_what_is_reported_of_noise_scatters_alike_on_both_sides(family: str) -> 
     assert recorded == pytest.approx(simulated, rel=0.1)
 
 
+ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstructed-path",
+              "ground-bounce", "diffraction", "material-delay")  # fmt: skip
+
+
+@pytest.mark.parametrize("family", ["hangar", "manege"])
+@pytest.mark.parametrize("name", ON_THE_WAY)
+def test_what_is_on_the_way_leaves_the_noise_as_large_as_it_was(family: str, name: str) -> None:
+    """No echo repeats the noise, fading does not scale it, and a loss leaves all of it."""
+    made = _tables(family, (name,), "CIR", strength=2.0)
+    found, plain = (np.stack(list(t["cir"]))[:, :8] for t in (made.recorded, made.clean))
+    power = [np.median((one**2).mean(axis=1)) for one in (found, plain)]  # some lose first paths
+    assert power[0] == pytest.approx(power[1], rel=0.06)
+    assert made.recorded["noise_std"].equals(made.clean["noise_std"])
+
+
+@pytest.mark.parametrize("family", ["hangar", "manege"])
+@pytest.mark.parametrize("name", ["timestamp-jitter", "obstructed-path"])
+def test_the_truth_draws_chances_anew(family: str, name: str) -> None:
+    made = _tables(family, (name,), "CIR")
+    once, anew = (
+        (table["error_m"] - made.clean["error_m"]).to_numpy(np.float64)
+        for table in (made.recorded, made.truth)
+    )
+    assert abs(np.corrcoef(once, anew)[0, 1]) < 0.5
+
+
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
     "cannery": 12, "vineyard": 11, "crag": 9, "chairlift": 10, "atrium": 9, "hangar": 9,

@@ -101,29 +101,6 @@ def test_what_is_put_off_keeps_its_size_and_leaves_at_the_end() -> None:
     assert moved[3].max() < 1e-9
 
 
-ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstructed-path",
-              "ground-bounce", "diffraction", "material-delay")  # fmt: skip
-
-
-@pytest.mark.parametrize("name", ON_THE_WAY)
-def test_what_is_on_the_way_leaves_the_noise_of_radios_as_large_as_it_was(name: str) -> None:
-    made = _tables(name, 2.0, "CIR")
-    found, plain = (np.stack(list(t["cir"]))[:, :8] for t in (made.recorded, made.clean))
-    power = [np.median((one**2).mean(axis=1)) for one in (found, plain)]  # some lose first paths
-    assert power[0] == pytest.approx(power[1], rel=0.06)
-    assert made.recorded["noise_std"].equals(made.clean["noise_std"])
-
-
-@pytest.mark.parametrize("name", ["timestamp-jitter", "obstructed-path"])
-def test_the_truth_draws_chances_anew(name: str) -> None:
-    made = _tables(name, mode="CIR")
-    once, anew = (
-        (table["error_m"] - made.clean["error_m"]).to_numpy(np.float64)
-        for table in (made.recorded, made.truth)
-    )
-    assert abs(np.corrcoef(once, anew)[0, 1]) < 0.5
-
-
 @pytest.mark.parametrize("mode", MODES)
 def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
     turns = (n for n in range(60) if turn_of(n, ("manege",)).mode == mode)
