@@ -140,6 +140,8 @@ class Effect(ABC):
     `by_kind`: every kind of obstacle has a size of its own of it, and every one of a kind another,
     as materials and thicknesses are rarely known.
     `own_curve`: what it does over the level is every receiver's own, so any curve is a form of it.
+    `own_form`: what it does hangs on what nobody lists, as surfaces, so a mark by which it is seen
+    does not tell its form.
     `jumps`: by it detected first paths jump from row to row, as far as a receiver's detector says.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
     `resembles`: the effect that does the same to many links together, so that where its places are
@@ -178,6 +180,7 @@ class Effect(ABC):
     by_device: ClassVar[bool] = False
     by_kind: ClassVar[bool] = False
     own_curve: ClassVar[bool] = False
+    own_form: ClassVar[bool] = False
     jumps: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
     resembles: ClassVar[str] = ""

@@ -24,6 +24,7 @@ from bench.discrepancy.joint.settings import (
     LONGEST_STEP,
     NAME_NATS,
     SPREAD_WEIGHT,
+    STARTED,
     STEP,
     STEPS,
     TAIL,
@@ -116,6 +117,17 @@ def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | Non
     plain = fitted(given, with_shares(effects, at))
     others = [_in_rounds(given, plain, steps, held)] if plain else []
     return max([best, *others], key=lambda fit: fit.nats)
+
+
+def likeliest(given: Statistics, tries: Sequence[Added]) -> Fit | None:
+    """Return the likeliest of some sets, fitted; of many those that are likeliest as they are."""
+    able = list(tries)
+    if len(able) > STARTED:
+        known = [fit for fit in (fitted(given, one) for one in able) if fit]
+        known.sort(key=lambda fit: -fit.nats)
+        able = [fit.effects for fit in known[:STARTED]]
+    made = [fit for fit in (polished(given, one) for one in able) if fit]
+    return max(made, key=lambda fit: fit.nats, default=None)
 
 
 def _seldom(effects: Added) -> list[bool]:

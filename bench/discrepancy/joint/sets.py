@@ -20,7 +20,7 @@ from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
-from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.polish import Fit, fitted, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -71,8 +71,7 @@ class Sets:
         if bare is None:
             raise BenchError("nothing can be simulated at these rows")
         self.none = bare
-        begun = [fit for fit in (polished(self.given, one) for one in tries) if fit]
-        self.start = max(begun, key=lambda fit: fit.nats, default=bare)
+        self.start = likeliest(self.given, tries) or bare
         have = set(self.start.names)
         able = [kind for kind in kinds if kind.name not in have]
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
@@ -250,8 +249,8 @@ class Sets:
     @property
     def _exact(self) -> Fit:
         """The set of what was marked, where marks tell the forms of it; else the empty one."""
-        curved = any(type(effect).own_curve for effect in self.start.effects)
-        return self.none if curved else self.start
+        kinds = [type(effect) for effect in self.start.effects]
+        return self.none if any(one.own_curve or one.own_form for one in kinds) else self.start
 
     def _asked(self, fit: Fit, name: str, whole: float) -> float:
         """Return what a member must bring to a set that brings `whole`, in nats.

@@ -43,6 +43,7 @@ ACTS: Final = 0.05  # decibels or ns, below which a response is none [convention
 TOUCHES: Final = 4.0  # squared scatters over all links, that an effect must move to be tried
 
 TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
+STARTED: Final = 8  # forms of what is marked that are fitted in full [cost]
 REFITTED: Final = 2  # steps of a fit that others began [cost]
 POLISHED: Final = 8  # single effects that are fitted in full [cost]
 BEAM: Final = (5, 4, 2)  # sets of one, of two, ... effects that are added to [cost]

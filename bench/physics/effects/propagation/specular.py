@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,9 @@ from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
 
 MARKED_DB = (-18.0, -12.0, -6.0, 0.0, 6.0)  # tried where reflections are seen
+MARKED_WALLS = ("plasterboard", "metal")
+# the same: a conductor reflects alike at all angles, a thin board hardly but at grazing ones; what
+# walls are of is in no table
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,7 @@ class SpecularReflections(Effect):
     source = "Allen and Berkley 1979; Fresnel coefficients with ITU-R P.2040-3 permittivities"
     signature = "separate paths whose delay moves with the geometry"
     needs = (("room_x_m", "room_y_m", "tx_x_m", "rx_x_m"),)
+    own_form = True
     without_cir = False  # a range alone does not show a second path
 
     strength_db: float = parameter(0, "dB", -40, 10, "over the Fresnel coefficient")
@@ -80,10 +85,14 @@ class SpecularReflections(Effect):
 
     @classmethod
     def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:
-        """Return several strengths where rows have power at the delays of their own walls."""
+        """Return several forms where rows have power at the delays of their own walls.
+
+        Of several strengths, once and twice reflected, by walls and a ceiling of either kind.
+        """
         if not mirrored(frame):
             return ()
-        return tuple(cls(db, highest_order=order) for db in MARKED_DB for order in (1, 2))
+        every = product(MARKED_DB, (1, 2), MARKED_WALLS)
+        return tuple(cls(db, highest_order=n, walls=of, ceiling=of) for db, n, of in every)
 
     @classmethod
     def hinted(cls, frame: pd.DataFrame) -> bool:
