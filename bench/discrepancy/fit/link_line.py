@@ -1,4 +1,4 @@
-"""A straight line through one value per link, with what its ends are uncertain by."""
+"""A straight line, or more columns, through one value per link, with what it is uncertain by."""
 
 from __future__ import annotations
 
@@ -9,13 +9,17 @@ from bench.physics.units import Floats
 
 
 def link_line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Return value at 0 and slope [2] of y [L] over x [L], and their covariance [2, 2].
+    """Return value at 0 and slope [2] of y [L] over x [L], and their covariance [2, 2]."""
+    return link_plane(np.stack([np.ones(len(x)), x], axis=1), y)
+
+
+def link_plane(design: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return what each column of a design [L, K] does to y [L], and the covariance [K, K].
 
     Huber's M-estimator, as a few links stand behind obstacles; its sandwich (HC2: MacKinnon and
     White 1985) holds where links far away scatter more.
     """
-    design = np.stack([np.ones(len(x)), x], axis=1)
-    weight = np.ones(len(x))
+    weight = np.ones(len(y))
     for _ in range(ROBUST_PASSES):
         pull = design * weight[:, None]
         found = np.linalg.solve(pull.T @ design, pull.T @ y)

@@ -18,7 +18,7 @@ from bench.discrepancy.compare.settings import SLOPE_LINKS
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.fit.link_line import link_line
+from bench.discrepancy.fit.link_line import link_line, link_plane
 from bench.discrepancy.fit.sandwich import estimated
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.settings import NAME_NATS
@@ -34,6 +34,7 @@ from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.units import Floats
 
 Told = tuple[ParameterEstimate, ...]
+LINE = ("exponent", "offset_db")
 
 
 def with_slope(search: Search, added: Added) -> Added:
@@ -50,14 +51,14 @@ def told_by_links(search: Search, others: Added, effect: Effect, fitted: Told = 
     if not isinstance(effect, PathLoss) or (seen := _seen(search, others)) is None:
         return fitted
     (offset, slope), halves = _line(search, seen, effect.per_metre_db)
-    kept = tuple(one for one in fitted if one.name not in ("exponent", "offset_db"))
     free = {p.name: p for p in type(effect).parameters()}
     null = float(free["exponent"].null or 0.0)
-    values = {"exponent": null - slope, "offset_db": -offset}
-    if not all(free[name].low < value < free[name].high for name, value in values.items()):
+    values = {"exponent": null - slope, "offset_db": -offset, "per_metre_db": effect.per_metre_db}
+    if not all(free[name].low < values[name] < free[name].high for name in LINE):
         return fitted
-    sized = zip(values.items(), (halves[1], halves[0]), strict=True)
-    return (*(estimated(free[name], value, float(half)) for (name, value), half in sized), *kept)
+    named = LINE + (("per_metre_db",) if effect.per_metre_db else ())
+    told = (estimated(free[name], values[name], halves[name]) for name in named)
+    return (*told, *(one for one in fitted if one.name not in named))
 
 
 def _as_told(effect: Effect, told: Told) -> Effect:
@@ -117,17 +118,23 @@ def _over_logarithm(far_m: Floats) -> Floats:
 
 def _line(
     search: Search, seen: tuple[Floats, Floats], per_metre_db: float
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, dict[str, float]]:
     """Return the line of levels of links `seen` over 10 log10 distance, beside a loss per metre.
 
-    In dB at 1 m and per unit of the exponent, [2], and half of their 90 % intervals [2].
+    In dB at 1 m and per unit of the exponent, [2], and half of the 90 % interval by parameter: a
+    loss per metre bends much as an exponent does, so that each is as unsure as both leave it.
     """
     (far_m, left_db), rows, comparison = seen, search.sharpest, search.comparison
-    found, spread = link_line(_over_logarithm(far_m), left_db + per_metre_db * far_m)
+    x, free = _over_logarithm(far_m), left_db + per_metre_db * far_m
+    found, spread = link_line(x, free)
+    if per_metre_db:
+        _, spread = link_plane(np.stack([np.ones(len(x)), x, far_m], axis=1), left_db)
     # Rows without simulated ones of their own share those of other links.
     more = 1.0 if comparison.paired(rows) else comparison.crowding(rows)
-    wide = more * float(student.ppf((1 + INTERVAL_LEVEL) / 2, len(far_m) - 2))
-    return found, np.asarray(wide * np.sqrt(np.diag(spread)), np.float64)
+    wide = more * float(student.ppf((1 + INTERVAL_LEVEL) / 2, len(far_m) - len(spread)))
+    halves = wide * np.sqrt(np.diag(spread))
+    names = ("offset_db", "exponent", "per_metre_db")
+    return found, dict(zip(names, map(float, halves), strict=False))
 
 
 def _seen(search: Search, others: Added) -> tuple[Floats, Floats] | None:

@@ -92,6 +92,17 @@ def test_what_is_lost_in_every_metre_bends_a_path_loss() -> None:
     assert again.per_metre_db == made.per_metre_db  # no search fits it, none loses it
 
 
+def test_a_loss_per_metre_has_an_interval_and_leaves_the_exponent_unsure() -> None:
+    bent = PathLoss(exponent=2.0, per_metre_db=0.8)
+    told = {one.name: one for one in told_by_links(search_of(3, 2.0, 0.0, True, 0.8), (), bent)}
+    line = {one.name: one for one in told_by_links(search_of(3, 2.0, 0.0), (), PathLoss())}
+    assert told["per_metre_db"].low <= 0.8 <= told["per_metre_db"].high
+    assert told["per_metre_db"].determined
+    wide, narrow = (each["exponent"].high - each["exponent"].low for each in (told, line))
+    assert wide > 1.5 * narrow  # a line over the distance and its logarithm are much alike
+    assert "per_metre_db" not in line
+
+
 def test_a_line_over_the_logarithm_is_not_bent() -> None:
     effect, scale = PathLoss(exponent=2.6, shadowing_db=1.0), RangeScale(scale=0.01)
     assert with_absorption(search_of(3, 2.6, 1.0), (effect, scale)) == (effect, scale)
