@@ -84,10 +84,11 @@ def _truth(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
 def _nearest(whole: View, option: LeftOut, shift: Floats) -> dict[str, float]:
     """Return the determined parameters with which the effect is nearest to the shift."""
     bounds = {p.name: (p.low, p.high) for p in type(option.effect).parameters()}
-    free = [p for p in option.parameters if determined(p, *bounds[p.name])]
+    own = [p for p in option.parameters if p.name in bounds]  # not what they do together
+    free = [p for p in own if determined(p, *bounds[p.name])]
     if not free:
         return {}
-    start = {p.name: p.value for p in option.parameters}
+    start = {p.name: p.value for p in own}
     low, high = (np.array([bounds[p.name][i] for p in free]) for i in (0, 1))
     first = np.clip([p.value for p in free], low + 1e-9, high - 1e-9)
 

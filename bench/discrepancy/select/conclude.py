@@ -21,6 +21,7 @@ from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.own_scatter import OF_SCATTER, left_by_causes
+from bench.discrepancy.select.per_obstacle import told_by_obstacles
 from bench.discrepancy.select.refute import Doubt
 from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
@@ -331,6 +332,8 @@ def left_out(
     intervals = rows(search, others, effect, intervals)
     lines = guard.safely("slope of levels", told_by_links, intervals)
     intervals = lines(search, others, effect, intervals)
+    each = guard.safely("metres per obstacle", told_by_obstacles, intervals)
+    intervals = each(search, others, effect, intervals)
     if effect.physics in search.choice.unsure:
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]

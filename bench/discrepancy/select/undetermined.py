@@ -25,6 +25,7 @@ def undetermined(option: LeftOut) -> bool:
 
     Whatever it gains, something else would gain as much: a level that is off everywhere, say.
     """
-    nulls = {p.name for p in option.effect.parameters() if p.null is not None}
-    sizes = [one for one in option.parameters if one.name in nulls]
-    return bool(sizes) and not any(one.determined for one in sizes)
+    known = {p.name: p.null for p in option.effect.parameters()}
+    sizes = [one for one in option.parameters if known.get(one.name) is not None]
+    together = [one for one in option.parameters if one.name not in known]  # a step per wall
+    return bool(sizes) and not any(one.determined for one in (*sizes, *together))
