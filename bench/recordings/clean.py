@@ -6,6 +6,7 @@ truth. The rules, in this order. A row is dropped, and counted under the reason 
 - a known float column holds text ("COLUMN is not a number"), or any column an infinity ("COLUMN is
   infinite"); an empty value there only means "not known";
 - a count or a spread is negative ("COLUMN is negative");
+- a level is beyond 1000 dB of either sign ("COLUMN is no level");
 - no error can be had: `error_m`, or `range_m` and `true_range_m`, is missing ("no range error");
 - |error| > 1 km and no six exchange timestamps `T1`..`T6` explain it ("error beyond 1 km");
 - the true range is negative ("negative true range");
@@ -38,6 +39,9 @@ from bench.recordings.table import CIR_COLUMNS, FLOAT_COLUMNS, STRING_COLUMNS
 
 CHUNK_ROWS = 8192
 MAX_ERROR_M = 1000.0
+MAX_LEVEL_DB = 1000.0  # no two powers that an instrument measures are so far apart
+LEVEL_COLUMNS = ("rx_power_dbm", "first_path_power_dbm")
+HINTS = {"error beyond 1 km": "; are range_m and true_range_m both in metres?"}
 CONTRADICTION_M = 0.01
 FARTHEST_M = 1000.0  # the radios' makers promise some 300 m in the open
 FAR_QUANTILE = 0.95  # a few wild rows are no table in millimetres
@@ -87,7 +91,7 @@ def refuse_if_mostly_bad(name: str, rows: int, dropped: Mapping[str, int]) -> No
     if 2 * lost > rows:
         raise BenchError(
             f"{name}: {lost} of {rows} rows are unusable ({describe(dropped)}); "
-            "at least half must be usable"
+            f"at least half must be usable{HINTS.get(max(dropped, key=dropped.__getitem__), '')}"
         )
 
 
@@ -223,6 +227,8 @@ def _findings(frame: pd.DataFrame, text: Mapping[str, Mask]) -> Iterator[Finding
         yield f"{column} is infinite", np.isinf(frame[column].to_numpy())
     for column in [c for c in NOT_NEGATIVE if c in frame]:
         yield f"{column} is negative", frame[column].to_numpy() < 0
+    for column in [c for c in LEVEL_COLUMNS if c in frame]:
+        yield f"{column} is no level", np.abs(frame[column].to_numpy()) > MAX_LEVEL_DB
     yield from _bad_ranges(frame)
     if "link" in frame:
         yield "no link", frame["link"].isna().to_numpy()

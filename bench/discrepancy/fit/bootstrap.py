@@ -34,7 +34,7 @@ from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
-from bench.physics.effects.fitted.power_curve import PowerCurve
+from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,7 @@ def _places(view: View, devices: Sequence[str]) -> NDArray[np.intp]:
 def _of_levels(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, PowerCurve)
     level = effect.level_dbm(view.scene)
-    names = tuple(f"bias_m[{knot:g} dBm]" for knot in KNOTS_DBM)
+    names = tuple(at_level(float(knot)) for knot in KNOTS_DBM)
     return names, lambda rows, left, bounded: _bias(level, left, rows, bounded)
 
 

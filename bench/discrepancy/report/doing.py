@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 
 from bench.discrepancy.method import Diagnosis
-from bench.discrepancy.settings import LEAST_SCATTER_M
+from bench.discrepancy.settings import LEAST_SCATTER_M, SHOWN_VALUES
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 from bench.physics.units import Floats
@@ -29,7 +30,32 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
     frame, base = diagnosis.evidence.frame, diagnosis.base
     shifts = {one.physics: _shift_m(one, frame, base) for one in diagnosis.added if _steady(one)}
     said = {name: in_words(shift) for name, shift in shifts.items() if shift is not None}
+    for one in diagnosis.added:
+        if isinstance(one, DeviceClock) and said.get(one.physics):
+            said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
     return {name: words for name, words in said.items() if words}
+
+
+def meanwhile(clock: DeviceClock, frame: pd.DataFrame) -> str:
+    """Return how far offsets go from the first rows of each device to its last, "" where not.
+
+    What is stated of every device is its mean: a warm-up is more, or all, of what there is.
+    """
+    moved = {name: step for name in clock.devices if abs(step := _step_ppm(clock, frame, name))}
+    far = sorted(moved, key=lambda name: abs(moved[name]), reverse=True)[:SHOWN_VALUES]
+    words = ", ".join(f"{moved[name]:+.2g} ppm at {name}" for name in far)
+    rest = f" and less at {len(moved) - len(far)} more" if len(moved) > len(far) else ""
+    return f"; offsets change while devices are heard, by {words}{rest}" if words else ""
+
+
+def _step_ppm(clock: DeviceClock, frame: pd.DataFrame, name: str) -> float:
+    """Return by how much the offset of a device changes from its first row to its last."""
+    if "time_s" not in frame or not {"tx", "rx"} <= set(frame.columns):
+        return 0.0
+    heard = frame[(frame["tx"].astype(str) == name) | (frame["rx"].astype(str) == name)]
+    ends = heard["time_s"].agg(["min", "max"]).to_numpy(np.float64)
+    first, last = (float(clock.at(name, time)) for time in ends) if len(heard) else (0.0, 0.0)
+    return last - first
 
 
 def in_words(shift_m: Floats) -> str:

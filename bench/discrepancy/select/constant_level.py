@@ -7,7 +7,7 @@ import numpy as np
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.select.settings import ALIKE_M
+from bench.discrepancy.select.settings import ALIKE_M, LEVEL_PRINTED_DB
 from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.sets.settings import RIVAL_NATS
 from bench.discrepancy.settings import FIT_MEMBERS, RESOLUTION
@@ -36,6 +36,8 @@ def beyond_a_constant(comparison: Comparison, view: View, added: Added, effect: 
     if not known.any() or nats >= RIVAL_NATS:
         return Adequacy(True)
     note = f"{constant_db:+.1f} dB in all rows does as well: transmit power, antennas, cables"
+    if abs(constant_db) < LEVEL_PRINTED_DB:
+        note = "receive levels are alike without it"
     return Adequacy(False, 1.0, note=note)
 
 

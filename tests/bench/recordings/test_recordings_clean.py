@@ -29,6 +29,7 @@ def _with(rows: int = 20, **bad) -> pd.DataFrame:
         ({"range_m": np.inf}, "range_m is infinite"),
         ({"rx_power_dbm": -np.inf}, "rx_power_dbm is infinite"),
         ({"range_m": 1500.0}, "error beyond 1 km"),
+        ({"rx_power_dbm": -1e9}, "rx_power_dbm is no level"),
         ({"true_range_m": -0.5}, "negative true range"),
         ({"error_m": 3.0}, "error_m contradicts range_m - true_range_m"),
         ({"link": None}, "no link"),
@@ -49,6 +50,13 @@ def test_a_bad_row_is_dropped_under_its_reason(bad, reason: str) -> None:
     assert cleaned.dropped == {reason: 1}
     assert len(cleaned.frame) == 19
     assert cleaned.frame["range_m"].iloc[0] == frame["range_m"].iloc[1]
+
+
+def test_ranges_in_another_unit_than_the_truth_are_asked_about() -> None:
+    frame = _with()
+    frame["range_m"] = 1000 * frame["true_range_m"] + 1000
+    with pytest.raises(BenchError, match=r"1 km.*both in metres"):
+        clean(frame, "t")
 
 
 def test_a_value_that_is_not_known_is_kept() -> None:

@@ -91,6 +91,17 @@ class DeviceClock(Effect):
             ends.append(base + hours * slope + self._wander(rows, end))
         return np.asarray(ends[0] - ends[1])
 
+    def at(self, device: str, time_s: float) -> float:
+        """Return the offset of a device at a time in ppm, with its drift and its wander."""
+        number = self.devices.index(device)
+        drift = self.drifts_ppm_per_hour[number]
+        knots, values = self.knots_s[number] if self.knots_s else (), self.wander_ppm
+        wander = 0.0
+        if knots:
+            curve = np.array(knots), np.array(values[number])
+            wander = float(bridge(np.array([time_s]), *curve, self.settle_s)[0][0])
+        return self.offsets_ppm[number] + (time_s - self.reference_s) / 3600 * drift + wander
+
     def uncertainty_ppm(self, rows: Scene) -> Floats:
         """Return the standard deviation of the offset [n]: what the wander leaves open.
 

@@ -22,6 +22,13 @@ _LOGGED_AT_GRID = np.interp(_GRID_DBM, TRUE_DBM, LOGGED_DBM)
 LOGGED_STD_DB = 0.4  # scatter of the logged level
 
 
+def at_level(level_dbm: float) -> str:
+    """Return the name of the bias at a true receive level, with the level that is logged there."""
+    logged = float(np.interp(level_dbm, TRUE_DBM, LOGGED_DBM))
+    also = "" if round(logged, 1) == round(level_dbm, 1) else f", logged {logged:.1f}"
+    return f"bias_m[{level_dbm:g} dBm{also}]"
+
+
 def true_level_dbm(logged: Floats, budget: Floats, spread_db: float) -> Floats:
     """Return the expected true receive level [n] in dBm.
 
@@ -50,7 +57,10 @@ class PowerCurve(Effect):
     stage = "ranging"
     stackable = True
     source = "Decawave application note APS011, version 1.0; curve fitted to recordings"
-    signature = "an S-curve of error over receive level at fixed distance, in line of sight too"
+    signature = (
+        "an S-curve of error over receive level at fixed distance, in line of sight too; levels "
+        "are those at the antenna, of which a receiver logs the stronger too low (figure 5 there)"
+    )
     follows = "rx_power_dbm"
     needs = (("rx_power_dbm",),)
 
@@ -72,7 +82,7 @@ class PowerCurve(Effect):
     def values(self) -> dict[str, float]:
         """Return the bias at every level in metres."""
         pairs = zip(self.levels_dbm, self.bias_m, strict=True)
-        return {f"bias_m[{level:g} dBm]": bias for level, bias in pairs}
+        return {at_level(level): bias for level, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the curve at each row's level."""

@@ -8,10 +8,12 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.report.doing import doings, in_words
+from bench.discrepancy.report.doing import doings, in_words, meanwhile
 from bench.discrepancy.report.evidence import Evidence
 from bench.physics.base import Base
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -39,3 +41,29 @@ def test_what_draws_at_random_or_does_nothing_is_not_said() -> None:
 def test_where_it_acts_in_part_of_the_rows_alone_is_said() -> None:
     shift = np.where(np.arange(10) < 3, 0.16, 0.0)
     assert in_words(shift) == "ranges +0.16 m in the median of the rows where it acts (30%)"
+
+
+def test_how_far_clocks_go_while_they_are_heard_is_said() -> None:
+    times = pd.DataFrame({"tx": "T", "rx": ["A", "B"] * 2, "time_s": [0.0, 100.0, 1800.0, 3600.0]})
+    none = (0.0, 0.0, 0.0)
+    still = DeviceClock(
+        devices=("A", "B", "T"), offsets_ppm=(0.0, 0.0, 1.0), drifts_ppm_per_hour=none
+    )
+    drifting = DeviceClock(
+        devices=("A", "B", "T"), offsets_ppm=(0.0, 0.0, 1.0), drifts_ppm_per_hour=(0.0, 0.0, 2.0)
+    )
+    warming = DeviceClock(
+        devices=("A", "T"),
+        offsets_ppm=(0.0, 1.0),
+        drifts_ppm_per_hour=(0.0, 0.0),
+        knots_s=((), (0.0, 3600.0)),
+        wander_ppm=((), (-0.5, 0.75)),
+    )
+    assert meanwhile(still, times) == ""
+    assert "by +2 ppm at T" in meanwhile(drifting, times)
+    assert "by +1.2 ppm at T" in meanwhile(warming, times)
+
+
+def test_a_level_that_a_receiver_logs_too_low_is_stated_as_both() -> None:
+    curve = PowerCurve(levels_dbm=(-91.0, -85.0), bias_m=(0.08, 0.05))
+    assert list(curve.values()) == ["bias_m[-91 dBm]", "bias_m[-85 dBm, logged -86.2]"]
