@@ -15,13 +15,13 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.sets.believed import Believed, Unsure
 from bench.physics.base import Base
 from bench.physics.effect import Effect
-from bench.physics.effects.fitted.power_curve import PowerCurve
+from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.simulator import Simulator
 
 WORLD = Resimulation(Simulator(Base(), (), 3), Window())
 ONE = ParameterEstimate("scale", 0.01, 0.009, 0.011, "m/m")
-LEVEL = ParameterEstimate("bias_m[-85 dBm]", 0.02, 0.01, 0.03, "m")
+LEVEL = ParameterEstimate(at_level(-85.0), 0.02, 0.01, 0.03, "m")
 
 
 @pytest.fixture(scope="module")
@@ -88,5 +88,5 @@ def test_a_curve_moves_where_the_other_cause_does(seen: View):
     curve = PowerCurve((-97.0, -50.0), (0.02, 0.02))
     known = _known(weak, (0.5, 0.0, 1.0), (0.5, 1.0, 1.0))
     assert _interval(seen, known, LEVEL, curve).high > 0.1
-    strong = ParameterEstimate("bias_m[-70 dBm]", 0.02, 0.01, 0.03, "m")
+    strong = ParameterEstimate(at_level(-70.0), 0.02, 0.01, 0.03, "m")
     assert _interval(seen, known, strong, curve).high < 0.06
