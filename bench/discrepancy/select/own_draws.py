@@ -68,6 +68,31 @@ def once(comparison: Comparison, view: View, members: int) -> NDArray[np.bool_] 
     return out
 
 
+def free_share(links: NDArray[np.intp], known: NDArray[np.bool_]) -> Floats:
+    """Return as how many independent deviations from their link known rows [n] count, each.
+
+    k rows of a link have k - 1 beside its mean.
+    """
+    code = np.unique(links, return_inverse=True)[1]
+    count = np.maximum(np.bincount(code, known)[code], 1)
+    return np.asarray(known * (1 - 1 / count))
+
+
+def free_of(comparison: Comparison, view: View, simulated: Floats) -> float:
+    """Return how many independent deviations from their link known simulated rows [m, n] have.
+
+    A row of a table that stands for several recorded ones is one. At least 1.
+    """
+    known = np.isfinite(simulated)
+    if not isinstance(comparison, TableComparison):
+        return max(float(sum(free_share(view.links, one).sum() for one in known)), 1.0)
+    picks, own = comparison.versions(view), comparison.distinct(view)
+    start = own if len(simulated) > own else 0
+    stood = [picks[(start + number) % len(picks)][one] for number, one in enumerate(known)]
+    rows = np.unique(np.concatenate(stood))
+    return max(float(len(rows) - len(np.unique(comparison.links[rows]))), 1.0)
+
+
 def beyond_own_draws(
     located: Located,
     ensemble: Ensemble,

@@ -19,6 +19,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import beyond_marks
 from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.own_draws import free_of, free_share
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
@@ -29,6 +30,8 @@ from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     FORM_SHARE,
     SCATTER_OF_LINKS,
+    SEARCH_FIRST,
+    SEARCH_MEMBERS,
     STRIKE_NATS,
 )
 from bench.physics.effect import Effect
@@ -82,9 +85,7 @@ def scatter_beside(search: Search, added: Added, located: Located) -> Round | No
     if kind is None or search.choice.others:
         return None
     found = _scattering(search, added, kind)
-    if found is None or (added and not _beyond_forms(search, added, found.effect)):
-        return None
-    if not beyond_marks(search, added, found.effect):
+    if found is None or not beyond_marks(search, added, found.effect):
         return None
     turn = announced(search, Round(located, None, None), (*added, found.effect), found.effect)
     assert turn.explanation is not None
@@ -92,20 +93,19 @@ def scatter_beside(search: Search, added: Added, located: Located) -> Round | No
     return replace(turn, explanation=turn.explanation.led_by(first), strike=found)
 
 
-def _beyond_forms(search: Search, added: Added, effect: Effect) -> bool:
-    """Return whether rows of a link scatter by more than a share of what causes do to them there.
+def of_forms(search: Search, added: Added) -> float:
+    """Return the variance in m2 by which rows of a link scatter where causes have other forms.
 
-    Each cause may be of another form: what that leaves in rows of a link is no scatter.
+    Of a share of what each does to them there: what that leaves in rows of a link is no scatter.
     """
-    whole, rest, bare = (
-        versions(search.comparison, search.both, some) for some in ((*added, effect), added, ())
+    left, none = (
+        search.comparison.ensemble(search.both, some, SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(
+            RANGE
+        )
+        for some in (added, ())
     )
-    made, left, none = (one.simulated_of(RANGE) for one in (whole, rest, bare))
-    ours, theirs = (
-        float(np.nanmean(within(_range_only(change, whole.links))[0] ** 2))
-        for change in (made - left, (left - none).mean(axis=0, keepdims=True))
-    )
-    return ours > FORM_SHARE**2 * theirs
+    change = (left - none).mean(axis=0, keepdims=True)
+    return FORM_SHARE**2 * float(np.nanmean(within(_range_only(change, search.both.links))[0] ** 2))
 
 
 def _range_only(values_m: Floats, links: NDArray[np.intp]) -> Ensemble:
@@ -126,9 +126,14 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
         return None
     if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
         return None
-    shared = 1 + usable.sum() / np.isfinite(simulated).sum()  # both sides scatter by chance
-    nats = _nats(recorded[usable], spread, spread + extra) / shared
-    evidence = cluster_bootstrap(nats * len(nats), made.links[usable], 0, "nats of likelihood")
+    least = spread + (of_forms(search, added) if added else 0.0)
+    if spread + extra <= least:
+        return None
+    nats = _nats(recorded, least, spread + extra) * free_share(made.links, usable)
+    ours = float(free_share(made.links, usable)[usable].sum())
+    shared = 1 + ours / free_of(search.comparison, search.work, simulated)  # both scatter by chance
+    total = (nats * usable.sum() / shared)[usable]
+    evidence = cluster_bootstrap(total, made.links[usable], 0, "nats of likelihood")
     if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
         return None  # normal rows of all links make both at once, a few wild links the first alone
     effect, sizes = sized(search, added, kind, extras(made, recorded, simulated))

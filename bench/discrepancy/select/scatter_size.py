@@ -7,20 +7,25 @@ does, whatever the shape of what the simulator scatters by.
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, without
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.own_draws import once, rows_of_their_own
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.select.stepwise import borrows
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     CENTRAL_90,
     FIT_MEMBERS,
     GAIN_DRAWS,
+    LEAST_SCATTER_M,
+    LEAST_VARIATION,
     OFFSET_FIRST,
     SEARCH_FIRST,
     SEARCH_MEMBERS,
@@ -69,25 +74,69 @@ def beside_simulated(search: Search, added: Added) -> tuple[Ensemble, Floats, Fl
     """Return the versions of the working rows, and how far ranges lie from their link.
 
     Recorded [n] and simulated [m, n], in metres. Where rows have several simulated ones of their
-    own, beside the mean of these: what effects do to all versions alike is no scatter.
+    own, beside the mean of these: what effects do to all versions alike is no scatter. Simulated
+    rows as far off as they would be at the recorded levels.
     """
     assert search.work is not None
     comparison, rows = search.comparison, search.work
-    if not rows_of_their_own(comparison, rows):
-        made = versions(comparison, rows, added)
-        if RANGE not in made.names:
-            return made, *_nothing()
-        return made, *within(made, once(comparison, rows, len(made.simulated)))
     whole = comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
-    made = whole.first(comparison.distinct(rows))
+    own, each = comparison.distinct(rows), rows_of_their_own(comparison, rows)
+    borrowed = not each and borrows(whole, own)
+    made = whole.beside(own) if borrowed else whole.first(own)
     if RANGE not in made.names:
         return made, *_nothing()
+    begin = 1 + own * borrowed  # of what stands beside the recorded version
+    level_db = _levels(search, whole)[[0, *range(begin, begin + len(made.simulated))]]
+    if not each:
+        recorded, simulated = within(made, once(comparison, rows, len(made.simulated)))
+        return made, recorded, as_here(simulated, level_db)
+    recorded, simulated = within(_beside_mean(made))
+    return made, recorded, as_here(simulated, level_db)
+
+
+def _beside_mean(made: Ensemble) -> Ensemble:
+    """Return ranges alone, all versions beside the mean simulated where there are several."""
     values = made.versions_of(RANGE).copy()
     m = len(values) - 1
     if m > 1:
         values -= values[1:].mean(axis=0)
         values[1:] *= np.sqrt((m + 1) / (m - 1))  # as far as a new one is
-    return (made, *within(Ensemble((RANGE,), ("m",), values[..., None], made.links)))
+    return Ensemble((RANGE,), ("m",), values[..., None], made.links)
+
+
+def _levels(search: Search, made: Ensemble) -> Floats:
+    """Return the levels of all versions [1 + m, n] at which ranges scattered, NaN without, in dBm.
+
+    Matched rows of a table have theirs, wherever they were moved to: their errors scatter as there.
+    """
+    comparison, rows = search.comparison, search.work
+    if LEVEL not in made.names or rows is None:
+        return np.full(made.versions.shape[:2], np.nan)
+    levels = made.versions_of(LEVEL).copy()
+    if isinstance(comparison, TableComparison):
+        bare = comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(LEVEL)
+        picks, own = comparison.versions(rows), numeric(comparison.frame, LEVEL)
+        levels[1:] += [own[picks[i % len(picks)]] for i in range(len(bare))] - bare
+    return levels
+
+
+def as_here(simulated_m: Floats, level_dbm: Floats) -> Floats:
+    """Return how far simulated ranges [m, n] would lie from their link at the recorded levels.
+
+    Edges of weak signals scatter more (Kay 1993, section 3.11): the variance is a line over one
+    over the power, as simulated rows have it. Of `level_dbm` [1 + m, n] the first are recorded
+    ones, which count as no weaker or stronger than any that was simulated.
+    """
+    known = np.isfinite(simulated_m) & np.isfinite(level_dbm).all(axis=0)
+    if not known.any() or np.ptp(level_dbm[1:][known]) < LEAST_VARIATION:
+        return simulated_m
+    theirs = level_dbm[1:]
+    ours = np.clip(level_dbm[0], theirs[known].min(), theirs[known].max())
+    there, here = (10 ** ((theirs[known].min() - one) / 10) for one in (theirs, ours))
+    ways = np.stack([np.ones(known.sum()), there[known]], axis=1)
+    even, weak = nnls(ways, simulated_m[known] ** 2)[0]
+    wider = (even + weak * here) / np.maximum(even + weak * there, LEAST_SCATTER_M**2)
+    return np.asarray(np.where(known, simulated_m * np.sqrt(wider), simulated_m))
 
 
 def _nothing() -> tuple[Floats, Floats]:
