@@ -10,8 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.physics.batch import Batch, altered
-from bench.physics.comb import Comb, comb
+from bench.physics.comb import EXACT, comb
+from bench.physics.device_combs import device_combs
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.fitted.device_values import as_tuples, at_end
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats
 
@@ -32,6 +34,8 @@ class RangeRounding(Effect):
     one of them. `lean` -0.5 cuts down to the grid, 0.5 up. `early` 1: rounded before the other
     effects on the range act, as where a host corrects what firmware printed. It is fitted by the
     grid itself (see `bench.physics.comb`): where none is seen, there is no rounding that matters.
+    `devices` at the end `of` have `steps_m` and `origins_m` of their own; `step_m` is then what
+    they scatter by in the mean square.
     """
 
     name = "range-rounding"
@@ -49,6 +53,16 @@ class RangeRounding(Effect):
     lean: float = parameter(0.0, "steps", -0.5, 0.5, "-0.5: cut down, 0: to the nearest")
     early: int = parameter(0, "0 or 1", 0, 1, "before other effects on the range", fitted=False)
 
+    of: str = ""
+    devices: tuple[str, ...] = ()
+    steps_m: tuple[float, ...] = ()
+    origins_m: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        count = len(tuple(self.devices))
+        as_tuples(self, devices=None, steps_m=count, origins_m=count)
+
     @property
     def last(self) -> bool:  # type: ignore[override]
         """Whether it acts on what the other effects on the range made."""
@@ -63,15 +77,27 @@ class RangeRounding(Effect):
         """Round the ranges to the grid."""
         if self.step_m == 0 or batch.range_m is None:
             return batch
-        grid = Comb(self.step_m, self.origin_m, 1.0)
-        return altered(batch, range_m=grid.nearest(np.asarray(batch.range_m), self.lean))
+        step, origin = self._grids(batch)
+        number = np.rint((np.asarray(batch.range_m) - origin) / step + self.lean)
+        return altered(batch, range_m=number * step + origin)
+
+    def _grids(self, batch: Batch) -> tuple[Floats, Floats]:
+        """Return step and origin for every row [n], in metres."""
+        own, origin = (
+            at_end(batch.rows, self.of, self.devices, values)
+            for values in (self.steps_m, self.origins_m)
+        )
+        return np.where(own > 0, own, self.step_m), np.where(own > 0, origin, self.origin_m)
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it to the nearest, down and up: they differ by a constant alone."""
         return tuple(replace(self, lean=lean) for lean in LEANS)
 
     def values(self) -> dict[str, float]:
-        """Return step and origin of the grid in metres."""
+        """Return step and origin of the grid in metres; of devices the step of each."""
+        if self.devices:
+            pairs = zip(self.devices, self.steps_m, strict=True)
+            return {f"step_m[{device}]": step for device, step in pairs}
         return {"step_m": self.step_m, "origin_m": self.origin_m} if self.step_m else {}
 
     @classmethod
@@ -79,7 +105,8 @@ class RangeRounding(Effect):
         """Return the rounding whose grid the measured ranges lie on, None without one.
 
         On the grid are the ranges themselves or, where others corrected them after, what is left
-        of them without these corrections.
+        of them without these corrections. Where all together lie on none exactly, the ranges of
+        each device may lie on one of its own.
         """
         if not {"range_m", "true_range_m"} <= set(frame):
             return None
@@ -90,7 +117,9 @@ class RangeRounding(Effect):
         late, early = measured - left, true + left
         found = [_rounding(measured, late, links, 0), _rounding(early, true, links, 1)]
         seen = [one for one in found if one]
-        return max(seen, key=lambda one: one[0])[1] if seen else None
+        best = max(seen, key=lambda one: one[0], default=(0.0, None))
+        own = None if best[0] > EXACT[0] else _by_device(frame[known], measured, late, links)
+        return own or best[1]
 
 
 def _codes(frame: pd.DataFrame) -> NDArray[np.intp]:
@@ -111,6 +140,24 @@ def _rounding(
     origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
     origin_m *= abs(origin_m) > LEAST_ORIGIN * grid.step_m
     return grid.coherence, RangeRounding(grid.step_m, origin_m, lean, early)
+
+
+def _by_device(
+    frame: pd.DataFrame, measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]
+) -> RangeRounding | None:
+    """Return the rounding of ranges [n] to grids of devices, None where these have none."""
+    end, found = device_combs(frame, measured_m, plain_m, links)
+    if not found:
+        return None
+    names = frame[end].astype(str).to_numpy(object)
+    steps = {name: grid.step_m for name, grid in found.items()}
+    mine = np.isin(names, list(steps))
+    step = np.array([steps[name] for name in names[mine]])
+    codes = np.unique(links[mine], return_inverse=True)[1]
+    lean = _lean((measured_m - plain_m)[mine] / step, codes, 1.0)
+    typical, made = float(np.sqrt(np.mean(step**2))), tuple(found.values())
+    own = tuple(grid.step_m for grid in made), tuple(grid.origin_m for grid in made)
+    return RangeRounding(typical, 0.0, lean, 0, end, tuple(found), *own)
 
 
 def _lean(left_m: Floats, links: NDArray[np.intp], step_m: float) -> float:
