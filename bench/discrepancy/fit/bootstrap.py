@@ -19,6 +19,7 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
 from bench.discrepancy.fit.least_squares import ends
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
+from bench.discrepancy.fit.walls import delays_of_kinds
 from bench.discrepancy.settings import (
     HALF_TURN_DEG,
     HEADING_BENDS,
@@ -27,6 +28,7 @@ from bench.discrepancy.settings import (
     KNOT_ROWS,
     LEAST_HALF,
     LEVEL_KNOTS_DBM,
+    MOVED_M,
     RESIDUAL_MEMBERS,
     VALUE_DRAWS,
 )
@@ -35,6 +37,7 @@ from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
+from bench.physics.effects.fitted.wall_delay import WallDelay, crossed
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
@@ -98,12 +101,19 @@ def _of_headings(view: View, _: Effect) -> tuple[tuple[str, ...], Values]:
     return names, lambda rows, left, __: _lobes(heading, left, rows)
 
 
+def _of_walls(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    assert isinstance(effect, WallDelay)
+    walls = crossed(view.scene, effect.kinds)
+    return tuple(effect.values()), lambda rows, left, _: delays_of_kinds(walls[rows], left[rows])
+
+
 # How values are estimated that are fitted by code of ours; other effects are fitted again.
 ESTIMATORS: Mapping[type[Effect], Callable[[View, Effect], tuple[tuple[str, ...], Values]]] = {
     DeviceClock: _of_clocks,
     DeviceDelay: _of_delays,
     PowerCurve: _of_levels,
     PatternCurve: _of_headings,
+    WallDelay: _of_walls,
 }
 
 
@@ -139,7 +149,8 @@ def latent_intervals(
     """Return the values an effect holds with 90 % intervals, none where it holds none.
 
     Half of the variance is that of links drawn again, half that of what all links scatter by: the
-    few links that tell of one level or heading may lie close by chance.
+    few links that tell of one level or heading may lie close by chance. Of all that it acts on:
+    behind a wall links differ as walls do, in the open they do not.
     """
     found = latent_values(view, effect)
     made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
@@ -151,7 +162,9 @@ def latent_intervals(
     centre = values(every, residual, True)
     links = np.unique(view.links)
     own = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
-    left = [whole[1][rows] for rows in _exchanged(view.links, links)]
+    moved = np.abs(made[1] - whole[1]) > MOVED_M
+    acts = np.isin(links, view.links[moved])
+    left = [whole[1][rows] for rows in _exchanged(view.links, links, acts)]
     all_alike = np.stack([values(every, one, False) for one in left])
     wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(len(links) - 1, 1)))
     wide *= np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
@@ -182,17 +195,20 @@ def _resampled(codes: Rows, links: Rows) -> list[Rows]:
     ]
 
 
-def _exchanged(codes: Rows, links: Rows) -> list[Rows]:
+def _exchanged(codes: Rows, links: Rows, acts: NDArray[np.bool_]) -> list[Rows]:
     """Return for every row one of another link's [n], one link for all rows of one.
 
-    `VALUE_DRAWS` times: what a link keeps stays with it, whichever link it falls to.
+    `VALUE_DRAWS` times: what a link keeps stays with it, whichever link it falls to. Links that an
+    effect `acts` on, [L], are taken for one another, and so are those that it leaves as they are.
     """
     rng = np.random.default_rng(1)
     rows = {link: np.flatnonzero(codes == link) for link in links}
+    alike = [pool for pool in (links[acts], links[~acts]) if len(pool)]
     out = []
     for _ in range(VALUE_DRAWS):
         taken = np.empty(len(codes), np.intp)
-        for link, other in zip(links, rng.choice(links, len(links)), strict=True):
-            taken[rows[link]] = rng.choice(rows[other], len(rows[link]))
+        for pool in alike:
+            for link, other in zip(pool, rng.choice(pool, len(pool)), strict=True):
+                taken[rows[link]] = rng.choice(rows[other], len(rows[link]))
         out.append(taken)
     return out

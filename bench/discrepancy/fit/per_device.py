@@ -17,6 +17,7 @@ from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.ground import ground_ray
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.discrepancy.fit.walls import wall_delay
 from bench.discrepancy.settings import (
     BUDGET_AT_1M_DBM,
     BUDGET_SPREADS_DB,
@@ -38,12 +39,20 @@ from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.ground_ray import GroundRay
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve
+from bench.physics.effects.fitted.wall_delay import WallDelay
 from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]
 
 
-OWN = ("device-clock", "device-delay", "power-curve", "pattern-curve", "ground-ray")  # by code here
+OWN = (  # by code here
+    "device-clock",
+    "device-delay",
+    "power-curve",
+    "pattern-curve",
+    "ground-ray",
+    "wall-delay",
+)
 
 
 def latent_effects(
@@ -57,6 +66,7 @@ def latent_effects(
         PowerCurve.explains: power_curve,
         PatternCurve.explains: pattern_curve,
         GroundRay.explains: ground_ray,
+        WallDelay.explains: wall_delay,
     }
     wanted = [one for name, one in fits.items() if physics in ("", name)]
     curves = [one for fitted in wanted if (one := fitted(comparison, view, added))]
@@ -77,7 +87,7 @@ def with_values(
     Raises BenchError where it fails.
     """
     if not fits_itself(kind):
-        own = latent_effects(comparison, view, added)
+        own = latent_effects(comparison, view, added, kind.explains)
         return next((effect for effect in own if effect.name == kind.name), None)
     made = residual_range(comparison, view, common(added, view), RESIDUAL_MEMBERS)
     if made is None:

@@ -98,13 +98,15 @@ def own_grids_m(rows: View, effect: Effect) -> float:
     """
     if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
         return 0.0
-    place = np.rint((numeric(rows.frame, "range_m") - effect.origin_m) / effect.step_m)
+    range_m = numeric(rows.frame, "range_m")
+    place = effect.place(range_m)
     times = np.ones(len(place))
     for name, mine in rows.covariates.groups.items():
         some = place[mine][np.isfinite(place[mine])].astype(int)
         if name.startswith(DEVICES) and len(np.unique(some)) >= OWN_GRID_PLACES:
             times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
-    return float(effect.step_m * np.sqrt(np.mean(times**2) * ROUNDING_VARIANCE))
+    steps_m = np.nan_to_num(times * effect.step_at(range_m), nan=effect.step_m)
+    return float(np.sqrt(np.mean(steps_m**2) * ROUNDING_VARIANCE))
 
 
 def without_others(rows: View, added: Added) -> list[View]:

@@ -44,6 +44,16 @@ def test_size_and_carrier_are_found_again_beside_a_constant() -> None:
     assert found.with_level(_frame(), louder).level_size == pytest.approx(0.4, abs=0.06)
 
 
+def test_a_reflection_that_is_not_turned_around_has_a_size_below_zero() -> None:
+    upright = GroundRay(size=-0.5, level_size=-0.4, reach_m=0.7, steepness=0.5)
+    pulled, louder = _changed(upright)
+    noise = 0.02 * np.random.default_rng(4).normal(size=len(pulled))
+    found = GroundRay.fit_values(_frame(), pulled + noise)
+    assert isinstance(found, GroundRay)
+    assert found.size == pytest.approx(-0.5, abs=0.1)
+    assert found.with_level(_frame(), louder).level_size == pytest.approx(-0.4, abs=0.1)
+
+
 def test_two_rays_within_a_pulse_are_one_edge_and_none_beyond() -> None:
     ray = np.full(2, -0.5 + 0j)
     near, far = pulled_m(np.array([0.05, 5.0]), ray, 0.7)

@@ -24,6 +24,7 @@ from bench.physics.scene import scene
 from bench.physics.units import Floats
 
 GRID: Floats = np.linspace(0.0, 0.95, 20)
+FINER: Floats = np.linspace(0.01, 0.95, 95)
 REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
 LEAST_ROWS = 12
@@ -35,7 +36,8 @@ class GroundRay(Effect):
 
     The reflection has `size` at grazing incidence, less by (1 - sine)^`steepness` where it is
     steeper, and overlaps the edge while it is less than about `reach_m` longer. `level_size` is the
-    same for the level, which a pulse blurs otherwise.
+    same for the level, which a pulse blurs otherwise. Below zero: it is not turned around, as of
+    upright antennas above Brewster's angle.
     """
 
     name = "ground-ray"
@@ -48,8 +50,8 @@ class GroundRay(Effect):
     signature = "ripple of power and a small signed bias over distance; excess falls as 1/d"
     needs = (("tx_z_m", "rx_z_m"),)
 
-    size: float = parameter(0.0, "1", 0, 1, "of the reflection", null=0)
-    level_size: float = parameter(0.0, "1", 0, 1, "of the reflection, in levels", null=0)
+    size: float = parameter(0.0, "1", -1, 1, "of the reflection", null=0)
+    level_size: float = parameter(0.0, "1", -1, 1, "of the reflection, in levels", null=0)
     carrier_ghz: float = parameter(6.4896, "GHz", 1, 12, "carrier")
     reach_m: float = parameter(0.7, "m", 0.05, 5, "excess within a pulse")
     steepness: float = parameter(0.0, "1", 0, 3, "how much weaker where it is steep")
@@ -83,10 +85,10 @@ class GroundRay(Effect):
         tried = [
             cls(carrier_ghz=carrier, reach_m=reach, steepness=steepness, size=float(size))
             for carrier, reach, steepness in product(carriers_ghz(rows), REACHES_M, STEEPNESSES)
-            for size in GRID[1::3]
+            for size in (*GRID[1::3], *-GRID[1::3])
         ]
         best = min(tried, key=lambda one: _missed(left, one._pulled(own)))
-        finer = [replace(best, size=float(size)) for size in np.linspace(0.01, 0.95, 95)]
+        finer = [replace(best, size=float(size)) for size in FINER * np.sign(best.size)]
         best = min(finer, key=lambda one: _missed(left, one._pulled(own)))
         return best if _missed(left, best._pulled(own)) < _missed(left, np.zeros(1)) else None
 
@@ -100,7 +102,7 @@ class GroundRay(Effect):
             gain = fading_db(found.ray(self.carrier_ghz, size, self.steepness))[known]
             return _missed(left_db[known], gain)
 
-        return replace(self, level_size=float(min(GRID, key=missed)))
+        return replace(self, level_size=float(min((*GRID, *-GRID[1:]), key=missed)))
 
 
 def _missed(left: Floats, made: Floats) -> float:

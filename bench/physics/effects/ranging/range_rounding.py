@@ -23,6 +23,9 @@ LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
 LEAN_STEPS = 0.1  # off, at most: other causes move the mean as well
+GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
+REFERENCE_M = 10.0  # of even steps, which are the same everywhere
+LEAST_M = 1e-3  # of a range, of which a logarithm is taken
 MEDIAN_ERROR = 2 * 1.2533 * 1.4826  # two standard errors of a median, of the median deviation
 
 
@@ -35,7 +38,8 @@ class RangeRounding(Effect):
     effects on the range act, as where a host corrects what firmware printed. It is fitted by the
     grid itself (see `bench.physics.comb`): where none is seen, there is no rounding that matters.
     `devices` at the end `of` have `steps_m` and `origins_m` of their own; `step_m` is then what
-    they scatter by in the mean square.
+    they scatter by in the mean square. Steps grow as the range to the power of `growth`, and are of
+    `step_m` at `reference_m`.
     """
 
     name = "range-rounding"
@@ -57,6 +61,10 @@ class RangeRounding(Effect):
     devices: tuple[str, ...] = ()
     steps_m: tuple[float, ...] = ()
     origins_m: tuple[float, ...] = ()
+    growth: float = parameter(0.0, "1", 0, 1, "0: even steps, 1: steps in proportion to ranges")
+    reference_m: float = parameter(
+        REFERENCE_M, "m", 1e-3, 1e4, "range at which steps are of `step_m`"
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,8 +86,19 @@ class RangeRounding(Effect):
         if self.step_m == 0 or batch.range_m is None:
             return batch
         step, origin = self._grids(batch)
-        number = np.rint((np.asarray(batch.range_m) - origin) / step + self.lean)
-        return altered(batch, range_m=number * step + origin)
+        even = evened(np.asarray(batch.range_m), self.growth, self.reference_m)
+        number = np.rint((even - origin) / step + self.lean)
+        made = unevened(number * step + origin, self.growth, self.reference_m)
+        return altered(batch, range_m=made)
+
+    def place(self, range_m: Floats) -> Floats:
+        """Return the number of the grid's point that is nearest to ranges [n]."""
+        even = evened(range_m, self.growth, self.reference_m)
+        return np.asarray(np.rint((even - self.origin_m) / self.step_m))
+
+    def step_at(self, range_m: Floats) -> Floats:
+        """Return how long a step is at ranges [n], in metres."""
+        return np.asarray(self.step_m * (range_m / self.reference_m) ** self.growth)
 
     def _grids(self, batch: Batch) -> tuple[Floats, Floats]:
         """Return step and origin for every row [n], in metres."""
@@ -115,7 +134,8 @@ class RangeRounding(Effect):
         links = _codes(frame)[known]
         measured, true, left = measured[known], true[known], residual_m[known]
         late, early = measured - left, true + left
-        found = [_rounding(measured, late, links, 0), _rounding(early, true, links, 1)]
+        both = ((measured, late, 0), (early, true, 1))
+        found = [_rounding(one, plain, links, way, g) for one, plain, way in both for g in GROWTHS]
         seen = [one for one in found if one]
         best = max(seen, key=lambda one: one[0], default=(0.0, None))
         own = None if best[0] > EXACT[0] else _by_device(frame[known], measured, late, links)
@@ -129,9 +149,11 @@ def _codes(frame: pd.DataFrame) -> NDArray[np.intp]:
 
 
 def _rounding(
-    measured_m: Floats, plain_m: Floats, links: NDArray[np.intp], early: int
+    measured_m: Floats, plain_m: Floats, links: NDArray[np.intp], early: int, growth: float
 ) -> tuple[float, RangeRounding] | None:
     """Return how clear the grid of ranges [n] is, and the rounding; None where there is none."""
+    middle_m = max(float(np.median(measured_m)), LEAST_M) if growth else REFERENCE_M
+    measured_m, plain_m = (evened(one, growth, middle_m) for one in (measured_m, plain_m))
     links = np.unique(links, return_inverse=True)[1]
     grid = comb(measured_m, plain_m, links)
     if grid is None or grid.coherence < CLEAR:
@@ -139,7 +161,29 @@ def _rounding(
     lean = _lean(measured_m - plain_m, links, grid.step_m)
     origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
     origin_m *= abs(origin_m) > LEAST_ORIGIN * grid.step_m
-    return grid.coherence, RangeRounding(grid.step_m, origin_m, lean, early)
+    return grid.coherence, RangeRounding(
+        grid.step_m, origin_m, lean, early, growth=growth, reference_m=middle_m
+    )
+
+
+def evened(range_m: Floats, growth: float, reference_m: float) -> Floats:
+    """Return ranges [n] on a scale on which all steps are alike, in metres at `reference_m`."""
+    if not growth:
+        return range_m
+    times = np.maximum(range_m, LEAST_M) / reference_m
+    even = np.log(times) if growth == 1 else (times ** (1 - growth) - 1) / (1 - growth)
+    return np.asarray(reference_m * even)
+
+
+def unevened(even_m: Floats, growth: float, reference_m: float) -> Floats:
+    """Return the ranges [n] of places on the scale of `evened`."""
+    if not growth:
+        return even_m
+    even = even_m / reference_m
+    if growth == 1:
+        return np.asarray(reference_m * np.exp(even))
+    root = np.maximum(1 + (1 - growth) * even, 0.0)
+    return np.asarray(reference_m * root ** (1 / (1 - growth)))
 
 
 def _by_device(

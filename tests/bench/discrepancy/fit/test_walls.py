@@ -1,0 +1,90 @@
+"""What every kind of obstacle delays, from ranges and levels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import View, view
+from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.fit.bootstrap import _exchanged, latent_values
+from bench.discrepancy.fit.walls import delays_of_kinds, wall_delay
+from bench.errors import BenchError
+from bench.physics.base import Base
+from bench.physics.effects.fitted.wall_delay import UNLISTED, WallDelay, crossed, kinds_crossed
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+HIDDEN = WallDelay(("brick", "glass"), (0.1, 0.3), (3.0, 6.0))
+LISTED = ([], ["brick"], ["glass"], ["glass", "glass"], ["metal"])
+SIMULATOR = Simulator(Base(), (), 0)
+
+
+def _frame() -> pd.DataFrame:
+    rng = np.random.default_rng(1)
+    rows = np.arange(200)
+    frame = pd.DataFrame({"true_range_m": rng.uniform(4, 40, 200)})
+    frame["obstacles"] = [LISTED[row % 5] for row in rows]
+    frame["link"] = (rows // 4).astype(str)
+    made = Simulator(Base(), (HIDDEN,), 0).observe(scene(frame), 0, cir=False)
+    assert made.range_m is not None
+    frame["range_m"] = made.range_m + 0.01 * rng.normal(size=200)
+    frame["error_m"] = frame["range_m"] - frame["true_range_m"]
+    frame["rx_power_dbm"] = made.rx_power_dbm
+    return frame
+
+
+def _view(frame: pd.DataFrame) -> View:
+    names = ("error_m", "rx_power_dbm")
+    return view(frame, link_codes(frame), np.arange(len(frame)), Window(), names, False)
+
+
+def test_every_kind_has_a_delay_and_losses_of_its_own() -> None:
+    rows = _view(_frame())
+    found = wall_delay(Resimulation(SIMULATOR, Window()), rows, ())
+    assert found is not None
+    assert found.kinds == HIDDEN.kinds
+    assert found.delays_m == pytest.approx(HIDDEN.delays_m, abs=0.01)
+    assert found.losses_db == pytest.approx(HIDDEN.losses_db, abs=0.3)
+    made = latent_values(rows, found)
+    assert made is not None
+    assert made[0] == ("delay_m[brick]", "delay_m[glass]")
+
+
+def test_nothing_goes_through_metal_and_clear_rows_stay_as_they_are() -> None:
+    rows = scene(_frame())
+    assert kinds_crossed(rows) == ("brick", "glass")
+    walls = crossed(rows, HIDDEN.kinds)
+    assert walls[:5].tolist() == [[0, 0], [1, 0], [0, 1], [0, 2], [0, 0]]
+
+
+def test_one_that_is_twice_as_thick_counts_two() -> None:
+    frame = pd.DataFrame({"true_range_m": [5.0], "obstacles": [["brick"]]})
+    frame["obstacle_thickness_m"] = [[0.28]]
+    assert crossed(scene(frame), ("brick",))[0, 0] == pytest.approx(2.0)
+
+
+def test_a_wall_that_nobody_listed_is_a_kind_of_its_own() -> None:
+    frame = pd.DataFrame({"true_range_m": [5.0, 6.0], "los": [True, False]})
+    assert kinds_crossed(scene(frame)) == (UNLISTED,)
+    assert crossed(scene(frame), (UNLISTED,)).ravel().tolist() == [0, 1]
+
+
+def test_walls_only_delay() -> None:
+    walls = np.eye(2)[np.arange(100) % 2]
+    left_m = np.where(np.arange(100) % 2, -0.2, 0.1)
+    assert delays_of_kinds(walls, left_m) == pytest.approx([0.1, 0.0], abs=0.001)
+    with pytest.raises(BenchError):
+        WallDelay(("brick",), (-0.1,))
+
+
+def test_links_behind_walls_are_taken_for_one_another_and_for_no_others() -> None:
+    codes, links = np.repeat(np.arange(8), 3), np.arange(8)
+    acts = links < 3
+    drawn = _exchanged(codes, links, acts)
+    behind = codes < 3
+    assert all(((codes[rows] < 3) == behind).all() for rows in drawn)
+    assert any((codes[rows] != codes).any() for rows in drawn)
