@@ -18,7 +18,7 @@ from bench.discrepancy.fit.clocks import Heard, polynomial
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
 from bench.discrepancy.fit.least_squares import ends
-from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delays_of
+from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delay_told, delays_of
 from bench.discrepancy.fit.walls import delays_of_kinds
 from bench.discrepancy.settings import (
     HALF_TURN_DEG,
@@ -79,7 +79,8 @@ def _of_clocks(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
 def _of_delays(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, DeviceDelay)
     own = _places(view, effect.devices)
-    return tuple(effect.values()), lambda rows, left, _: delays_of(view, left, rows)[own]
+    told = np.where(delay_told(view), 1.0, np.nan)  # one that is not told has no interval
+    return tuple(effect.values()), lambda rows, left, _: (delays_of(view, left, rows) * told)[own]
 
 
 def _places(view: View, devices: Sequence[str]) -> NDArray[np.intp]:

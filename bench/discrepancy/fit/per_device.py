@@ -205,14 +205,23 @@ def device_delay(view: View, residual_m: Floats) -> DeviceDelay | None:
 def delays_of(view: View, residual_m: Floats, rows: NDArray[np.intp]) -> Floats:
     """Return the delay of every device in ns from the residual ranges of some rows.
 
-    0 of a device of one link: all that this link has by itself would be its delay.
+    0 of a device of one link, whose delay is not told.
     """
     names, tx, rx = ends(view)
-    both = np.concatenate([tx, rx]), np.concatenate([view.links, view.links])
-    told = in_several(*both, len(names)).astype(np.float64)
+    told = delay_told(view).astype(np.float64)
     design = incidence(tx[rows], rx[rows], 1.0, len(names)) * (C_M_PER_NS / 2) * told
     found = robust(csr_array(design), residual_m[rows], np.full(len(names), DELAY_PRIOR_NS))
     return fewest_off(found, tx[rows], rx[rows]) * told
+
+
+def delay_told(view: View) -> NDArray[np.bool_]:
+    """Return of which devices of a view delays can be told [D]: those of several links.
+
+    All that one link has by itself would be the delay of a device that has no other.
+    """
+    names, tx, rx = ends(view)
+    both = np.concatenate([tx, rx]), np.concatenate([view.links, view.links])
+    return np.asarray(in_several(*both, len(names)), np.bool_)
 
 
 def fewest_off(delays_ns: Floats, tx: NDArray[np.intp], rx: NDArray[np.intp]) -> Floats:

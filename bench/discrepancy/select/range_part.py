@@ -173,10 +173,11 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     every = named_kinds(ranged.kinds, rows)
     kinds = {name: every[name] for name in library}
     crowding = ranged.comparison.crowding(rows) ** 2
-    contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat)
+    contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat, weights)
     best = contest.settled()
     if forms.size:  # a detector may follow a column too
-        return replace(best, forms_do=not unlisted and set(contest.likeliest) <= set(best.names))
+        likeliest = set(contest.physical(contest.able))
+        return replace(best, forms_do=not unlisted and likeliest <= set(best.names))
     causes = (*best.names, *best.others)
     return replace(best, mistaken=mistaken(contest, causes, ranged.doubtful, ensemble))
 
@@ -184,7 +185,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
 class Flattened(Contest):
     """A contest on rows that `flat` [n, n] flattened; what causes do to ranges is said as it is.
 
-    `raw` has the parts of causes as they are.
+    `raw` has the parts of causes as they are; `weights` [n] are those of rows in `flat`.
     """
 
     def __init__(
@@ -196,8 +197,10 @@ class Flattened(Contest):
         known: NDArray[np.intp],
         raw: Blocks,
         flat: Floats,
+        weights: Floats,
     ) -> None:
         super().__init__(evidence, kinds, crowding, rows, known, usual_levels(rows)[known])
+        self.weights = weights
         self.raw = {name: np.hstack(block) for name, block in raw.items()}
         self.flat = flat
 
@@ -205,18 +208,13 @@ class Flattened(Contest):
         """Return what flattened rows show of columns [n, k]."""
         return np.asarray(self.flat @ columns)
 
-    def shifts(self, causes: tuple[str, ...]) -> dict[str, Floats]:
-        """Return what every cause of a set does to the range of every row [n], in metres."""
-        made, out = self.evidence.of(causes), {}
-        for one in causes:
-            mine = np.isin(made.places, self.evidence.places[one])
-            flat = self.evidence.columns[:, made.places[mine]]  # all there is of a law made here
-            out[one] = np.zeros(len(self.rows.rows))
-            bare = self.raw.get(one, flat)
-            if bare.shape[1] != flat.shape[1]:  # its constants are an antenna delay's
-                bare = bare[:, varies(self.seen(bare))]
-            out[one][self.known] = bare @ made.factors[mine]
-        return out
+    def bare(self, cause: str) -> Floats:
+        """Return what a cause may do to the ranges of known rows [n, k], in metres."""
+        flat = super().bare(cause)  # all there is of a law made here
+        raw = self.raw.get(cause, flat)
+        if raw.shape[1] != flat.shape[1]:  # its constants are an antenna delay's
+            raw = raw[:, varies(self.seen(raw))]
+        return raw
 
 
 def receiver_forms(

@@ -146,6 +146,7 @@ class Contest:
         self.evidence = evidence.with_blocks(evidence.blocks | dict(every))
         self._nats: dict[Set, float] = {}
         self.able: Set = ()
+        self.weights = np.ones(len(known))  # of rows, in the evidence
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
@@ -176,11 +177,6 @@ class Contest:
         """Return whether a set is not excluded beside another."""
         return self.nats(causes) > self.nats(other) - RIVAL_NATS
 
-    @property
-    def likeliest(self) -> Set:
-        """The set of most worth, of causes that took part to the end."""
-        return self._physical(self.able)
-
     def most(self) -> float:
         """Return the worth of the best set."""
         return self.worth(self._calm())
@@ -198,7 +194,7 @@ class Contest:
 
     def _best_able(self) -> Set:
         self.able = self._taking_part()
-        return self._physical(self.able)
+        return self.physical(self.able)
 
     def _weigh(self, causes: Set) -> int:
         self._nats = {}
@@ -214,7 +210,7 @@ class Contest:
         beside = sorted(laws, key=lambda law: -self.nats((*names, law)))[:MOST_LAWS]
         return tuple(dict.fromkeys((*sorted(self.library), *alone, *beside)))
 
-    def _physical(self, able: Set) -> Set:
+    def physical(self, able: Set) -> Set:
         """Return the best set of which every name does only what physics allows."""
         while True:
             best = self.best(able)
@@ -233,7 +229,12 @@ class Contest:
     def shifts(self, causes: Set) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""
         made = self.evidence.of(causes)
-        return {one: self.spread(self.evidence.response(made, one)) for one in causes}
+        factors = {one: self.evidence.factors(made, one) for one in causes}
+        return {one: self.spread(self.bare(one) @ factors[one]) for one in causes}
+
+    def bare(self, cause: str) -> Floats:
+        """Return what a cause may do to the ranges of known rows [n, k], in metres."""
+        return np.asarray(self.evidence.columns[:, self.evidence.places[cause]])
 
     def spread(self, values: Floats) -> Floats:
         """Return values of the rows that are known as values of all rows [n], 0 elsewhere."""
@@ -318,7 +319,7 @@ class Contest:
             lead = made.of(causes).nats - made.of(but(causes, one)).nats
             if lead < NAME_NATS * self.crowding:
                 self.able = but(self.able, one)
-                causes = self._beyond_deformed(self._physical(self.able))
+                causes = self._beyond_deformed(self.physical(self.able))
         return causes
 
     def _beyond_forms(self, causes: Set) -> Set:
@@ -331,7 +332,7 @@ class Contest:
             self.library -= set(held.names)
             able = dict.fromkeys((*sorted(self.library), *causes, law.name))
             self.able = tuple(one for one in able if one not in held.names)
-            causes = self._physical(self.able)
+            causes = self.physical(self.able)
             causes = self._at_usual_levels(self._beyond_deformed(causes))
         return causes
 

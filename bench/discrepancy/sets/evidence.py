@@ -185,8 +185,11 @@ class Evidence:
 
     def response(self, made: Weighed, cause: str) -> Floats:
         """Return what one cause of a set does to the range of every row [n], in metres."""
-        mine = np.isin(made.places, self.places[cause])
-        return np.asarray(self.columns[:, made.places[mine]] @ made.factors[mine])
+        return np.asarray(self.columns[:, self.places[cause]] @ self.factors(made, cause))
+
+    def factors(self, made: Weighed, cause: str) -> Floats:
+        """Return the factors [k] of one cause of a set."""
+        return made.factors[np.isin(made.places, self.places[cause])]
 
     def broadly(self, made: Weighed, cause: str) -> tuple[Floats, Floats, Floats]:
         """Return factors [k] of a cause, their covariance, and that if all others were known.

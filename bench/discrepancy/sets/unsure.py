@@ -8,9 +8,11 @@ something else. So what a name does is a mixture over sets, each as likely as it
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.sets.believed import Believed, Unsure
 from bench.discrepancy.sets.choice import Set
@@ -19,6 +21,8 @@ from bench.discrepancy.sets.settings import LEAST_SHARE, RIVAL_NATS
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
 
+Floats = NDArray[np.float64]
+
 
 def unsure(contest: Contest, causes: Set, name: str) -> Unsure:
     """Return what a name of the chosen set may do, in it and beside one cause more."""
@@ -26,10 +30,20 @@ def unsure(contest: Contest, causes: Set, name: str) -> Unsure:
     shares = np.exp([0.0, *grown.values()])
     every = zip((causes, *grown), (shares / shares.sum()).tolist(), strict=True)
     sets = tuple(_believed(contest, one, name, share) for one, share in every)
-    columns = contest.evidence.columns[:, contest.evidence.places[name]]
-    spread = np.stack([contest.spread(one) for one in columns.T], axis=1)
-    alone = contest.evidence.broadly(contest.evidence.of(causes), name)[2]
-    return Unsure(spread, sets, alone)
+    spread = np.stack([contest.spread(one) for one in contest.bare(name).T], axis=1)
+    return Unsure(spread, sets, _alone(contest, causes, name))
+
+
+def _alone(contest: Contest, causes: Set, name: str) -> Floats:
+    """Return the covariance [k, k] of what a name does if all else were known, as rows know it.
+
+    What a receiver makes of waveform effects is known then, too, so nothing is flattened.
+    """
+    made = contest.evidence.of(causes)
+    sizes = made.sizes[np.isin(made.places, contest.evidence.places[name])]
+    seen = contest.weights[:, None] * contest.bare(name)
+    plain = contest.evidence.with_blocks({name: (seen,)})
+    return plain.broadly(replace(made, places=plain.places[name], sizes=sizes), name)[2]
 
 
 def _grown(contest: Contest, causes: Set) -> dict[Set, float]:

@@ -39,7 +39,7 @@ def test_what_only_unusual_levels_show_gives_way_to_another_cause() -> None:
     contest.usual, contest.crowding = np.ones(1, bool), 1.0
     contest.kinds = {"power-bias": PowerBias}
     contest.able = ("power-bias", "diffraction")
-    contest._physical = contest._beyond_deformed = lambda able: able  # type: ignore[method-assign]
+    contest.physical = contest._beyond_deformed = lambda able: able  # type: ignore[method-assign]
     assert contest._at_usual_levels(("power-bias",)) == ("diffraction",)
 
 

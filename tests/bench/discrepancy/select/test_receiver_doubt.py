@@ -1,0 +1,22 @@
+"""Intervals beside waveform effects are as wide as a receiver's own shift leaves them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.select.range_part import chosen_beside
+from bench.discrepancy.select.settings import DETECTION_M
+from bench.physics.effects.propagation.path_loss import PathLoss
+from tests.bench.discrepancy.select.test_range_part import search_of
+
+
+def test_a_constant_is_no_surer_than_what_a_receiver_adds_to_all_rows() -> None:
+    """What flattened rows show of a delay hardly has its mean, of which least is known."""
+    search = search_of(0.15)[1]
+    made = chosen_beside(search, (PathLoss(),)).unsure["antenna-delay"]
+    mean = made.columns.mean(axis=0)
+    both, alone = (np.sqrt(mean @ one @ mean) for one in (made.sets[0].covariance, made.alone))
+    assert both > 0.7 * DETECTION_M
+    assert alone < 0.5 * both
+    first = made.columns @ made.sets[0].factors
+    assert abs(np.median(first) - 0.15) < 0.03
