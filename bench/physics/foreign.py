@@ -204,7 +204,7 @@ class ForeignTable:
         `peaks` [n] its highest magnitude.
         """
         batch = self.base.counted(batch)
-        batch = altered(batch, level_dbm=batch.level() + offset_db)
+        batch = altered(batch, level_dbm=batch.level() + offset_db, nominal_symbols=batch.symbols)
         recorded = batch.rows.number("noise_std", np.nan)
         power = 2 * (recorded / RAYLEIGH_STD) ** 2
         power = np.where(np.isfinite(power), power, there(batch.noise_power))

@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
+from bench.physics.own_noise import with_own_noise
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats, amplitude, scaled, squared
 
@@ -62,7 +63,10 @@ class LevelControl(Effect):
         peak = np.sqrt(np.max(squared(batch.waveform), axis=1)) * signal
         signal *= np.minimum(1, np.float32(self.peak_counts) / np.maximum(peak, 1e-9))
         noise = scaled(batch.noise, np.sqrt(longer).astype(np.float32))
-        return altered(made, waveform=scaled(batch.waveform, signal), noise=noise)
+        waveform = scaled(batch.waveform, signal)
+        if batch.as_given and power is not None:  # noise is in a table's samples: no gain moves it
+            waveform = with_own_noise(waveform, signal / np.sqrt(longer), power)
+        return altered(made, waveform=waveform, noise=noise)
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it as seen in the samples, in half, and in the reported level alone."""
