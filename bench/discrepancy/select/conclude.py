@@ -327,7 +327,8 @@ def left_out(
     others = without(added, turn.added) if turn.added else added
     guard = Guard()
     sizes = guard.safely("intervals", intervals_of, ())
-    intervals = sizes(search.comparison, search.sharpest, others, effect)
+    view = search.fitted_on(effect)
+    intervals = sizes(search.comparison, view, others, effect)
     rows = guard.safely("size of scatter", told_by_rows, intervals)
     intervals = rows(search, others, effect, intervals)
     lines = guard.safely("slope of levels", told_by_links, intervals)
@@ -337,7 +338,7 @@ def left_out(
     if effect.physics in search.choice.unsure:
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]
-        intervals = doubted(search.comparison, search.sharpest, others, effect, intervals, unsure)
+        intervals = doubted(search.comparison, view, others, effect, intervals, unsure)
     known = guard.safely("value in a log", read_off, None)(search, effect)
     intervals = tuple(known if known and one.name == known.name else one for one in intervals)
     unknown = Control(type(effect).control, None)

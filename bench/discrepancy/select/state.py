@@ -57,6 +57,13 @@ class Search:
         """The rows that the final parameters are fitted on."""
         return self.fit if self.work is None else self.work
 
+    def fitted_on(self, effect: Effect) -> View:
+        """Return the rows that an effect was fitted on: of a set of causes all that were weighed.
+
+        Beside waveforms these are more than those of all other effects.
+        """
+        return self.both if effect.physics in self.choice.names else self.sharpest
+
     @property
     def searched(self) -> View:
         """The rows that are searched: both views where scores are those of both (see `explain`)."""
