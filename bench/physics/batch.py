@@ -95,9 +95,14 @@ class Batch:
         """Return the true receive level [n] in dBm, at whatever stage the batch is."""
         return self.path_power_dbm() if self.level_dbm is None else self.level_dbm
 
-    def steadier(self, power: Floats) -> Batch:
-        """Return the batch with noise of constant magnitude, of `power` [n], beside the other."""
+    def steadier(self, power: Floats, logged: bool = True) -> Batch:
+        """Return the batch with noise of constant magnitude, of `power` [n], beside the other.
+
+        Not `logged`: a log of noise tells power, which is as large as that of any noise.
+        """
         whole = None if self.noise_power is None else self.noise_power + power
+        if not logged:
+            return altered(self, noise_power=whole)
         steady = power if self.steady_power is None else self.steady_power + power
         return altered(self, noise_power=whole, steady_power=steady if self.as_given else None)
 

@@ -33,6 +33,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Moments, Statistics
 from bench.physics.effect import Effect, Parameter
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | Non
     begun = fitted(given, effects)
     if begun is None or not len(shares(effects)):
         return begun
-    best = _in_rounds(given, begun, steps, ())
+    best = _as_logged(given, _in_rounds(given, begun, steps, ()), steps)
     held = [place for place, rare in enumerate(_seldom(effects)) if rare]
     if not shares(best.effects)[held].any():
         return best
@@ -128,6 +129,26 @@ def likeliest(given: Statistics, tries: Sequence[Added]) -> Fit | None:
         able = [fit.effects for fit in known[:STARTED]]
     made = [fit for fit in (polished(given, one) for one in able) if fit]
     return max(made, key=lambda fit: fit.nats, default=None)
+
+
+def _as_logged(given: Statistics, fit: Fit, steps: int) -> Fit:
+    """Return a set whose tone is logged by its power where a table shows that, else as it is.
+
+    What another tool's noise is of, nobody told: of its power a tone raises as much as noise does.
+    """
+    if given.by_rows or NarrowbandInterference.name not in fit.names:
+        return fit
+    other = fitted(given, tuple(map(other_log, fit.effects)))
+    if other is None or other.nats <= fit.nats:
+        return fit
+    return _in_rounds(given, other, steps, ())
+
+
+def other_log(effect: Effect) -> Effect:
+    """Return a tone that a table logs in the other way; other effects as they are."""
+    if not isinstance(effect, NarrowbandInterference):
+        return effect
+    return replace(effect, power_logged=1.0 - effect.power_logged)
 
 
 def _seldom(effects: Added) -> list[bool]:

@@ -20,7 +20,8 @@ class NarrowbandInterference(Effect):
 
     Its level is `level_db` over the noise, with a spread of `fading_db` from row to row (5.6 dB is
     that of a Rayleigh channel), its frequency lies `offset_mhz` beside the carrier, its phase is
-    random; it is on in `share` of the rows.
+    random; it is on in `share` of the rows. The noise that the DW1000 logs is its scatter, which a
+    tone hardly raises; another tool's table may have its power (`power_logged`).
     """
 
     name = "narrowband-interference"
@@ -38,6 +39,9 @@ class NarrowbandInterference(Effect):
     fading_db: float = parameter(5.6, "dB", 0, 12, "std of the level over rows")
     offset_mhz: float = parameter(80, "MHz", -250, 250, "from the carrier")
     share: float = parameter(1, "ratio", 0, 1, "of the rows", null=0)
+    power_logged: float = parameter(
+        0, "0 or 1", 0, 1, "whether a table's noise_std is of power, not of scatter", fitted=False
+    )
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Add the tone to the noise of the struck rows."""
@@ -49,7 +53,7 @@ class NarrowbandInterference(Effect):
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
         tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
         noise = (batch.noise + size[:, None] * tone).astype(np.complex64)
-        return altered(batch, noise=noise).steadier(size**2)
+        return altered(batch, noise=noise).steadier(size**2, not self.power_logged)
 
     def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
         return np.asarray(draws.uniform(rows) < self.share)
