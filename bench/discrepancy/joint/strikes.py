@@ -189,10 +189,10 @@ def told(alike: Sequence[Found], seen: float) -> Sequence[Found]:
 def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
-    Some are struck and more are not, nothing known tells which, their ranges are longer than in
-    `made`, which nothing struck, and those of all their rows. What stands in the way stands near
-    some device, so devices may tell a little; all that is known may where straight paths are seen
-    (`seen` nats), for something stands there.
+    Some are struck and more are not, nothing known tells which nor which read long, their ranges
+    are longer than in `made`, which nothing struck, and those of all their rows. What stands in the
+    way stands near some device, so devices may tell a little; all that is known may where straight
+    paths are seen (`seen` nats), for something stands there.
     """
     struck, able = found.struck, ~found.mixture.inert
     if not found.divides:
@@ -203,8 +203,32 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
     known = np.isfinite(offset_m)
     longer = is_longer(offset_m[known], struck[known])
-    short = longer and as_often_short(offset_m[known], struck[known])
-    return longer and not short and not told_which(given, struck, able, seen > CLASS_NATS)
+    if not longer or as_often_short(offset_m[known], struck[known]):
+        return False
+    long = read_long(offset_m, struck)
+    return not told_of_both(given, struck, long, able, seen > CLASS_NATS)
+
+
+def told_of_both(
+    given: Statistics,
+    struck: NDArray[np.bool_],
+    long: NDArray[np.bool_],
+    able: NDArray[np.bool_],
+    seen: bool,
+) -> bool:
+    """Return whether what is known tells which links are struck, and which read long [L] too."""
+    return all(told_which(given, which, able, seen) for which in (struck, long))
+
+
+def read_long(offset_m: Floats, struck: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which links [L] read longer than the spared ones scatter, struck or not.
+
+    Waveforms find some of the struck ones sooner than others, as what is weak anyway by what else
+    stands there, and that is known; ranges tell of all which they are.
+    """
+    calm = offset_m[~struck & np.isfinite(offset_m)]
+    wide = MAD_TO_STD * float(np.median(np.abs(calm - np.median(calm))))
+    return np.asarray(offset_m > np.median(calm) + max(LONGER_M, STRAY_LINK_STD * wide))
 
 
 def told_which(

@@ -24,8 +24,10 @@ from bench.discrepancy.joint.strikes import (
     is_longer,
     least_nats,
     predicted,
+    read_long,
     strike_beside,
     told,
+    told_of_both,
     told_which,
 )
 from bench.discrepancy.select.link_mixture import Strike
@@ -222,3 +224,20 @@ def test_struck_links_may_gather_at_a_device_but_not_over_what_else_is_known() -
     assert told_which(given, device > 0, every, False)
     far = np.isin(np.arange(80), [79, 77, 75, 73, 71, 66, 61, 55, 50, 45, 33])
     assert told_which(given, far, every, False)
+
+
+def test_what_tells_which_struck_links_are_found_sooner_does_not_tell_which_are_struck() -> None:
+    rng = np.random.default_rng(5)
+    metal, hit = (
+        np.arange(80) % 5 == 0,
+        np.arange(80) % 4 == 0,
+    )  # struck whether behind metal or not
+    offset = np.where(hit, 0.4, 0.0) + 0.01 * rng.standard_normal(80)
+    found = hit & (metal | (np.arange(80) % 16 == 0))
+    known = metal[:, None].astype(np.float64)
+    given = SimpleNamespace(known=known, devices=np.zeros((80, 0)))
+    every = np.ones(80, bool)
+    long = read_long(offset, found)
+    np.testing.assert_array_equal(long, hit)
+    assert told_of_both(given, metal, metal, every, False)
+    assert not told_of_both(given, metal, long, every, False)
