@@ -57,7 +57,7 @@ def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, flo
     least = evidence.of(causes).nats - RIVAL_NATS * contest.crowding
     out = {}
     for one in sorted(contest.library - set(causes)):
-        nats, constant_m = _with_constant(contest, evidence, (*rest, one))
+        nats, constant_m = with_constant(contest, evidence, (*rest, one))
         if nats > least and contest.possible((*rest, one), one):
             out[one] = constant_m
     return out
@@ -73,16 +73,16 @@ def delays_and_more(contest: Contest, causes: Set, others: Set) -> dict[str, flo
     if AntennaDelay.name not in causes:
         return {}
     rest, least = but(causes, AntennaDelay.name), RIVAL_NATS * contest.crowding
-    plain = _with_constant(contest, contest.evidence, rest)[0]
+    plain = with_constant(contest, contest.evidence, rest)[0]
     out = {}
     for one in sorted(set(others) & contest.library):
-        nats, constant_m = _with_constant(contest, contest.evidence, (*rest, one))
+        nats, constant_m = with_constant(contest, contest.evidence, (*rest, one))
         if nats - least > plain and nats + least > contest.evidence.of((*rest, one)).nats:
             out[one] = constant_m
     return out
 
 
-def _with_constant(contest: Contest, evidence: Evidence, causes: Set) -> tuple[float, float]:
+def with_constant(contest: Contest, evidence: Evidence, causes: Set) -> tuple[float, float]:
     """Return the log evidence of a set beside a constant, and that constant in metres."""
     column = contest.seen(np.full((len(contest.known), 1), COMMON_M))
     blocks = {one: evidence.blocks[one] for one in causes}

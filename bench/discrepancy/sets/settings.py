@@ -60,6 +60,8 @@ SAME_SHAPE: Final = 1e-6  # of a law's square, that a name cannot do: rounding [
 MISTAKEN_NATS: Final = 12.0  # that a law over a column that was set aside must bring beside a set;
 # in the place of a name as one over what it is about, `FORM_NATS` [sets]
 AS_SIMULATED: Final = (0.7, 1.8)  # of the simulated variance, what is left then [convention]
+CALIBRATED_SHARE: Final = 0.25  # of a constant, that ranges may have in the mean where it is what a
+# calibration took off: by chance one in four at most [convention]
 HUMP_STEPS: Final = 60  # of expectation and maximisation, of two humps of ranges [cost]
 SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a centre [derived]
 LEAST_SHARE: Final = 0.01  # of belief, that a set is asked for what else a name may do [cost]
