@@ -18,16 +18,16 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "manege"), ("CIR", "cannery"), ("ranges again", "crag"), ("CIR again", "hangar"),
-    ("ranges", "quay"), ("CIR", "bakery"), ("ranges again", "manege"), ("CIR again", "garage"),
-    ("ranges", "signalbox"), ("CIR", "manege"), ("ranges again", "foundry"), ("CIR again", "pool"),
-    ("ranges", "hangar"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "manege"),
-    ("ranges", "chairlift"), ("CIR", "tannery"), ("ranges again", "manege"),
-    ("CIR again", "glasshouse"), ("ranges", "harbour"), ("CIR", "atrium"),
-    ("ranges again", "quarry"), ("CIR again", "belfry"), ("ranges", "manege"), ("CIR", "vineyard"),
+    ("ranges", "opera"), ("CIR", "cannery"), ("ranges again", "crag"), ("CIR again", "manege"),
+    ("ranges", "quay"), ("CIR", "bakery"), ("ranges again", "opera"), ("CIR again", "garage"),
+    ("ranges", "signalbox"), ("CIR", "opera"), ("ranges again", "foundry"), ("CIR again", "pool"),
+    ("ranges", "hangar"), ("CIR", "tunnel"), ("ranges again", "market"), ("CIR again", "opera"),
+    ("ranges", "chairlift"), ("CIR", "tannery"), ("ranges again", "opera"),
+    ("CIR again", "glasshouse"), ("ranges", "harbour"), ("CIR", "manege"),
+    ("ranges again", "quarry"), ("CIR again", "belfry"), ("ranges", "opera"), ("CIR", "vineyard"),
     ("ranges again", "brewery"), ("CIR again", "fairground"), ("ranges", "orchard"),
     ("CIR", "stacks"), ("ranges again", "atrium"), ("CIR again", "rink"), ("ranges", "ferry"),
-    ("CIR", "manege"), ("ranges again", "cowshed"), ("CIR again", "manege"),
+    ("CIR", "opera"), ("ranges again", "cowshed"), ("CIR again", "opera"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
@@ -36,13 +36,13 @@ COARSE = (
     "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("manege",)
+KEPT = ("opera",)
 """What was written last."""
 WITH_WAVES = (
     "harbour", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
     "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag", "chairlift",
-    "atrium", "hangar", "manege",
+    "atrium", "hangar", "manege", "opera",
 )  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 
