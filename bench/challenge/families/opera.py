@@ -40,7 +40,7 @@ OF_ROWS: Integers = np.repeat(np.arange(1, 13), [12, 11, 11, 10, 10, 9, 9, 8, 8,
 """How many rows links have."""
 STILL = 5  # cues whose tag hangs or stands
 ROUND_S, SLOT_S, LOST = 0.28, 0.019, 0.16  # of rounds; of cleats in these; of rounds, a share
-SHARES, STEEL = {False: 0.24, True: 0.09}, {False: 0.16, True: 0.05}  # of links
+SHARES, STEEL = {False: 0.19, True: 0.08}, {False: 0.16, True: 0.05}  # of links
 KNOWN = tuple(name for name in EFFECTS if name not in LAWS)
 CAUSES = {
     "time-lag": "time_s",
@@ -64,7 +64,7 @@ CAUSES = {
 RARELY = ("blocked-path", "diffraction")
 IN_THE_END = ("varas-from-one-cleat", "range-rounding")
 """What becomes of ranges after all else, in this order."""
-SUMS, GRAIN = 124.0, 5.2  # symbols that are summed; counts of noise for each root of one
+SUMS, GRAIN = 124.0, 6.6  # symbols that are summed; counts of noise for each root of one
 OWN_DB: Floats = np.random.default_rng(1502).triangular(-1.6, 0.0, 1.6, CLEATS)
 
 
@@ -198,7 +198,7 @@ def _ahead(there: Floats, course: dict[str, Floats]) -> Floats:
 def _hear(rng: np.random.Generator, middle: Floats, count: int) -> Integers:
     """Return which cleats range a tag [count]: by lots, in which near ones do better."""
     far = np.linalg.norm(CLEATS_M - middle, axis=1)
-    return np.asarray(np.argsort(far + rng.gumbel(0.0, 5.0, CLEATS))[:count], np.int64)
+    return np.asarray(np.argsort(far + rng.gumbel(0.0, 8.0, CLEATS))[:count], np.int64)
 
 
 def _logged(rng: np.random.Generator, there: Floats, begin_s: float) -> dict[str, Floats]:
@@ -257,7 +257,7 @@ def summed(rows: pd.DataFrame, rng: np.random.Generator) -> tuple[Floats, Floats
 def _told(rows: pd.DataFrame, rng: np.random.Generator, scatter: float) -> pd.DataFrame:
     """Return the table with the opera's own ranges and levels: a logistic law, wider where weak."""
     level = on_stage(rows, rng)
-    wide = 0.0058 * (1 + 10 ** ((-89.0 - level) / 12))
+    wide = 0.0069 * (1 + 10 ** ((-89.0 - level) / 12))
     error = scatter * wide * rng.logistic(size=len(rows))
     symbols, noise = summed(rows, rng)
     level = level + rng.normal(0.0, 0.28, len(rows))

@@ -63,7 +63,7 @@ def first_tops(size: Floats, sigma: Floats, deaf: float) -> Integers:
     """
     rows, largest = np.arange(len(size)), size[:, :-4].argmax(axis=1)
     most = size[rows, largest]
-    asked = np.maximum(CLEAR * sigma, OF_MOST * most) * (1 + 2.6 * deaf)
+    asked = np.maximum(CLEAR * sigma, OF_MOST * most) * (1 + 4.2 * deaf)
     seen = size >= np.minimum(asked, 0.8 * most)[:, None]
     summit = np.ones_like(seen)
     summit[:, 1:] &= size[:, 1:] >= size[:, :-1]

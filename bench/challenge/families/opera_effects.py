@@ -275,13 +275,13 @@ def _hung(cue: Cue, cleats_m: Floats) -> Change:
 
 def _caught(cue: Cue, strength: float) -> Change:
     there = CLEATS_M.copy()
-    there[6] += 0.43 * strength * np.array([-6.0, 2.0, -3.0]) / 7
+    there[1] += 0.43 * strength * np.array([6.0, 2.0, -3.0]) / 7
     return _hung(cue, there)
 
 
 def _mistaken(cue: Cue, _: float) -> Change:
     there = CLEATS_M.copy()
-    there[[2, 7]] = CLEATS_M[[7, 2]]
+    there[[0, 7]] = CLEATS_M[[7, 0]]
     return _hung(cue, there)
 
 

@@ -57,8 +57,8 @@ LAWS = {
     "revolve-slips": Law(),
     "rake-forgotten": Law(),
     "one-cleat-of-another-clock": Law(),
-    "cleat-caught-by-a-flat": Law(("position",), 0.43, "m", devices=("cleat6",)),
-    "cleats-of-two-sides-mistaken": Law(("swap",), devices=("cleat2", "cleat7")),
+    "cleat-caught-by-a-flat": Law(("position",), 0.43, "m", devices=("cleat1",)),
+    "cleats-of-two-sides-mistaken": Law(("swap",), devices=("cleat0", "cleat7")),
     "varas-from-one-cleat": Law(("unit",), 1 / VARA_M, "1", grows=False, devices=("cleat5",)),
 }
 """What nobody's library has."""

@@ -73,14 +73,14 @@ def _past_a_stack(console: Console, strength: float) -> None:
 
 
 def _few_rays(console: Console, strength: float) -> None:
-    """Fade by sums of squares of four normal parts, which last some samples (Nakagami, m = 2)."""
-    parts = [hiss(console.rng, console.count) for _ in range(2)]
-    kernel = np.array([0.5, 1.0, 0.5])
-    soft = [sum(kernel[k] * np.roll(one, k - 1, axis=1) for k in range(3)) / 1.5 for one in parts]
-    power = sum(np.abs(one) ** 2 for one in soft)
-    power = power / np.mean(power)
+    """Fade by sums of four squares, which last as long as a pulse does (Nakagami, m = 2)."""
+    bell = np.hanning(13)[1:-1]
+    power = np.zeros(console.wave.shape)
+    for one in (hiss(console.rng, console.count) for _ in range(2)):
+        soft = sum(weight * np.roll(one, k, axis=1) for k, weight in enumerate(bell))
+        power += np.abs(soft) ** 2
     mixed = min(0.42 * strength**0.7, 0.9)
-    by = np.sqrt(1 - mixed + mixed * power)
+    by = np.sqrt(1 - mixed + mixed * power / power.mean())
     console.wave = console.wave + console.arrived() * (by - 1)
 
 

@@ -128,13 +128,13 @@ def _on_stage(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> Comp
     Rails are where they are; how much each returns is by chance of links.
     """
     cue = Cue(rows, 0, rng)
-    portal = cue.through("metal") * cue.by_link(lambda n: rng.uniform(0.3, 0.8, n))
+    portal = cue.through("metal") * cue.by_link(lambda n: rng.uniform(0.3, 0.85, n))
     wave = (1 - portal)[:, None] * _at_some_phase(rng, top)
     legs = [np.linalg.norm(end[:, None] - RAILS_M, axis=2) for end in (cue.at, cue.post)]
     late = (legs[0] + legs[1] - cue.way[:, None]) / METRES
     for rail in range(len(RAILS_M)):
         samples = late[:, rail].clip(4.4, 160.0)
-        size = 0.34 * np.exp(-samples / 32.0)
+        size = 0.38 * np.exp(-samples / 32.0)
         size = size * cue.by_link(lambda n: rng.gamma(1.6, 0.6, n).clip(max=2.6))
         wave += size[:, None] * _at_some_phase(rng, top + samples)
     since = np.clip(PLACES - top[:, None] - 3.0, 0.0, None)

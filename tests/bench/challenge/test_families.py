@@ -30,7 +30,7 @@ WITH_BOTH = (
     "harbour", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
     "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag",
-    "chairlift", "atrium", "hangar", "manege",
+    "chairlift", "atrium", "hangar", "manege", "opera",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
