@@ -64,7 +64,7 @@ CAUSES = {
 RARELY = ("blocked-path", "diffraction")
 IN_THE_END = ("varas-from-one-cleat", "range-rounding")
 """What becomes of ranges after all else, in this order."""
-SUMS, GRAIN = 124.0, 6.6  # symbols that are summed; counts of noise for each root of one
+SUMS, GRAIN = 124.0, 5.8  # symbols that are summed; counts of noise for each root of one
 OWN_DB: Floats = np.random.default_rng(1502).triangular(-1.6, 0.0, 1.6, CLEATS)
 
 

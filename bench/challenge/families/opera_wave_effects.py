@@ -79,7 +79,7 @@ def _few_rays(console: Console, strength: float) -> None:
     for one in (hiss(console.rng, console.count) for _ in range(2)):
         soft = sum(weight * np.roll(one, k, axis=1) for k, weight in enumerate(bell))
         power += np.abs(soft) ** 2
-    mixed = min(0.42 * strength**0.7, 0.9)
+    mixed = min(0.6 * strength**0.6, 0.9)
     by = np.sqrt(1 - mixed + mixed * power / power.mean())
     console.wave = console.wave + console.arrived() * (by - 1)
 
@@ -161,7 +161,7 @@ def _eights(console: Console, strength: float) -> None:
     eights = np.sort(size[:, :whole].reshape(console.count, -1, 8), axis=2)
     ordered = size.copy()
     ordered[:, :whole] = eights.reshape(console.count, whole)
-    _odd(console, ordered, min(0.9 * strength, 1.0))
+    _odd(console, ordered, min(1.2 * strength, 1.0))
 
 
 def _mantissas(console: Console, strength: float) -> None:
@@ -179,7 +179,7 @@ def _equalised(console: Console, strength: float) -> None:
     ranks = sum((wide[:, k : k + WIDE_SAMPLES] < size).astype(np.float64) for k in range(17)) / 16
     late = console.after(FROM)
     usual = np.sqrt((late * size**2).sum(axis=1) / late.sum(axis=1))[:, None]
-    _odd(console, 2.0 * usual * ranks, min(0.9 * strength, 1.0))
+    _odd(console, 2.0 * usual * ranks, min(1.2 * strength, 1.0))
 
 
 ON_STAGE: dict[str, Callable[[Console, float], None]] = {

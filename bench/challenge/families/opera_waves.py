@@ -106,7 +106,7 @@ def received(rows: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
     sigma, full = noise / OF_SIZES, symbols * 10 ** (FULL_DB / 20)
     wave = full[:, None] * _on_stage(rows, top, rng) + sigma[:, None] * hiss(rng, len(rows))
     edge = edges(wave, sigma)
-    error = METRES * (edge + RISE - top) + rng.normal(0.0, 0.007, len(rows))
+    error = METRES * (edge + RISE - top) + rng.normal(0.0, 0.012, len(rows))
     level, first = in_db(wave, edge, sigma) - 20 * np.log10(full)
     return rows.assign(
         error_m=error,
@@ -128,7 +128,7 @@ def _on_stage(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> Comp
     Rails are where they are; how much each returns is by chance of links.
     """
     cue = Cue(rows, 0, rng)
-    portal = cue.through("metal") * cue.by_link(lambda n: rng.uniform(0.3, 0.85, n))
+    portal = cue.through("metal") * cue.by_link(lambda n: rng.uniform(0.3, 0.76, n))
     wave = (1 - portal)[:, None] * _at_some_phase(rng, top)
     legs = [np.linalg.norm(end[:, None] - RAILS_M, axis=2) for end in (cue.at, cue.post)]
     late = (legs[0] + legs[1] - cue.way[:, None]) / METRES
