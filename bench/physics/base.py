@@ -137,7 +137,7 @@ class Base:
         noise_level = RAYLEIGH_STD * np.sqrt(noise_power / 2)
         threshold = there(batch.threshold) * np.maximum(noise_level, 1e-9)
         timed = batch.peak_fraction * highest
-        found = first_path(magnitude, np.maximum(threshold, timed), timed)
+        found = first_path(magnitude, np.maximum(threshold, timed), timed, batch.begin)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = there(batch.symbols)
         energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)

@@ -40,7 +40,8 @@ class Batch:
     `noise_power` [n] is the mean |noise|^2 of one sample, `steady_power` [n] what tones and offsets
     hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
     table, with its noise in it; `noise` holds only what effects add. `peak_held`: it was scaled
-    to a height that no gain changes.
+    to a height that no gain changes. `begin` [n]: the sample before which the table's own detector
+    finds no path (None: it looks at all).
     Ranging: `magnitude` [n, S] of signal and noise, `first_path` [n] (samples from sample 0),
     `range_m` [n], the chip's `rx_power_dbm` and `first_path_power_dbm` [n], `noise_std` [n] counts.
     `clock_offset_ppm` [n] where known.
@@ -65,6 +66,7 @@ class Batch:
     reported_db: Floats | None = None
     threshold: Floats | None = None
     peak_fraction: float = 0.0
+    begin: Floats | None = None
     noise_power: Floats | None = None
     steady_power: Floats | None = None
     as_given: bool = False

@@ -31,6 +31,7 @@ from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
 from bench.physics.own_noise import with_own_noise
+from bench.physics.passed_over import begins
 from bench.physics.pipeline import Change, Pipeline
 from bench.physics.pulse import peak
 from bench.physics.randomness import BLOCK, Draws
@@ -138,8 +139,8 @@ class ForeignTable:
         """Return what receives rows of which this arrives without effects."""
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        peaks, edge = self._peaks[part], arriving.free_gain
-        return partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks)
+        peaks, edge, begin = self._peaks[part], arriving.free_gain, self._begin[part]
+        return partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks, begin=begin)
 
     def arriving(self, part: slice, phased: bool = False) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
@@ -172,6 +173,15 @@ class ForeignTable:
         level, noise = (self.rows.number(n, np.nan) for n in ("rx_power_dbm", "noise_std"))
         return ScaledPeaks.of(self._peaks, level, noise)
 
+    @cached_property
+    def _begin(self) -> Floats:
+        """The sample of every CIR [n] before which the table's own detector finds no path."""
+        if self.cir is None:
+            return np.zeros(len(self.rows))
+        batch = self.base.counted(self.base.paths(self.rows))
+        noise = RAYLEIGH_STD * np.sqrt(_noise_power(batch) / 2)
+        return begins(absolute(self.cir), there(batch.threshold) * noise, self._index(self.rows))
+
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
 
@@ -196,18 +206,22 @@ class ForeignTable:
         return rows.number("first_path_index", float(self.base.cir_lead))
 
     def _received(
-        self, batch: Batch, offset_db: Floats, edge: Complexes | None, peaks: Floats
+        self,
+        batch: Batch,
+        offset_db: Floats,
+        edge: Complexes | None,
+        peaks: Floats,
+        begin: Floats,
     ) -> Batch:
         """Return the batch at the receiver: its own samples, no noise but its own.
 
         `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge,
-        `peaks` [n] its highest magnitude.
+        `peaks` [n] its highest magnitude, `begin` [n] where the first path is looked for.
         """
         batch = self.base.counted(batch)
-        batch = altered(batch, level_dbm=batch.level() + offset_db, nominal_symbols=batch.symbols)
-        recorded = batch.rows.number("noise_std", np.nan)
-        power = 2 * (recorded / RAYLEIGH_STD) ** 2
-        power = np.where(np.isfinite(power), power, there(batch.noise_power))
+        level = batch.level() + offset_db
+        batch = altered(batch, level_dbm=level, nominal_symbols=batch.symbols, begin=begin)
+        power = _noise_power(batch)
         batch = altered(batch, noise_power=power, as_given=True)
         if not batch.tail_fwhm:
             return batch
@@ -257,6 +271,12 @@ class ForeignTable:
         if changed.first_path is None or plain.first_path is None:
             return None
         return self._index(changed.rows) + changed.first_path - plain.first_path
+
+
+def _noise_power(batch: Batch) -> Floats:
+    """Return mean |noise|^2 [n] in counts^2: as the table tells it, else the base's."""
+    power = 2 * (batch.rows.number("noise_std", np.nan) / RAYLEIGH_STD) ** 2
+    return np.asarray(np.where(np.isfinite(power), power, there(batch.noise_power)))
 
 
 def check_on_tables(effects: Sequence[Effect]) -> None:

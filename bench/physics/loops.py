@@ -151,21 +151,25 @@ def magnitude_rows(made: Reals, signal: Parts, noise: Parts, sums: Floats) -> No
         sums[row, 0], sums[row, 1], sums[row, 2], sums[row, 3] = energy, np.sqrt(top), total, power
 
 
-def edge_rows(found: Floats, magnitude: Reals, limit: Floats, timed: Floats, climb: int) -> None:
+def edge_rows(
+    found: Floats, magnitude: Reals, limit: Floats, timed: Floats, begin: Ints, climb: int
+) -> None:
     """Write to `found` [n] where the first edge of `magnitude` [n, S] above `limit` [n] rises.
 
     In samples: at half of its peak, which lies at most `climb` samples behind the crossing; of the
-    strongest sample where nothing is above. Not below `timed` [n], as far as its peak reaches.
+    strongest sample where nothing is above. Not below `timed` [n], as far as its peak reaches. What
+    lies before sample `begin` [n] is not looked at.
     """
     last = magnitude.shape[1] - 1
     for row in range(magnitude.shape[0]):
         size, top = magnitude[row], -1
-        for at in range(last + 1):
+        start = min(max(begin[row], 0), last)
+        for at in range(start, last + 1):
             if size[at] > limit[row]:
                 top = at
                 break
         if top < 0:
-            top = int(np.argmax(size))
+            top = start + int(np.argmax(size[start:]))
         for _ in range(climb):
             ahead = min(top + 1, last)
             top = ahead if size[ahead] > size[top] else top
