@@ -36,11 +36,6 @@ class Comb:
     origin_m: float
     coherence: float
 
-    def nearest(self, range_m: Floats, lean: float = 0.0) -> Floats:
-        """Return the grid's nearest points to ranges [n] moved by `lean` steps."""
-        number = np.rint((range_m - self.origin_m) / self.step_m + lean)
-        return np.asarray(number * self.step_m + self.origin_m)
-
 
 def comb(measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]) -> Comb | None:
     """Return the grid that measured ranges [n] lie on and plain ones [n] do not, None without one.

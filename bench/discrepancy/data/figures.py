@@ -18,13 +18,13 @@ from bench.discrepancy.data.settings import (
     TEMPERATURES_C,
 )
 from bench.errors import BenchError
+from bench.recordings.clean import LEVEL_COLUMNS
 
-LEVELS: Final = ("rx_power_dbm", "first_path_power_dbm")
 MEDIANS: Final = {
     "reply_time_s": ((0.0, LONGEST_REPLY_S), "s", "seconds (milli- or microseconds?)"),
     "time_s": ((-LATEST_S, LATEST_S), "s", "seconds (milli- or nanoseconds?)"),
     "temperature_c": (TEMPERATURES_C, "degC", "degrees Celsius (kelvin?)"),
-    **dict.fromkeys(LEVELS, ((FAINTEST_DBM, LOUDEST_DBM), "dBm", "dBm (another unit?)")),
+    **dict.fromkeys(LEVEL_COLUMNS, ((FAINTEST_DBM, LOUDEST_DBM), "dBm", "dBm (another unit?)")),
 }  # column: what its median lies in, the unit, what is expected
 
 
@@ -59,7 +59,7 @@ def _check_largest(frame: pd.DataFrame, source: str) -> None:
 
 def _check_levels(frame: pd.DataFrame, source: str) -> None:
     """Raise where levels are above any that a UWB receiver gets: no dBm, or their sign was lost."""
-    for name in LEVELS:
+    for name in LEVEL_COLUMNS:
         values = numeric(frame, name)
         known = values[np.isfinite(values)]
         if len(known) and (known.min() > 0 or np.median(known) > LOUDEST_DBM):

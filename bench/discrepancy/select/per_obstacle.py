@@ -31,8 +31,7 @@ def told_by_obstacles(search: Search, others: Added, effect: Effect, fitted: Tol
     that acts by kind on tables of ranges. `fitted` are the intervals of its parameters, which stay.
     """
     rows = search.sharpest
-    counts = _counts(rows)
-    if not type(effect).by_kind or rows.waveform or not counts:
+    if not type(effect).by_kind or rows.waveform or not (counts := _counts(rows)):
         return fitted
     made = search.comparison.ensemble(rows, others, FIT_MEMBERS, SEARCH_FIRST)
     left = made.first(search.comparison.distinct(rows)).residual_of(RANGE)

@@ -94,13 +94,12 @@ class DeviceClock(Effect):
     def at(self, device: str, time_s: float) -> float:
         """Return the offset of a device at a time in ppm, with its drift and its wander."""
         number = self.devices.index(device)
-        drift = self.drifts_ppm_per_hour[number]
-        knots, values = self.knots_s[number] if self.knots_s else (), self.wander_ppm
-        wander = 0.0
-        if knots:
-            curve = np.array(knots), np.array(values[number])
-            wander = float(bridge(np.array([time_s]), *curve, self.settle_s)[0][0])
-        return self.offsets_ppm[number] + (time_s - self.reference_s) / 3600 * drift + wander
+        hours = (time_s - self.reference_s) / 3600
+        steady = self.offsets_ppm[number] + hours * self.drifts_ppm_per_hour[number]
+        if not self.knots_s or not self.knots_s[number]:
+            return steady
+        curve = np.array(self.knots_s[number]), np.array(self.wander_ppm[number])
+        return steady + float(bridge(np.array([time_s]), *curve, self.settle_s)[0][0])
 
     def uncertainty_ppm(self, rows: Scene) -> Floats:
         """Return the standard deviation of the offset [n]: what the wander leaves open.
