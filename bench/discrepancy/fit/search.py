@@ -24,6 +24,7 @@ from bench.discrepancy.fit.starts import (
     switched_off,
 )
 from bench.discrepancy.settings import (
+    BACKFIT_EVALUATIONS,
     EVALUATIONS,
     EVALUATIONS_PER_PARAMETER,
     FIRST_STEP_AT_NULL,
@@ -155,21 +156,46 @@ def refine(objective: Objective, start: Fitted, evaluations: int | None = None) 
 def plainer(objective: Objective, found: Fitted, price: float) -> Fitted:
     """Return the fit without what is off by default and gains less than a price in nats.
 
-    A warm-up that follows the scatter leaves no slope over the temperature determined.
+    A warm-up that follows the scatter leaves no slope over the temperature determined. What the
+    rest gains as it stands is asked first, as another search costs much; that comes once, at last.
     """
+    rough = False
     for item in (p for p in objective.free if p.null is not None and p.default == p.null):
         rest = tuple(p for p in objective.free if p is not item)
         if getattr(found.effect, item.name) == item.null or all(p.null is None for p in rest):
             continue
-        other = Objective(
-            objective.kind, objective.comparison, objective.view, objective.added, objective.base
-        )
-        other.free = rest
-        start = valued(objective.kind, {p.name: float(getattr(found.effect, p.name)) for p in rest})
-        made = refine(other, Fitted(start, other(vars(start)), 1))
+        other = _without(objective, rest)
+        made = _at(other, found.effect)
+        enough = made.gain > found.gain - price
+        made = made if enough else _nearby(other, made)
         if made.gain > found.gain - price:
-            objective, found = other, made
-    return found
+            objective, found, rough = other, made, enough
+    return refine(objective, found) if rough else found
+
+
+def _nearby(objective: Objective, start: Fitted) -> Fitted:
+    """Return the local optimum near a start that was one with a parameter more.
+
+    With waveforms every look costs a simulation, and the way from there is short.
+    """
+    if objective.view.waveform:
+        return _descended(objective, start, BACKFIT_EVALUATIONS)
+    return refine(objective, start)
+
+
+def _without(objective: Objective, rest: tuple[Parameter, ...]) -> Objective:
+    """Return the objective with the parameters `rest` alone free, the others as by default."""
+    made = Objective(
+        objective.kind, objective.comparison, objective.view, objective.added, objective.base
+    )
+    made.free = rest
+    return made
+
+
+def _at(objective: Objective, effect: Effect) -> Fitted:
+    """Return what an effect's values of the free parameters gain."""
+    start = valued(objective.kind, {p.name: float(getattr(effect, p.name)) for p in objective.free})
+    return Fitted(start, objective(vars(start)), 1)
 
 
 def pursue(objective: Objective, found: Fitted) -> Fitted:
