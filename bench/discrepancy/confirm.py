@@ -259,11 +259,11 @@ def headline(
 ) -> str:
     """Return one line: what was found, and whether it serves on the sealed links.
 
-    `more` is said of what has no name; `withheld` says why a name was not added; `changed` is what
-    has it now.
+    `more` is said of what has no name; `withheld` says what was not added, or not whole, and
+    why; `changed` is what has it now.
     """
     said = _found_and_change(verdicts, added, seen, more, changed)
-    kept = "".join(f" {name} was not added: {why}." for name, why in withheld.items())
+    kept = "".join(f" {name} {words}." for name, words in withheld.items())
     return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
 
 

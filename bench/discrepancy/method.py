@@ -16,6 +16,7 @@ from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.untimed import untimed
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confirm, headline
 from bench.discrepancy.counterpart import counted, covered
@@ -191,7 +192,7 @@ def diagnose(
     found, kept_more = unrefused(comparison, sealed, found, more, asked.seed)
     law = said.law if more == kept_more else None
     added = (*found.added, *kept_more)
-    confirmed = confirm(comparison, sealed, added, asked.seed)
+    confirmed = confirm(untimed(comparison, found.untimed), sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None
     mix = comparison.mix(search.discover) if isinstance(comparison, TableComparison) else {}
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name

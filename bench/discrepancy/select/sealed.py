@@ -11,6 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
 from bench.discrepancy.select.guard import Guard
@@ -19,6 +21,8 @@ from bench.discrepancy.select.state import Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
 from bench.discrepancy.settings import ALL_SPARED
 from bench.physics.effect import Effect
+
+NOT_ADDED = "was not added"
 
 
 def unrefused(
@@ -29,8 +33,9 @@ def unrefused(
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
     few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
-    here too: what it does to ranges depends on a receiver's detector. And so does what has nothing
-    to act on there (no metal stands in any sealed link), of which they tell nothing.
+    here too: what it does to ranges depends on a receiver's detector (see `_untimed`). And so does
+    what has nothing to act on there (no metal stands in any sealed link), of which they tell
+    nothing.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -54,8 +59,35 @@ def unrefused(
         sure = _surely_better(found.verdicts)
         held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
     said = _taken_back(found, gone, sealed, held)
-    words = {e.physics: _why(change((e,))) for e in gone if any(e.physics in v for v in said.names)}
-    return replace(said, withheld=words), tuple(e for e in more if e.name in names)
+    stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
+    able = tuple(e for e in stay if _better_waves(e, change((e,))))
+    apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
+    words = {e.physics: f"{_how(e, apart)}: {_why(change((e,)))}" for e in stay}
+    back = {e.name for e in said.added} | {e.name for e in stay if e.physics in apart}
+    held_on = tuple(e for e in found.added if e.name in back)
+    said = replace(said, added=held_on, withheld=words, untimed=apart)
+    return said, tuple(e for e in more if e.name in names)
+
+
+def _how(effect: Effect, apart: tuple[str, ...]) -> str:
+    """Return in words how much of an effect the simulator does not have."""
+    return "was added without what it does to ranges" if effect.physics in apart else NOT_ADDED
+
+
+def _untimed(
+    comparison: Comparison, sealed: View, kept: Added, able: Added, seed: int
+) -> tuple[str, ...]:
+    """Return the names of effects that serve beside those `kept` if they leave ranges alone.
+
+    All `able` make waveforms better and are refused for their ranges. In a table of another
+    simulator's alone: no simulator's file can say so.
+    """
+    names = tuple(effect.physics for effect in able)
+    if not (able and isinstance(comparison, TableComparison)):
+        return ()
+    step = Guard().safely("effects on waveforms alone", served, None)
+    found = step(Untimed(comparison, names), sealed, (*kept, *able), seed)
+    return names if found is not None and found.serves else ()
 
 
 def _why(alone: Served | None) -> str:

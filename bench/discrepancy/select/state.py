@@ -128,9 +128,10 @@ class Selection:
     """Verdicts with the effects to add (`added`), and how the search went.
 
     `together`: the names that were weighed as a set (see `bench.discrepancy.sets`). `mistaken`:
-    columns that were set aside as measured, but are not. `withheld`: names that were not added,
-    and why. `logged`: effects that logs of the receiver show. `tied`: names that do as well as a
-    fault of the set-up that is said in their place.
+    columns that were set aside as measured, but are not. `withheld`: names that were not added, or
+    not whole, and why; `untimed`: those that leave ranges as they are. `logged`: effects that logs
+    of the receiver show. `tied`: names that do as well as a fault of the set-up that is said in
+    their place.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -142,6 +143,7 @@ class Selection:
     withheld: Mapping[str, str] = field(default_factory=dict)
     logged: Added = ()
     tied: tuple[str, ...] = ()
+    untimed: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

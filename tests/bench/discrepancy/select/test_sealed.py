@@ -12,7 +12,10 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.confirm import Served, headline, is_farther, served
+from bench.discrepancy.data.observables import Window
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
@@ -144,6 +147,28 @@ def test_a_detector_does_not_take_the_name_of_what_waveforms_bear_out(
     assert bool(made.names) is said
 
 
+@pytest.mark.parametrize(("gain", "stays"), [(1.0, True), (-1.0, False)])
+def test_in_a_table_waveforms_keep_an_effect_whose_ranges_are_refused(
+    monkeypatch: pytest.MonkeyPatch, gain: float, stays: bool
+) -> None:
+    """It comes back without what it does to ranges, if it serves so."""
+
+    def judge(comparison: object, *_: object) -> Served:
+        apart = isinstance(comparison, Untimed)
+        return Served(Estimate(gain, gain - 1, gain + 1), not apart, 0.1, 0.1, ONE)
+
+    monkeypatch.setattr(sealed, "served", judge)
+    ringing = PulseRinging(ring_db=-10.0)
+    found = replace(selection(), added=(ringing,), verdicts=(named(ringing),))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=True)
+    table = TableComparison(rows.frame, Window())
+    made = unrefused(table, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.names == (("pulse-ringing",),)
+    assert (made.added == (ringing,)) is stays
+    assert (made.untimed == ("pulse-ringing",)) is stays
+    assert ("without what it does to ranges" in made.withheld["pulse-ringing"]) is stays
+
+
 def test_of_three_causes_none_is_said_of_waveforms() -> None:
     turn = selection().rounds[0]
     options = tuple(map(named, (DELAY, SCALE, LAG)))
@@ -238,7 +263,8 @@ def test_of_spoilt_recordings_the_first_line_says_so_and_no_law_is_looked_for() 
 
 def test_the_headline_says_why_a_name_was_not_added() -> None:
     worse = Served(Estimate(3.8, 3.2, 4.2), True, 0.0293, 0.0239)
-    line = headline((named(LAG),), False, SimpleNamespace(), "", {"time-lag": str(worse)})  # type: ignore[arg-type]
+    why = {"time-lag": f"was not added: {worse}"}
+    line = headline((named(LAG),), False, SimpleNamespace(), "", why)  # type: ignore[arg-type]
     assert "Nothing was added" not in line
     assert "time-lag was not added: with it the score is better, but ranges are worse" in line
     assert "0.0239 -> 0.0293 m" in line
