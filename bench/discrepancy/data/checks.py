@@ -104,8 +104,8 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
     ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
-    check_truth(frame, source)
     _check_positions(frame, source)
+    check_truth(frame, source)
     period = typical(frame, "sample_period_ns")
     if not SAMPLE_PERIOD_NS[0] <= period <= SAMPLE_PERIOD_NS[1]:
         raise BenchError(f"{source}: sample_period_ns is {period:.4g}: expected nanoseconds")

@@ -20,5 +20,6 @@ DEEPEST_SAMPLE: Final = 0.1  # [convention] of the peak: smaller negative sample
 FOOT_M: Final = 0.3048  # [source] international foot, exact
 ONE_FACTOR: Final = 0.05  # [convention] scatter of a ratio up to which it is one factor
 EXACT_M: Final = 1e-3  # [derived] no UWB range is so near the truth in half of the rows
+PLACES_APART: Final = 1.5  # [convention] times the truth: no survey of antennas is so far off
 READ_M: Final = 0.01  # [derived] what UWB ranges miss the truth by at least
 QUARTILES: Final = (25, 50, 75)  # per cent [convention]

@@ -7,7 +7,14 @@ import pandas as pd
 
 from bench.discrepancy.data.columns import hidden, numeric
 from bench.discrepancy.data.observables import error_m
-from bench.discrepancy.data.settings import EXACT_M, FOOT_M, ONE_FACTOR, QUARTILES, READ_M
+from bench.discrepancy.data.settings import (
+    EXACT_M,
+    FOOT_M,
+    ONE_FACTOR,
+    PLACES_APART,
+    QUARTILES,
+    READ_M,
+)
 from bench.errors import BenchError
 from bench.physics.units import Floats
 from bench.recordings.places import distance_m
@@ -31,6 +38,12 @@ def check_truth(frame: pd.DataFrame, source: str) -> None:
         raise BenchError(
             f"{source}: range_m is the distance between the positions, true_range_m is not: "
             "are the two swapped?"
+        )
+    if _middle(_log_ratios(between_m, truth_m)) > np.log(PLACES_APART):
+        raise BenchError(
+            f"{source}: the positions tx_x_m .. rx_z_m are {_middle(between_m - truth_m):.3g} m "
+            "nearer or farther than true_range_m in the median: expected both of one survey in "
+            "metres; leave out the columns that are not"
         )
     if _same(error_m(frame)):
         raise BenchError(
@@ -63,6 +76,13 @@ def _in_feet(one_m: Floats, other_m: Floats) -> bool:
     short, _, long = np.percentile(np.log(other_m[both]), QUARTILES)
     factor = abs(abs(middle) + np.log(FOOT_M)) < ONE_FACTOR
     return bool(factor and high - low < ONE_FACTOR and long - short > 2 * ONE_FACTOR)
+
+
+def _log_ratios(one_m: Floats, other_m: Floats) -> Floats:
+    """Return the logarithms of ratios of lengths [n], NaN where one is not known or nothing."""
+    known = (one_m > 0) & (other_m > 0)
+    ratios = np.divide(one_m, other_m, out=np.full(len(one_m), np.nan), where=known)
+    return np.asarray(np.log(ratios), np.float64)
 
 
 def _middle(values: Floats) -> float:

@@ -30,7 +30,7 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unk
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
-LEFT_OF_WAVES = "the best set of known effects leaves what something without a form would explain"
+LEFT_OF_WAVES = "all known effects together leave a part that none of them explains"
 LEFT_OF_RANGES = "left after the named effects"
 NOTHING_NAMED = "no known effect explains enough of it to be named"
 

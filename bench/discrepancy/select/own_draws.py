@@ -110,11 +110,13 @@ def beyond_own_draws(
     """
     tried = list(_searches(ensemble, comparison, view, seed, scatter, family_wise))
     beyond = [found for search in tried for found in search.findings]
+    shares = (EVERYWHERE_SHARE, *[IN_PLACES_SHARE] * (len(tried) - 1))
     if beyond:
         sure = {found.cell.observable for found in beyond}
         kept = tuple(one for one in located.findings if one.cell.observable in sure)
-        return replace(located, findings=kept or tuple(beyond), detectable=tried[0].detectable)
-    shares = (EVERYWHERE_SHARE, *[IN_PLACES_SHARE] * (len(tried) - 1))
+        least = min(s.tail_p / share for s, share in zip(tried, shares, strict=True))
+        found, p = kept or tuple(beyond), min(located.p, least)  # both searches are sure of it
+        return replace(located, findings=found, p=p, detectable=tried[0].detectable)
     p = min(1.0, *(search.p / share for search, share in zip(tried, shares, strict=True)))
     return replace(located, findings=(), p=p, detectable=tried[0].detectable)
 
@@ -139,8 +141,24 @@ def _searches(
     yield locate(one, _nowhere(one), seed, EVERYWHERE_SHARE * family_wise, scatter=both)
     yield locate(one, covariates, seed, level)
     yield locate(levelled(one), covariates, seed, level)
-    beside, crowding = ensemble.beside(own), comparison.crowding(view)
-    yield locate(beside, view.covariates, seed, level, wider_only=True, crowding=crowding)
+    yield beside_similar(ensemble, comparison, view, seed, level)
+
+
+def beside_similar(
+    ensemble: Ensemble, comparison: Comparison, view: View, seed: int, level: float
+) -> Located:
+    """Return what is found beside what simulated links differ by (see `Ensemble.beside`).
+
+    Places over levels are of the rows' own simulated levels. What versions differ from these by is
+    no level: where it is next to nothing stand most recorded rows and few of similar links.
+    """
+    own, crowding = comparison.distinct(view), comparison.crowding(view)
+    means = {
+        n: ensemble.first(own).simulated_of(n).mean(axis=0) for n in OWN if n in ensemble.names
+    }
+    known = replace(view.covariates, numbers={**view.covariates.numbers, **means})
+    beside = ensemble.beside(own)
+    return locate(beside, known, seed, level, wider_only=True, crowding=crowding)
 
 
 def _as_one(ensemble: Ensemble) -> Ensemble:

@@ -18,7 +18,7 @@ from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
-from bench.discrepancy.select.own_draws import beyond_own_draws, within_links
+from bench.discrepancy.select.own_draws import beside_similar, beyond_own_draws, within_links
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.within_links import of_links, within
@@ -86,8 +86,7 @@ def _located(
         )
     if located.significant or not few:
         return located
-    beside = ensemble.beside(own)
-    wider = locate(beside, seen.covariates, number, level, wider_only=True, crowding=crowding)
+    wider = beside_similar(ensemble, search.comparison, seen, number, level)
     return wider if wider.significant else located
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.settings import FAMILY_WISE
+from bench.discrepancy.settings import UNUSUAL_P
 from bench.physics.effect import Effect
 
 
@@ -102,7 +102,7 @@ class NoMismatch:
 
     def __str__(self) -> str:
         seen = self.detectable.get("error_m")
-        found = f"p = {self.p:.2g}{', not enough by itself' * (self.p <= FAMILY_WISE)}"
+        found = f"p = {self.p:.2g}{', not enough by itself' * (self.p <= UNUSUAL_P)}"
         if seen is None:
             return f"no mismatch found ({found})"
         least = f"; a range shift of {seen:.2g} m would have been seen every second time"

@@ -27,6 +27,7 @@ def made(**other: object) -> pd.DataFrame:
         ({"true_range_m": made()["true_range_m"] / FOOT}, "range_m and true_range_m .* of feet"),
         ({"range_m": made()["range_m"] / FOOT}, "range_m and true_range_m .* of feet"),
         ({"tx_x_m": made()["tx_x_m"] / FOOT}, "positions tx_x_m .. rx_z_m .* of feet"),
+        ({"tx_x_m": 2 * made()["tx_x_m"]}, "16 m nearer or farther than true_range_m"),
         ({"range_m": made()["true_range_m"], "true_range_m": made()["range_m"]}, "two swapped"),
         ({"range_m": made()["true_range_m"]}, "the range error is 0 in every row"),
     ],

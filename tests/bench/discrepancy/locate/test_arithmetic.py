@@ -9,6 +9,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import (
+    _beyond,
     _clusters,
     _detectable,
     _effect_rows,
@@ -23,6 +24,13 @@ from bench.discrepancy.settings import RARE_P
 
 LINKS = np.array([0, 0, 1])
 THREE = np.array([[9.0, 9.0, 9.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
+
+
+def test_the_tail_of_permuted_maxima_goes_on_beyond_the_farthest() -> None:
+    null = np.random.default_rng(0).exponential(1.0, 4999)
+    assert _beyond(null, 1.0) == pytest.approx(np.exp(-1.0), rel=0.1)
+    assert np.log(_beyond(null, 12.0)) == pytest.approx(-12.0, rel=0.1)
+    assert _beyond(np.zeros(99), 3.0) == pytest.approx(0.01)
 
 
 def test_the_noise_behind_the_smallest_shift_is_that_of_sums_over_links() -> None:

@@ -151,3 +151,29 @@ def test_what_is_asked_beside_another_search_has_its_share_of_the_error(
     first = locate(made.first(REPLICAS), search.searched.covariates, 0)
     found = beyond_own_draws(first, made, search.comparison, search.searched, 0, None, family_wise)
     assert found.significant == there
+
+
+@pytest.mark.parametrize("replicas", [1, 2])
+def test_levels_that_both_sides_share_make_no_place_of_their_own(replicas: int) -> None:
+    """Beside similar links, most recorded levels differ from their own by next to nothing.
+
+    Where they did, recorded rows stood closest, and their scatter was called wider.
+    """
+    alarms = 0
+    for seed in range(6):
+        search = search_of(seed, 2.0, 0, replicas=replicas)
+        rng = np.random.default_rng(seed)
+        frame, made = search.searched.frame, search.comparison.frame
+        kept_db, kept_m = rng.normal(0, (2.0, 0.03), (frame["link"].nunique(), 2)).T
+        ours, theirs = (
+            one.assign(
+                rx_power_dbm=-60 + kept_db[code] + rng.normal(0, 0.4, len(one)),
+                error_m=kept_m[code] + rng.normal(0, 0.02, len(one)),
+            )
+            for one, code in ((frame, link_codes(frame)), (made, search.comparison.links))
+        )
+        some = ("error_m", "rx_power_dbm")
+        rows = view(ours, link_codes(ours), np.arange(len(ours)), Window(), some, False)
+        found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
+        alarms += locate_left(found, (), 0).significant
+    assert alarms <= 1
