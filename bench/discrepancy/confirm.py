@@ -23,7 +23,6 @@ from bench.discrepancy.settings import (
     FARTHER_SHARE,
     HIGH_QUANTILE,
     LEAST_NOTICED_M,
-    NEARER_SHARE,
     NOTICED_SHARE,
 )
 
@@ -135,9 +134,11 @@ def served(comparison: Comparison, held: View, added: Added, seed: int) -> Serve
     before, after = (
         comparison.ensemble(held, some, CONFIRM_MEMBERS, CONFIRM_FIRST) for some in ((), added)
     )
-    misses = [_misses(before), _misses(_centred(comparison, held, added, after))]
+    centred = _centred(comparison, held, added, after)
+    misses = [_misses(before), _misses(centred)]
+    typical = misses[0], _misses(_typical(comparison, held, added, centred))
     nearer = cluster_bootstrap(misses[0] - misses[1], held.links, seed, "m")
-    means, medians = ((one(misses[0]), one(misses[1])) for one in (_mean, _median))
+    means, medians = ((one(a), one(b)) for one, (a, b) in ((_mean, misses), (_median, typical)))
     scores = tally(before), tally(after)
     gained, waves = gain_interval(*scores, seed), _of_waves(*scores, seed)
     farther, surely = is_farther(nearer, means, medians), surely_farther(nearer, means)
@@ -153,9 +154,27 @@ def _of_waves(before: Tally, after: Tally, seed: int) -> Estimate:
 def _centred(comparison: Comparison, held: View, added: Added, made: Ensemble) -> Ensemble:
     """Return the ensemble without what only scatters: of so few versions it moves the median."""
     firm = tuple(effect for effect in added if not type(effect).independent)
-    if len(firm) == len(added):
+    return _of(comparison, held, added, made, firm)
+
+
+def _typical(comparison: Comparison, held: View, added: Added, centred: Ensemble) -> Ensemble:
+    """Return the ensemble without what strikes links at random, either.
+
+    Of ranges alone. A typical link is spared, and with a third of the versions struck the median of
+    all is an upper end of what spared ones say.
+    """
+    if held.waveform or all(type(effect).strikes is None for effect in added):
+        return centred
+    kinds = [(effect, type(effect)) for effect in added]
+    firm = tuple(e for e, kind in kinds if kind.strikes is None and not kind.independent)
+    return _of(comparison, held, added, centred, firm)
+
+
+def _of(comparison: Comparison, held: View, added: Added, made: Ensemble, some: Added) -> Ensemble:
+    """Return the ensemble of some effects: the one made with all that were added, if these are."""
+    if len(some) == len(added):
         return made
-    return comparison.ensemble(held, firm, CONFIRM_MEMBERS, CONFIRM_FIRST)
+    return comparison.ensemble(held, some, CONFIRM_MEMBERS, CONFIRM_FIRST)
 
 
 def is_farther(nearer_m: Estimate, means_m: Pair, medians_m: Pair) -> bool:
@@ -187,11 +206,15 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
         after = comparison.ensemble(held, added, CONFIRM_MEMBERS, CONFIRM_FIRST)
     centred = _centred(comparison, held, added, after)
     left, right = _misses(before), _misses(centred)
-    figures = {}
-    for word, misses in (("before", left), ("after", right)):
-        for name, share in (("median", 0.5), ("high", HIGH_QUANTILE)):
-            found = cluster_quantile(misses, held.links, share, seed, "m")
-            figures[f"{name}_{word}_m"] = found
+    typical = _misses(_typical(comparison, held, added, centred))
+    figures = {
+        f"{name}_{word}_m": cluster_quantile(misses, held.links, share, seed, "m")
+        for name, share, both in (
+            ("median", 0.5, (left, typical)),
+            ("high", HIGH_QUANTILE, (left, right)),
+        )
+        for word, misses in zip(("before", "after"), both, strict=True)
+    }
     return Confirmed(
         links=len(np.unique(held.links)),
         rows=len(held.rows),
@@ -287,14 +310,8 @@ def _found_and_change(
         why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, {_alike(seen)}"
+    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, ranges alike within chance"
     return f"{said}. {changed} fits better{sure}{alike}: {change}."
-
-
-def _alike(seen: Confirmed) -> str:
-    """Return in words how ranges are where chance may be all that brought them nearer."""
-    nearer = seen.mae_after_m.value < NEARER_SHARE * seen.mae_before_m.value
-    return "ranges nearer, though not beyond chance" if nearer else "ranges alike within chance"
 
 
 def _device(verdicts: tuple[Verdict, ...]) -> str:

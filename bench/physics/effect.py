@@ -153,7 +153,8 @@ class Effect(ABC):
     `everywhere`: clocks, delays and time stamps make it, so it is the same wherever radios stand.
     `needs`: columns without which a table says nothing about it, as alternatives that each are
     enough. `strikes`: the names of the parameters for the share of the links it strikes at random
-    and for how hard, where it does. `silent_before`: where it strikes nothing arrives before the
+    and for how hard, where it does; `struck_level`: that for the level in dB of what arrives there,
+    over the free straight path. `silent_before`: where it strikes nothing arrives before the
     path that is detected. `setup_fault`: the kind of fault of the set-up that it is, such
     as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
     without which it is another effect; `essential_with_cir`, `essential_on_paths`: more of them,
@@ -194,6 +195,7 @@ class Effect(ABC):
     with_phases: ClassVar[bool] = False
     needs: ClassVar[tuple[tuple[str, ...], ...]] = ()
     strikes: ClassVar[tuple[str, str] | None] = None
+    struck_level: ClassVar[str] = ""
     silent_before: ClassVar[bool] = False
     values_unit: ClassVar[str] = ""
     setup_fault: ClassVar[str] = ""

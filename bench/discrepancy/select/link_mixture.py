@@ -24,7 +24,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
-from bench.discrepancy.select.within_links import link_medians, rows_off, weakened
+from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
     BEHIND_M,
     BEND_M,
@@ -174,7 +174,7 @@ def _one(
         return None
     if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
         return None  # what strikes rows, not links
-    effect = _striking(kind, mixed.share, mixed.size)
+    effect = as_loud(_striking(kind, mixed.share, mixed.size), bare, likeliest)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
     evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
     parameters = _intervals(likely, mixed, kind, sizes)

@@ -8,21 +8,18 @@ a raised noise floor is in the noise that is logged, whatever ranges do.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import combinations
+from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import cluster_bootstrap
-from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import Tally, gain, tally
-from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View
-from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.data.covariates import DEVICES
-from bench.discrepancy.data.observables import COUNT, LEVEL, NOISE
+from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select.receiver_logs import Logged, logs
 from bench.discrepancy.select.settings import (
     LOGGED_COMPRESSIONS,
     LOGGED_LEVELS,
@@ -30,7 +27,6 @@ from bench.discrepancy.select.settings import (
     LOGGED_SHARES,
     LOGGED_SHIFTS_DB,
     NOISE_FORMULA_DB,
-    ROUNDING_VARIANCE,
     SPARE_LINKS,
 )
 from bench.discrepancy.select.state import Search, State
@@ -43,28 +39,6 @@ from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 Floats = NDArray[np.float64]
 PEAK_NULL = next(p.high for p in LevelControl.parameters() if p.name == "peak_counts")
-
-
-@dataclass(frozen=True)
-class Logged:
-    """Recorded over simulated logs in dB, [n] each, NaN where a side does not log them.
-
-    `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
-    settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
-    that whole symbols have; `links` [n] tells the links, None where every row counts as its link.
-    """
-
-    level_dbm: Floats
-    count_db: Floats
-    noise_db: Floats
-    devices: Floats
-    freedom: float
-    rounding_db2: float
-    links: NDArray[np.intp] | None = None
-
-    def known(self, *columns: Floats) -> NDArray[np.bool_]:
-        """Return the rows [n] in which some columns are known."""
-        return np.asarray(np.isfinite(np.stack(columns)).all(axis=0))
 
 
 def with_logs(state: State) -> State:
@@ -92,39 +66,6 @@ def read_logs(search: Search) -> Search:
     return replace(search, logged=tuple(found))
 
 
-def logs(search: Search, rows: View) -> Logged:
-    """Return what both sides log for some rows."""
-    frame, (count, noise) = rows.frame, _simulated(search, rows)
-    level, counted = numeric(frame, LEVEL), numeric(frame, COUNT)
-    most = float(np.nan_to_num(counted).max(initial=1.0))
-    rounding = ROUNDING_VARIANCE * (10 / np.log(10) / most) ** 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        count_db = 10 * np.log10(counted) - count
-        noise_db = 20 * np.log10(numeric(frame, NOISE)) - noise
-    groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
-    devices = np.stack([np.ones(len(frame)), *groups], axis=1)
-    links = len(np.unique(rows.links)) / search.comparison.crowding(rows) ** 2
-    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links)
-
-
-def _simulated(search: Search, rows: View) -> tuple[Floats, Floats]:
-    """Return simulated counts and noise in dB, [n] each; NaN where they are not known."""
-    other, unknown = search.comparison, np.full(len(rows.rows), np.nan)
-    if isinstance(other, Resimulation):
-        # A count is to be explained here, not taken from the rows; the noise goes with the count.
-        base = replace(other.simulator.base, keep_count=0)
-        counting = replace(other.simulator, base=base)
-        made = counting.observe(rows.scene, cir=False).preamble_count
-        noise = other.simulator.observe(rows.scene, cir=False).noise_std
-        return 10 * np.log10(made), 20 * np.log10(noise)
-    if not isinstance(other, TableComparison):
-        return unknown, unknown
-    picks = np.stack(other.versions(rows))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
-    return 10 * count.mean(axis=0), 20 * noise.mean(axis=0)
-
-
 def ends_early(seen: Logged) -> float:
     """Return the nats for counts that fall where levels are strong, 0 where that is not known.
 
@@ -134,8 +75,8 @@ def ends_early(seen: Logged) -> float:
     rows = seen.known(seen.level_dbm, seen.count_db)
     if not rows.any():
         return 0.0
-    own, count, level = seen.devices[rows], seen.count_db[rows], seen.level_dbm[rows]
-    forms = _falling(level)
+    own, count = seen.devices[rows], seen.count_db[rows]
+    forms = [form for one in seen.followed for form in _falling(one[rows])]
     freedom = _independent(seen, rows, count, own, forms)
     brought = [_brings(count, own, form[:, None], freedom, seen.rounding_db2) for form in forms]
     return max(brought) - float(np.log(len(forms)))
@@ -261,10 +202,10 @@ def _level_control(search: Search, rows: View, seen: Logged) -> Effect:
     reasons, and it would take from them what a path loss does.
     """
     known = seen.known(seen.level_dbm, seen.count_db)
-    level, count, own = seen.level_dbm[known], seen.count_db[known], seen.devices[known]
-    pairs = [(shift, share) for shift in LOGGED_SHIFTS_DB for share in LOGGED_SHARES]
-    left = [_left(count - _count_db(level - shift, share), own) for shift, share in pairs]
-    shift, share = pairs[int(np.argmin(left))]
+    count, own = seen.count_db[known], seen.devices[known]
+    ways = list(product(seen.levels_dbm, LOGGED_SHIFTS_DB, LOGGED_SHARES))
+    left = [_left(count - _count_db(at[known] - shift, share), own) for at, shift, share in ways]
+    _, shift, share = ways[int(np.argmin(left))]
     made = LevelControl(0.0, share, PEAK_NULL, shift)
 
     def score(one: Effect) -> Tally:

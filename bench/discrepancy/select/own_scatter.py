@@ -23,7 +23,7 @@ from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.in_turn import apart_in_turn
-from bench.discrepancy.select.logged import logs
+from bench.discrepancy.select.receiver_logs import logs
 from bench.discrepancy.select.settings import EXTRA_SCATTER_M, REPLY_RATIO
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions

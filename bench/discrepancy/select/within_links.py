@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,7 @@ from bench.discrepancy.settings import (
     SHORTEST_DETOUR_M,
     STRUCK_LEVEL_LINKS,
 )
+from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 
@@ -105,6 +108,25 @@ def weakened(bare: Ensemble, outlying: NDArray[np.bool_]) -> float:
     error = max(wide, RESOLUTION["dB"]) * np.sqrt(1 / outlying.sum() + 1 / (~outlying).sum())
     z = min(float(level_db[outlying].mean() - middle) / error, 0.0)
     return float(max(z**2 / 2 - np.log(len(level_db)) / 2, 0.0))
+
+
+def as_loud(effect: Effect, bare: Ensemble, parts: NDArray[np.intp]) -> Effect:
+    """Return an effect that strikes links with what arrives there as loud as recorded.
+
+    `bare` is beside the simulator without it; `parts` [L] are 0 for spared links, 1 for struck
+    ones. As it is where levels of either are not known. Medians over links: a few may be both.
+    """
+    name = type(effect).struck_level
+    if not name or LEVEL not in bare.names:
+        return effect
+    code = np.unique(bare.links, return_inverse=True)[1]
+    level_db = link_medians(bare.residual_of(LEVEL)[None], code)[0]
+    sides = [level_db[(parts == part) & np.isfinite(level_db)] for part in (0, 1)]
+    if not all(map(len, sides)):
+        return effect
+    louder_db = float(np.median(sides[1]) - np.median(sides[0]))
+    item = next(p for p in type(effect).parameters() if p.name == name)
+    return replace(effect, **{name: float(np.clip(louder_db, item.low, item.high))})
 
 
 def of_links(ensemble: Ensemble, name: str) -> tuple[float, float]:

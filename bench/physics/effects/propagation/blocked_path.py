@@ -31,6 +31,7 @@ class BlockedPath(Effect):
     control = "rows with line of sight"
     per_link = True
     strikes = ("share", "detour_m")
+    struck_level = "reflection_db"
     silent_before = True
     essential_with_cir = ("detour_m",)  # a reflection at the path itself blocks nothing
 

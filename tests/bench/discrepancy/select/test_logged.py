@@ -16,7 +16,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select import logged, marks, stepwise
 from bench.discrepancy.select.candidates import offered
-from bench.discrepancy.select.logged import Logged
+from bench.discrepancy.select.receiver_logs import Logged
 from bench.discrepancy.select.settings import LOGGED_NATS
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
@@ -73,6 +73,16 @@ def test_rows_that_end_early_by_chance_count_by_rows_and_those_of_a_link_by_link
     assert logged.ends_early(seen) > LOGGED_NATS
     own = replace(_logs(rng.normal(size=40)[np.arange(160) // 4], np.zeros(160)))
     assert logged.ends_early(replace(own, links=np.arange(160) // 4)) < LOGGED_NATS
+
+
+def test_what_is_turned_down_now_and_then_reads_weaker_than_what_is_not() -> None:
+    rng = np.random.default_rng(4)
+    arrives = rng.uniform(-94, -84, 160)
+    small = rng.random(160) < (arrives + 94) / 10
+    shadowed = arrives + rng.normal(0, 2, 160)
+    seen = replace(_logs(-4.0 * small, np.zeros(160)), level_dbm=shadowed - 6.0 * small)
+    assert logged.ends_early(seen) < LOGGED_NATS
+    assert logged.ends_early(replace(seen, arriving_dbm=arrives)) > LOGGED_NATS
 
 
 def test_counts_that_devices_are_set_to_or_that_rise_show_none() -> None:

@@ -31,6 +31,7 @@ from bench.discrepancy.select.unnamed import unnamed
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.range_scale import RangeScale
@@ -224,12 +225,15 @@ def test_scatter_needs_no_width_of_its_own(
 
 
 class Striking:
-    """A comparison in which an effect strikes a tenth of the links by a metre."""
+    """A comparison in which an effect strikes a share of the links, by a metre."""
+
+    def __init__(self, share: float = 0.1) -> None:
+        self.share = share
 
     def ensemble(self, *asked: object) -> Ensemble:
         rng = np.random.default_rng(2)
         versions = rng.normal(0, 0.02, (31, len(LINKS), 1))
-        struck = rng.random((31, 40, 1)) < 0.1
+        struck = rng.random((31, 40, 1)) < self.share
         versions[0] += struck[0][LINKS]
         if asked[1]:
             versions[1:] += struck[1:][:, LINKS]
@@ -237,10 +241,21 @@ class Striking:
 
 
 def test_what_strikes_some_links_makes_the_others_no_worse() -> None:
-    rows = SimpleNamespace(links=LINKS)
+    rows = SimpleNamespace(links=LINKS, waveform=False)
     before, after = (served(Striking(), rows, some, 0) for some in ((), (DELAY,)))  # type: ignore[arg-type]
     assert after.serves
     assert after.missed_m < 1.02 * before.missed_m
+
+
+def test_spared_links_are_typical_beside_what_strikes_a_good_share() -> None:
+    rows = SimpleNamespace(links=LINKS, waveform=False)
+    by_name, by_all = (
+        served(Striking(0.3), rows, (effect,), 0)  # type: ignore[arg-type]
+        for effect in (BlockedPath(), DELAY)
+    )
+    assert by_name.medians_m[1] == by_name.medians_m[0]
+    assert not by_name.farther
+    assert by_all.medians_m[1] > by_all.medians_m[0]  # an effect on all links has no such excuse
 
 
 def test_worse_is_what_anybody_would_notice() -> None:

@@ -7,7 +7,9 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.select.adequacy import link_by_link, row_by_row
-from bench.discrepancy.select.within_links import of_links, rows_per_link
+from bench.discrepancy.select.within_links import as_loud, of_links, rows_per_link
+from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 LINKS, ROWS, MEMBERS = 40, 2, 6
 LINK = np.repeat(np.arange(LINKS), ROWS)
@@ -60,3 +62,16 @@ def test_rows_count_as_far_as_those_of_a_link_have_nothing_in_common() -> None:
     alike = rng.normal(size=50)[code] + 0.1 * rng.normal(size=200)
     assert rows_per_link(alike, code) < 1.1
     assert rows_per_link(rng.normal(size=50), np.arange(50)) == 1
+
+
+def test_what_reaches_struck_links_is_as_loud_as_recorded() -> None:
+    struck = (np.arange(LINKS) % 5 == 0).astype(np.intp)
+    made = levels(0.5, 0.5)
+    versions = np.array(made.versions)
+    versions[0, :, 0] -= 5.2 * struck[LINK]
+    seen = Ensemble(made.names, made.units, versions, LINK)
+    effect = as_loud(BlockedPath(share=0.2), seen, struck)
+    assert isinstance(effect, BlockedPath)
+    assert effect.reflection_db == pytest.approx(-5.2, abs=1)
+    assert as_loud(effect, seen, 0 * struck) is effect  # none is struck
+    assert as_loud(AntennaDelay(), seen, struck) == AntennaDelay()

@@ -1,0 +1,98 @@
+"""What a receiver logs beside ranges, recorded and simulated: symbols accumulated, and noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.covariates import DEVICES
+from bench.discrepancy.data.observables import COUNT, LEVEL, NOISE
+from bench.discrepancy.select.settings import ROUNDING_VARIANCE
+from bench.discrepancy.select.state import Search
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Logged:
+    """Recorded over simulated logs in dB, [n] each, NaN where a side does not log them.
+
+    `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
+    settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
+    that whole symbols have; `links` [n] tells the links, None where every row counts as its link;
+    `arriving_dbm` [n] is the level as simulated, before a receiver turns it down.
+    """
+
+    level_dbm: Floats
+    count_db: Floats
+    noise_db: Floats
+    devices: Floats
+    freedom: float
+    rounding_db2: float
+    links: NDArray[np.intp] | None = None
+    arriving_dbm: Floats | None = None
+
+    @property
+    def levels_dbm(self) -> tuple[Floats, ...]:
+        """The levels [n] that counts may follow: as recorded, and as they arrive if that is known.
+
+        What is turned down by many dB, now and then, is recorded weaker than what is not.
+        """
+        arriving = self.arriving_dbm
+        if arriving is None or not np.isfinite(arriving).all():
+            return (self.level_dbm,)
+        return self.level_dbm, arriving
+
+    @property
+    def followed(self) -> tuple[Floats, ...]:
+        """What counts may fall with [n]: the levels, and how far these fall behind what arrives.
+
+        A receiver turns down and stops early at once; what is in the way of a signal makes it weak,
+        and a receiver of weak signals accumulates all.
+        """
+        levels = self.levels_dbm
+        return (*levels, *(arriving - levels[0] for arriving in levels[1:]))
+
+    def known(self, *columns: Floats) -> NDArray[np.bool_]:
+        """Return the rows [n] in which some columns are known."""
+        return np.asarray(np.isfinite(np.stack(columns)).all(axis=0))
+
+
+def logs(search: Search, rows: View) -> Logged:
+    """Return what both sides log for some rows."""
+    frame, (count, noise, arriving) = rows.frame, _simulated(search, rows)
+    level, counted = numeric(frame, LEVEL), numeric(frame, COUNT)
+    most = float(np.nan_to_num(counted).max(initial=1.0))
+    rounding = ROUNDING_VARIANCE * (10 / np.log(10) / most) ** 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count_db = 10 * np.log10(counted) - count
+        noise_db = 20 * np.log10(numeric(frame, NOISE)) - noise
+    groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
+    devices = np.stack([np.ones(len(frame)), *groups], axis=1)
+    links = len(np.unique(rows.links)) / search.comparison.crowding(rows) ** 2
+    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
+
+
+def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
+    """Return simulated counts and noise in dB and levels in dBm, [n]; NaN where not known."""
+    other, unknown = search.comparison, np.full(len(rows.rows), np.nan)
+    if isinstance(other, Resimulation):
+        # A count is to be explained here, not taken from the rows; the noise goes with the count.
+        base = replace(other.simulator.base, keep_count=0)
+        counting = replace(other.simulator, base=base)
+        made = counting.observe(rows.scene, cir=False).preamble_count
+        seen = other.simulator.observe(rows.scene, cir=False)
+        return 10 * np.log10(made), 20 * np.log10(seen.noise_std), np.asarray(seen.rx_power_dbm)
+    if not isinstance(other, TableComparison):
+        return unknown, unknown, unknown
+    picks = np.stack(other.versions(rows))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
+    arriving = numeric(other.frame, LEVEL)[picks].mean(axis=0)
+    return 10 * count.mean(axis=0), 20 * noise.mean(axis=0), arriving
