@@ -28,6 +28,7 @@ from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
 from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
+from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.stepwise import (
@@ -37,7 +38,7 @@ from bench.discrepancy.select.stepwise import (
     struck_round,
     with_ranges,
 )
-from bench.discrepancy.select.verdict import NoMismatch
+from bench.discrepancy.select.verdict import NoMismatch, Verdict
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -152,11 +153,32 @@ def with_scatter(state: State, journal: Journal, choice: WaveChoice) -> State:
     able = tuple(one for one in found.contenders if one.effect.name in kinds)
     found = replace(found, contenders=able)
     best = best_contender(found)
-    added = (*state.added, best.effect) if best else ()
-    if best is None or not _scatters_by_itself(search, added, best.effect):
+    if best is None:
+        return _with_rows_scatter(state, found, left)
+    added = (*state.added, best.effect)
+    if not _scatters_by_itself(search, added, best.effect):
         return state
     turn = Round(left, found.led_by(best), best.effect)
     return replace(state, added=added, rounds=(*state.rounds, turn))
+
+
+def _with_rows_scatter(state: State, found: Explanation, left: Located) -> State:
+    """Return the state with scatter that rows of links show where no score does.
+
+    A score of one simulated row hardly falls where scatter is added to it. What differs in
+    waveforms was judged with their set, and is no scatter of ranges.
+    """
+    ranged = replace(state.search, work=state.search.both)
+    seen = replace(left, findings=tuple(filter(of_range, left.findings)))
+    ask = state.guard.safely("scatter alone", scatter_alone, None)
+    scatter = ask(ranged, state.added, found, seen)
+    return state.after(struck_round(left, found, scatter)) if scatter else state
+
+
+def _scattered(state: State) -> Added:
+    """Return scatter that rows of links show: it strikes all rows, and spares none."""
+    strikes = (turn.strike.effect for turn in state.rounds if turn.strike)
+    return tuple(effect for effect in strikes if type(effect).independent)
 
 
 def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
@@ -168,7 +190,7 @@ def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
 
 def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
-    search, added = state.search, state.added
+    search, added = state.search, (*state.added, *_scattered(state))
     left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
     last = Round(left, None, None)
     if left.significant and (not added or any(of_range(found) for found in left.findings)):
@@ -184,11 +206,7 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
     said = state.guard.safely("untried effects", with_untried, said)(search, state.added, said)
     struck = tuple(turn.strike for turn in rounds if turn.strike)
-    names = [
-        with_unlisted(search, struck_out(search, turn, turn.strike, state.added))
-        for turn in rounds
-        if turn.strike
-    ]
+    names = [_struck(state, turn, turn.strike) for turn in rounds if turn.strike]
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))
     held = Checked(state.added, rounds)
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)
@@ -198,3 +216,12 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     together = tuple(effect.physics for effect in state.added)
     tied = search.choice.tied
     return Selection(said, best, rounds, skipped, together, tied=tied)
+
+
+def _struck(state: State, turn: Round, found: Strike) -> Verdict:
+    """Return the verdict on what strikes links or, where it is scatter, every row."""
+    search, every = state.search, (*state.added, *_scattered(state))
+    said = struck_out(search, turn, found, state.added)
+    if found.effect in every:
+        return with_untried(search, every, (said,))[0]
+    return with_unlisted(search, said)
