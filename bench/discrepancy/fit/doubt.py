@@ -1,7 +1,9 @@
 """Intervals with what is not known of other causes: beside them an effect may do something else.
 
-The interval of a parameter, as rows give it with all others known, is as many times wider as the
-joint fit of a set leaves more open; and it holds 90 % over all the sets that may be there.
+The interval of a parameter, as rows give it with all others known, is wider by what the joint fit
+of a set leaves more open: a variance beside it, of rows that scatter as much as that interval says.
+What no row tells is as open as it was before, however much these scatter. The interval holds 90 %
+over all the sets that may be there.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from bench.discrepancy.fit.bootstrap import ESTIMATORS, latent_values
 from bench.discrepancy.fit.estimate import ParameterEstimate, within_bounds
 from bench.discrepancy.fit.sandwich import difference_step, off
 from bench.discrepancy.fit.search import revalued
-from bench.discrepancy.sets.believed import Unsure
+from bench.discrepancy.sets.believed import Believed, Unsure
 from bench.discrepancy.sets.settings import OWN_SHARE
 from bench.discrepancy.settings import (
     INTERVAL_LEVEL,
@@ -53,7 +55,7 @@ def with_doubt(
         return _change_m(comparison, view, others, one)
 
     intervals = _told_by_sets(effect, does, intervals, known)
-    ways = _moved_by(view, effect, does, known.columns, intervals)
+    ways = _moved_by(view, effect, does, known, intervals)
     every = known.columns.T @ known.columns
     out = []
     for one in intervals:
@@ -89,7 +91,7 @@ def _alone(
     item: Parameter, one: ParameterEstimate, way: Floats, known: Unsure
 ) -> ParameterEstimate:
     """Return the interval of a value that changes so with the factors [k] of the joint fit."""
-    half = QUANTILE * float(np.sqrt(way @ known.alone @ way))
+    half = QUANTILE * float(np.sqrt(way @ known.alone.covariance() @ way))
     told = 2 * half < UNDETERMINED * (item.high - item.low)
     return replace(one, low=one.value - half, high=one.value + half, determined=told)
 
@@ -114,7 +116,7 @@ def _of_rows(one: ParameterEstimate, every: Floats, known: Unsure) -> ParameterE
 
     As many times wider as that is less known, over all rows.
     """
-    both, alone = (float(np.sum(every * c)) for c in (known.sets[0].covariance, known.alone))
+    both, alone = (float(np.sum(every * one.covariance())) for one in (known.sets[0], known.alone))
     times = np.sqrt(both / max(alone, LEAST_CURVATURE))
     below, above = one.value - one.low, one.high - one.value
     return replace(one, low=one.value - times * below, high=one.value + times * above)
@@ -122,16 +124,29 @@ def _of_rows(one: ParameterEstimate, every: Floats, known: Unsure) -> ParameterE
 
 def _of_sets(one: ParameterEstimate, way: Floats, known: Unsure) -> ParameterEstimate:
     """Return the interval of a value that changes so with the factors [k] of an effect."""
-    alone = float(way @ known.alone @ way)
-    if alone <= 0:
-        return one
-    half = max(one.value - one.low, one.high - one.value) / QUANTILE
-    wide = [half * np.sqrt(float(way @ made.covariance @ way) / alone) for made in known.sets]
+    own = (max(one.value - one.low, one.high - one.value) / QUANTILE) ** 2
+    wide = [float(np.sqrt(own + more)) for more in _more(own, way, known)]
     first = known.sets[0].factors
     middle = [one.value + float(way @ (made.factors - first)) for made in known.sets]
     share = [made.share for made in known.sets]
     low, high = (_quantile(p, middle, wide, share) for p in TAILS)
     return replace(one, low=min(low, one.value), high=max(high, one.value))
+
+
+def _more(own: float, way: Floats, known: Unsure) -> list[float]:
+    """Return the variance that every set leaves open more than if all others of it were known.
+
+    `own` is that of the rows. Where it is larger than a set has it, rows tell so much less (few
+    simulated ones stand for them, or no form is right): of what others do, too.
+    """
+
+    def variance(said: Believed, noise: float) -> float:
+        return float(way @ said.covariance(noise) @ way)
+
+    alone = variance(known.alone, 1.0)
+    noise = max(own / alone, 1.0) if alone > 0 else 1.0
+    known_then = variance(known.alone, noise)
+    return [max(variance(made, noise) - known_then, 0.0) for made in known.sets]
 
 
 def _quantile(p: float, middle: list[float], wide: list[float], share: list[float]) -> float:
@@ -148,23 +163,29 @@ def _quantile(p: float, middle: list[float], wide: list[float], share: list[floa
 
 
 def _moved_by(
-    view: View, effect: Effect, does: Does, shifts_m: Floats, intervals: Estimates
+    view: View, effect: Effect, does: Does, known: Unsure, intervals: Estimates
 ) -> dict[str, Floats]:
-    """Return how much each value [k] of an effect changes where it does more by shifts [n, k].
+    """Return how much each value of an effect changes with the factors [k] of a set.
 
-    In its unit per shift: to first order, of a fit by least squares. Nothing of values that are
-    fitted in another way.
+    To first order, of a fit by least squares; of values that are estimated in another way between
+    one standard deviation below and above, along every axis of what the set knows: which device a
+    constant is taken from changes with the constant.
     """
     if type(effect) not in ESTIMATORS:
-        return _of_parameters(effect, does, shifts_m, intervals)
+        return _of_parameters(effect, does, known.columns, intervals)
     latent = latent_values(view, effect)
     assert latent is not None
     names, _, values = latent
-    every, now = np.arange(len(shifts_m)), does(effect)
-    here = values(every, now, False)
-    moved = [(values(every, now + MOVED_M * one, False) - here) / MOVED_M for one in shifts_m.T]
-    pairs = zip(names, np.stack(moved, axis=1), strict=True)
-    return {name: way for name, way in pairs if np.isfinite(way).all()}
+    squares, axes = np.linalg.eigh(known.sets[0].covariance())
+    steps = np.sqrt(np.maximum(squares, LEAST_CURVATURE))
+    every, now = np.arange(len(known.columns)), does(effect)
+    ends = [
+        [values(every, now + sign * one, False) for sign in (1, -1)]
+        for one in (known.columns @ (axes * steps)).T
+    ]
+    moved = np.array([(above - below) / 2 for above, below in ends])
+    ways = axes @ (moved / steps[:, None])
+    return {n: way for n, way in zip(names, ways.T, strict=True) if np.isfinite(way).all()}
 
 
 def _of_parameters(

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.law.settings import LAW_TAIL
+from bench.discrepancy.sets.believed import Believed
 from bench.discrepancy.sets.likeliest import Form, Products, inverse_root, likeliest
 from bench.discrepancy.sets.settings import (
     ANY_MEAN,
@@ -191,19 +192,18 @@ class Evidence:
         """Return the factors [k] of one cause of a set."""
         return made.factors[np.isin(made.places, self.places[cause])]
 
-    def broadly(self, made: Weighed, cause: str) -> tuple[Floats, Floats, Floats]:
-        """Return factors [k] of a cause, their covariance, and that if all others were known.
+    def broadly(self, made: Weighed, cause: str, share: float = 1.0) -> Believed:
+        """Return what a set says of the factors of a cause, with a share of belief.
 
         Before, causes have at least the size that is typical: that of most evidence is none where
         another cause does the same, though either may do it.
         """
         product, mine = self._product(made.ratio)[0], np.isin(made.places, self.places[cause])
-        inner = product[np.ix_(made.places, made.places)] / made.variance_m2
-        precision = inner + np.diag(1 / np.maximum(made.sizes, 1.0))
-        covariance = np.asarray(np.linalg.inv(precision), np.float64)
-        factors = covariance @ product[made.places, -1] / made.variance_m2
-        alone = np.asarray(np.linalg.inv(precision[np.ix_(mine, mine)]), np.float64)
-        return factors[mine], covariance[np.ix_(mine, mine)], alone
+        told = product[np.ix_(made.places, made.places)] / made.variance_m2
+        before = 1 / np.maximum(made.sizes, 1.0)
+        right = product[made.places, -1] / made.variance_m2
+        factors = np.linalg.solve(told + np.diag(before), right)
+        return Believed(share, np.asarray(factors[mine], np.float64), told, before, mine)
 
     def _product(self, ratio: float) -> tuple[Floats, float]:
         """Return X' V^-1 X of all columns, the residual last, and log |V|, rows of variance 1."""

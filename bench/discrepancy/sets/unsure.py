@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.discrepancy.sets.believed import Believed, Unsure
 from bench.discrepancy.sets.choice import Set
@@ -20,8 +19,6 @@ from bench.discrepancy.sets.settings import LEAST_SHARE, RIVAL_NATS
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
-
-Floats = NDArray[np.float64]
 
 
 def unsure(contest: Contest, causes: Set, name: str) -> Unsure:
@@ -34,8 +31,8 @@ def unsure(contest: Contest, causes: Set, name: str) -> Unsure:
     return Unsure(spread, sets, _alone(contest, causes, name))
 
 
-def _alone(contest: Contest, causes: Set, name: str) -> Floats:
-    """Return the covariance [k, k] of what a name does if all else were known, as rows know it.
+def _alone(contest: Contest, causes: Set, name: str) -> Believed:
+    """Return what rows say of a name if all else were known.
 
     What a receiver makes of waveform effects is known then, too, so nothing is flattened.
     """
@@ -43,7 +40,7 @@ def _alone(contest: Contest, causes: Set, name: str) -> Floats:
     sizes = made.sizes[np.isin(made.places, contest.evidence.places[name])]
     seen = contest.weights[:, None] * contest.bare(name)
     plain = contest.evidence.with_blocks({name: (seen,)})
-    return plain.broadly(replace(made, places=plain.places[name], sizes=sizes), name)[2]
+    return plain.broadly(replace(made, places=plain.places[name], sizes=sizes), name)
 
 
 def _grown(contest: Contest, causes: Set) -> dict[Set, float]:
@@ -66,5 +63,4 @@ def _possible(contest: Contest, causes: Set) -> bool:
 
 
 def _believed(contest: Contest, causes: Set, name: str, share: float) -> Believed:
-    factors, covariance, _ = contest.evidence.broadly(contest.evidence.of(causes), name)
-    return Believed(share, factors, covariance)
+    return contest.evidence.broadly(contest.evidence.of(causes), name, share)

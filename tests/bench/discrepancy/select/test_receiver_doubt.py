@@ -15,7 +15,7 @@ def test_a_constant_is_no_surer_than_what_a_receiver_adds_to_all_rows() -> None:
     search = search_of(0.15)[1]
     made = chosen_beside(search, (PathLoss(),)).unsure["antenna-delay"]
     mean = made.columns.mean(axis=0)
-    both, alone = (np.sqrt(mean @ one @ mean) for one in (made.sets[0].covariance, made.alone))
+    both, alone = (np.sqrt(mean @ one.covariance() @ mean) for one in (made.sets[0], made.alone))
     assert both > 0.7 * DETECTION_M
     assert alone < 0.5 * both
     first = made.columns @ made.sets[0].factors

@@ -75,7 +75,7 @@ def test_effects_that_have_much_in_common_are_fitted_at_once() -> None:
     assert isinstance(scale, RangeScale)
     assert scale.scale == pytest.approx(0.008, abs=0.0012)
     known = found.unsure["range-scale"]
-    assert known.sets[0].covariance[0, 0] > 1.4 * known.alone[0, 0]
+    assert known.sets[0].covariance()[0, 0] > 1.4 * known.alone.covariance()[0, 0]
 
 
 def hardly_more(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
