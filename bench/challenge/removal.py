@@ -12,7 +12,7 @@ from bench.challenge.truths import RANDOM
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import weight_of
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.data.observables import window_of
+from bench.discrepancy.data.observables import observe, window_of
 from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.settings import RESOLUTION
 
@@ -25,12 +25,13 @@ def removed(case: Case, found: Diagnosis) -> tuple[float, float]:
     """Return how far the mismatch of sealed rows falls: by the diagnosis, and by the truth.
 
     Mismatch: the excess of the CRPS over the truth's, per observable in units of the truth's,
-    weighted as the diagnosis weighs observables. Both 0 where the concealment left no truth.
+    weighted as the diagnosis weighs observables, of those that what is hidden moved. Both 0 where
+    the concealment left no truth.
     """
     before, after = found.confirmed.before, found.confirmed.after
     true = None if case.drawn.concealed == "aggregate" else _true(case, found)
-    totals = [0.0, 0.0]
-    for name in before.names if true else ():
+    totals, changed = [0.0, 0.0], moved(case)
+    for name in (one for one in before.names if true and one in changed):
         if true is None or name not in true.names or name not in after.names:
             continue
         was, now, best = (_score(one, name) for one in (before, after, true))
@@ -38,6 +39,22 @@ def removed(case: Case, found: Diagnosis) -> tuple[float, float]:
             totals[0] += weight_of(name) * (was - now) / best
             totals[1] += weight_of(name) * (was - best) / best
     return totals[0], totals[1]
+
+
+def moved(case: Case) -> set[str]:
+    """Return the observables that what is hidden moved in any recorded row.
+
+    In all others the simulated and the true table differ by what each drew, which no diagnosis
+    removes.
+    """
+    frames, window = (case.recorded.frame, case.clean), window_of(case.recorded.frame)
+    now, clean = (observe(frame, window) for frame in frames)
+    pairs = ((n, now.column(n), clean.column(n) if n in clean.names else None) for n in now.names)
+    return {n for n, ours, other in pairs if other is None or not _same(ours, other)}
+
+
+def _same(ours: Floats, other: Floats) -> bool:
+    return bool(np.array_equal(ours, other, equal_nan=True))
 
 
 def _true(case: Case, found: Diagnosis) -> Ensemble:
