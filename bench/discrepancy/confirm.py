@@ -16,6 +16,7 @@ from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
 from bench.discrepancy.select.one_device import left_at_device
+from bench.discrepancy.select.settings import NEARER_SHARE
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import (
     CONFIRM_FIRST,
@@ -310,8 +311,14 @@ def _found_and_change(
         why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, ranges alike within chance"
+    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, {_alike(seen)}"
     return f"{said}. {changed} fits better{sure}{alike}: {change}."
+
+
+def _alike(seen: Confirmed) -> str:
+    """Return in words how ranges are where chance may be all that brought them nearer."""
+    nearer = seen.mae_after_m.value < NEARER_SHARE * seen.mae_before_m.value
+    return "ranges nearer, though not beyond chance" if nearer else "ranges alike within chance"
 
 
 def _device(verdicts: tuple[Verdict, ...]) -> str:

@@ -102,10 +102,7 @@ RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [deri
 
 # --- Where they differ (locate) ------------------------------------------------------------------
 FAMILY_WISE: Final = 0.025  # error of the whole search: below 5 % in few tables, too [convention]
-UNUSUAL_P: Final = 0.05  # what is no less likely than this needs no word about it [convention]
-NEARER_SHARE: Final = 0.9  # of the mean before: below it anyone reads "nearer" [convention]
 PERMUTATIONS: Final = 499  # p values down to 0.002 [cost]
-NULL_TAIL: Final = 0.1  # of permuted maxima, whose exponential goes on beyond them [convention]
 PERMUTED_AT_ONCE: Final = 100  # [cost]
 MOST_FINDINGS: Final = 12  # that are listed [convention]
 INTERVAL_COUNTS: Final = (4, 12)  # coarse for what is weak, fine for what changes sign [blind]
