@@ -282,6 +282,15 @@ class Effect(ABC):
         """Return the forms that its mark cannot tell apart, the simplest first."""
         return (self,)
 
+    def leant_m(self, rows: Scene) -> NDArray[np.float64]:
+        """Return what its mark does to the ranges of rows [n] in the mean, in metres."""
+        return np.zeros(len(rows))
+
+    @property
+    def chosen_nats(self) -> float:
+        """What it costs in nats that this form was chosen among many, as the data have it."""
+        return 0.0
+
     @classmethod
     def tellable(cls, rows: Scene) -> bool:  # noqa: ARG003
         """Return whether these rows vary what it follows: else it may only stand beside another."""

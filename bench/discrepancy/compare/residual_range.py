@@ -1,8 +1,9 @@
 """What recorded ranges differ by from simulated ones, where a grid rounds both.
 
 A rounded simulated range is off by a whole step or not at all, which no mean and no robust fit
-takes for a shift. So what rounds acts by its mean alone: its error stays with the recorded range,
-as scatter of step / sqrt(12) (the pseudo-quantisation noise of Widrow and Kollar 2008, ch. 4).
+takes for a shift. So what rounds acts by its mean alone, that of rows that it cuts down alike: its
+error stays with the recorded range, as scatter of step / sqrt(12) (the pseudo-quantisation noise of
+Widrow and Kollar 2008, ch. 4).
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ def residual_range(
     if len(smooth) == len(added) or view.waveform:
         return whole, whole.residual_of(RANGE)
     bare = comparison.ensemble(view, smooth, members)
-    rounded = whole.simulated_of(RANGE) - bare.simulated_of(RANGE)
-    return whole, np.asarray(bare.residual_of(RANGE) - np.nanmean(rounded))
+    rounded = np.nanmean(whole.simulated_of(RANGE) - bare.simulated_of(RANGE))
+    leant = np.sum([effect.leant_m(view.scene) for effect in added], axis=0)
+    return whole, np.asarray(bare.residual_of(RANGE) - rounded - (leant - np.nanmean(leant)))
 
 
 def moved_m(

@@ -102,7 +102,9 @@ def _likeliest(search: Search, effect: Effect) -> Effect:
     The first, as rounding to the nearest is, unless another leads it clearly.
     """
     forms = effect.forms()
-    worth = [worth_beside(search, (form,)) for form in forms] if len(forms) > 1 else [0.0]
+    if len(forms) == 1:
+        return effect
+    worth = [worth_beside(search, (form,)) - form.chosen_nats for form in forms]
     best = int(np.argmax(worth))
     return forms[best if worth[best] > worth[0] + FORM_LEAD_NATS else 0]
 

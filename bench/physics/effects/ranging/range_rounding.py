@@ -12,21 +12,20 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch, altered
 from bench.physics.comb import EXACT, comb
 from bench.physics.device_combs import device_combs
+from bench.physics.device_leans import LEAN_STEPS, LEANS, choice_nats, device_leans, middle_of
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.fitted.device_values import as_tuples, at_end
 from bench.physics.randomness import Draws
+from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
-LEANS = (0.0, -0.5, 0.5)
 LOWEST_ORIGIN = -0.49  # of a step: half a step below is the same point as half a step above
 LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
-LEAN_STEPS = 0.1  # off, at most: other causes move the mean as well
 GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
 REFERENCE_M = 10.0  # of even steps, which are the same everywhere
 LEAST_M = 1e-3  # of a range, of which a logarithm is taken
-MEDIAN_ERROR = 2 * 1.2533 * 1.4826  # two standard errors of a median, of the median deviation
 
 
 @dataclass(frozen=True)
@@ -38,8 +37,8 @@ class RangeRounding(Effect):
     effects on the range act, as where a host corrects what firmware printed. It is fitted by the
     grid itself (see `bench.physics.comb`): where none is seen, there is no rounding that matters.
     `devices` at the end `of` have `steps_m` and `origins_m` of their own; `step_m` is then what
-    they scatter by in the mean square. Steps grow as the range to the power of `growth`, and are of
-    `step_m` at `reference_m`.
+    they scatter by in the mean square. Or they have `leans` of their own. Steps grow as the range
+    to the power of `growth`, and are of `step_m` at `reference_m`.
     """
 
     name = "range-rounding"
@@ -61,6 +60,7 @@ class RangeRounding(Effect):
     devices: tuple[str, ...] = ()
     steps_m: tuple[float, ...] = ()
     origins_m: tuple[float, ...] = ()
+    leans: tuple[float, ...] = ()
     growth: float = parameter(0.0, "1", 0, 1, "0: even steps, 1: steps in proportion to ranges")
     reference_m: float = parameter(
         REFERENCE_M, "m", 1e-3, 1e4, "range at which steps are of `step_m`"
@@ -69,7 +69,9 @@ class RangeRounding(Effect):
     def __post_init__(self) -> None:
         super().__post_init__()
         count = len(tuple(self.devices))
-        as_tuples(self, devices=None, steps_m=count, origins_m=count)
+        able = {"steps_m": self.steps_m, "origins_m": self.origins_m, "leans": self.leans}
+        lengths = {name: count if len(tuple(values)) else 0 for name, values in able.items()}
+        as_tuples(self, devices=None, **lengths)
 
     @property
     def last(self) -> bool:  # type: ignore[override]
@@ -85,9 +87,9 @@ class RangeRounding(Effect):
         """Round the ranges to the grid."""
         if self.step_m == 0 or batch.range_m is None:
             return batch
-        step, origin = self._grids(batch)
+        step, origin = self._grids(batch.rows)
         even = evened(np.asarray(batch.range_m), self.growth, self.reference_m)
-        number = np.rint((even - origin) / step + self.lean)
+        number = np.rint((even - origin) / step + self._leans(batch.rows))
         made = unevened(number * step + origin, self.growth, self.reference_m)
         return altered(batch, range_m=made)
 
@@ -100,21 +102,42 @@ class RangeRounding(Effect):
         """Return how long a step is at ranges [n], in metres."""
         return np.asarray(self.step_m * (range_m / self.reference_m) ** self.growth)
 
-    def _grids(self, batch: Batch) -> tuple[Floats, Floats]:
+    def leant_m(self, rows: Scene) -> Floats:
+        """Return what it does to the ranges of rows [n] in the mean, in metres."""
+        step = self._grids(rows)[0] * (rows.true_range_m / self.reference_m) ** self.growth
+        return np.asarray(self._leans(rows) * step)
+
+    def _grids(self, rows: Scene) -> tuple[Floats, Floats]:
         """Return step and origin for every row [n], in metres."""
+        if not self.steps_m:
+            return np.full(len(rows), self.step_m), np.full(len(rows), self.origin_m)
         own, origin = (
-            at_end(batch.rows, self.of, self.devices, values)
-            for values in (self.steps_m, self.origins_m)
+            at_end(rows, self.of, self.devices, values) for values in (self.steps_m, self.origins_m)
         )
         return np.where(own > 0, own, self.step_m), np.where(own > 0, origin, self.origin_m)
 
+    def _leans(self, rows: Scene) -> Floats:
+        """Return the lean of every row [n], in steps: of devices that are not listed the common."""
+        if not self.leans:
+            return np.full(len(rows), self.lean)
+        listed = at_end(rows, self.of, self.devices, (1.0,) * len(self.devices)) > 0
+        return np.where(listed, at_end(rows, self.of, self.devices, self.leans), self.lean)
+
     def forms(self) -> tuple[Effect, ...]:
-        """Return it to the nearest, down and up: they differ by a constant alone."""
-        return tuple(replace(self, lean=lean) for lean in LEANS)
+        """Return it to the nearest, down and up: a constant apart; and as devices lean."""
+        if not self.leans:
+            return tuple(replace(self, lean=lean) for lean in LEANS)
+        alike = replace(self, of="", devices=(), leans=())
+        return *alike.forms(), self
+
+    @property
+    def chosen_nats(self) -> float:
+        """What it costs that each device has a lean of its own."""
+        return choice_nats(len(self.leans))
 
     def values(self) -> dict[str, float]:
         """Return step and origin of the grid in metres; of devices the step of each."""
-        if self.devices:
+        if self.steps_m:
             pairs = zip(self.devices, self.steps_m, strict=True)
             return {f"step_m[{device}]": step for device, step in pairs}
         return {"step_m": self.step_m, "origin_m": self.origin_m} if self.step_m else {}
@@ -135,10 +158,15 @@ class RangeRounding(Effect):
         measured, true, left = measured[known], true[known], residual_m[known]
         late, early = measured - left, true + left
         both = ((measured, late, 0), (early, true, 1))
-        found = [_rounding(one, plain, links, way, g) for one, plain, way in both for g in GROWTHS]
+        rows = frame[known]
+        found = [
+            _rounding(rows, (one, plain), links, way, g)
+            for one, plain, way in both
+            for g in GROWTHS
+        ]
         seen = [one for one in found if one]
         best = max(seen, key=lambda one: one[0], default=(0.0, None))
-        own = None if best[0] > EXACT[0] else _by_device(frame[known], measured, late, links)
+        own = None if best[0] > EXACT[0] else _by_device(rows, measured, late, links)
         return own or best[1]
 
 
@@ -149,20 +177,37 @@ def _codes(frame: pd.DataFrame) -> NDArray[np.intp]:
 
 
 def _rounding(
-    measured_m: Floats, plain_m: Floats, links: NDArray[np.intp], early: int, growth: float
+    frame: pd.DataFrame,
+    ranges_m: tuple[Floats, Floats],
+    links: NDArray[np.intp],
+    early: int,
+    growth: float,
 ) -> tuple[float, RangeRounding] | None:
-    """Return how clear the grid of ranges [n] is, and the rounding; None where there is none."""
+    """Return how clear the grid of ranges [n] is, and the rounding; None where there is none.
+
+    `ranges_m` are those on the grid and as they would be without it.
+    """
+    measured_m, plain_m = ranges_m
     middle_m = max(float(np.median(measured_m)), LEAST_M) if growth else REFERENCE_M
     measured_m, plain_m = (evened(one, growth, middle_m) for one in (measured_m, plain_m))
     links = np.unique(links, return_inverse=True)[1]
     grid = comb(measured_m, plain_m, links)
     if grid is None or grid.coherence < CLEAR:
         return None
-    lean = _lean(measured_m - plain_m, links, grid.step_m)
+    off_steps = (measured_m - plain_m) / grid.step_m
+    of, own = device_leans(frame, off_steps, links)
     origin_m = grid.origin_m + grid.step_m * (grid.origin_m < LOWEST_ORIGIN * grid.step_m)
     origin_m *= abs(origin_m) > LEAST_ORIGIN * grid.step_m
     return grid.coherence, RangeRounding(
-        grid.step_m, origin_m, lean, early, growth=growth, reference_m=middle_m
+        grid.step_m,
+        origin_m,
+        _lean(off_steps, links),
+        early,
+        of,
+        tuple(own),
+        leans=tuple(own.values()),
+        growth=growth,
+        reference_m=middle_m,
     )
 
 
@@ -198,20 +243,17 @@ def _by_device(
     mine = np.isin(names, list(steps))
     step = np.array([steps[name] for name in names[mine]])
     codes = np.unique(links[mine], return_inverse=True)[1]
-    lean = _lean((measured_m - plain_m)[mine] / step, codes, 1.0)
+    lean = _lean((measured_m - plain_m)[mine] / step, codes)
     typical, made = float(np.sqrt(np.mean(step**2))), tuple(found.values())
     own = tuple(grid.step_m for grid in made), tuple(grid.origin_m for grid in made)
     return RangeRounding(typical, 0.0, lean, 0, end, tuple(found), *own)
 
 
-def _lean(left_m: Floats, links: NDArray[np.intp], step_m: float) -> float:
-    """Return the lean that makes the mean of what is left [n] nothing; 0 where none does.
+def _lean(off_steps: Floats, links: NDArray[np.intp]) -> float:
+    """Return the lean that makes the mean of what is off [n], in steps, nothing; 0 where none does.
 
     A lean is a constant of half a step: any other constant is no rounding.
     """
-    mean = np.bincount(links, left_m) / np.bincount(links)
-    middle = float(np.median(mean))
-    error = MEDIAN_ERROR * float(np.median(np.abs(mean - middle))) / np.sqrt(len(mean))
-    off = [abs(middle - lean * step_m) for lean in LEANS]
-    able = [lean for lean, one in zip(LEANS, off, strict=True) if one < LEAN_STEPS * step_m + error]
+    middle, error = middle_of(off_steps, links)
+    able = [lean for lean in LEANS if abs(middle - lean) < LEAN_STEPS + error]
     return able[0] if able else 0.0

@@ -74,6 +74,29 @@ def test_a_shift_beside_a_grid_is_found_in_full() -> None:
     assert np.std(made[1]) == pytest.approx(STEP_M / np.sqrt(12), rel=0.2)
 
 
+def test_devices_that_cut_down_are_not_late() -> None:
+    rows = _view()
+    cut = np.arange(300) // 10 < 12
+    frame = rows.frame.assign(tx=np.where(cut, "old", "new"))
+    rows = view(frame, rows.links, rows.rows, Window(), ("error_m",), False)
+    grid = RangeRounding(STEP_M, of="tx", devices=("old", "new"), leans=(-0.5, 0.0))
+    plain, own = (residual_range(WORLD, rows, (one,), 4) for one in (RangeRounding(STEP_M), grid))
+    assert plain is not None
+    assert own is not None
+    moved = own[1] - plain[1]
+    assert moved[cut].mean() - moved[~cut].mean() == pytest.approx(STEP_M / 2)
+
+
+def test_leans_of_devices_must_lead_by_what_their_choice_costs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    grid = RangeRounding(STEP_M, of="tx", devices=("a", "b"), leans=(-0.5, 0.0))
+    for lead, own in ((grid.chosen_nats + 4, True), (grid.chosen_nats + 2, False)):
+        worth = {grid: lead}
+        monkeypatch.setattr(marks, "worth_beside", lambda _, some, w=worth: w.get(some[0], 0.0))
+        assert (marks._likeliest(_search(_view()), grid) == grid) == own
+
+
 def test_no_law_says_again_that_ranges_are_rounded() -> None:
     rows = _view()
     made = residual_range(WORLD, rows, (), 4)
