@@ -14,9 +14,10 @@ from scipy.stats import t as student
 
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
-from bench.discrepancy.fit.clocks import Heard, polynomial
+from bench.discrepancy.fit.clocks import STEADY, polynomial
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
+from bench.discrepancy.fit.heard import WARM, Heard
 from bench.discrepancy.fit.least_squares import ends
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delay_told, delays_of
 from bench.discrepancy.fit.walls import delays_of_kinds
@@ -72,9 +73,9 @@ def _refitted(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
 
 def _of_clocks(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, DeviceClock)
-    own = _places(view, effect.devices)
+    own, over = _places(view, effect.devices), WARM if effect.slopes_ppm_per_c else STEADY
     return tuple(effect.values()), lambda rows, left, _: (
-        _offsets(view, left, rows) * _heard(view, rows)
+        _offsets(view, left, rows, over) * _heard(view, rows)
     )[own]
 
 
@@ -144,9 +145,9 @@ def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
     return np.where(near >= KNOT_ROWS, curve - curve.mean(), np.nan)
 
 
-def _offsets(view: View, residual_m: Floats, rows: Rows) -> Floats:
-    """Return clock offsets in ppm, their mean taken out."""
-    found = np.array(polynomial(Heard.of(view, residual_m), rows, False).offsets_ppm)
+def _offsets(view: View, residual_m: Floats, rows: Rows, over: str) -> Floats:
+    """Return clock offsets in ppm, their mean taken out; they go by `over` besides."""
+    found = np.array(polynomial(Heard.of(view, residual_m), rows, over).offsets_ppm)
     return np.asarray(found - found.mean())
 
 

@@ -1,7 +1,8 @@
 """Crystal offsets per device from residual ranges: constant, drifting, or wandering.
 
-Which of the three is decided by cross-validation: drifts must predict whole links that were left
-out, a wandering crystal these and stretches of rows. It wanders about its mean (a process of
+They drift with time or with temperature, each crystal by a slope of its own, as it was cut. Which
+of these is decided by cross-validation: drifts must predict whole links that were left out, a
+wandering crystal these and stretches of rows. It wanders about its mean (a process of
 Ornstein and Uhlenbeck; at long time constants a random walk): knots where the device was heard,
 spread and time constant by their marginal likelihood.
 """
@@ -9,8 +10,7 @@ spread and time constant by their marginal likelihood.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,11 @@ from scipy.sparse import csr_array, hstack
 from scipy.sparse.csgraph import connected_components
 
 from bench.discrepancy.compare.view import View
-from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.discrepancy.fit.heard import TIME, WARM, Heard
+from bench.discrepancy.fit.least_squares import incidence, robust
+from bench.discrepancy.fit.settings import SLOPE_VALUES, WARM_PRIOR_PPM_PER_C
 from bench.discrepancy.settings import (
-    CLOCK_FOLDS,
     CLOCK_KNOTS,
-    CLOCK_LINK_FOLDS,
     CLOCK_RIDGES,
     CLOCK_SHORTEST_S,
     CLOCK_STRETCHES,
@@ -40,10 +39,11 @@ from bench.discrepancy.settings import (
 )
 from bench.errors import BenchError
 from bench.physics.effects.fitted.device_clock import DeviceClock
-from bench.physics.units import C_M_PER_NS
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+STEADY = ""  # what offsets go by: nothing
+PRIORS = {TIME: DRIFT_PRIOR_PPM_PER_HOUR, WARM: WARM_PRIOR_PPM_PER_C}
 
 
 @dataclass(frozen=True)
@@ -54,65 +54,6 @@ class Wander:
     settle_s: float
 
 
-@dataclass(frozen=True)
-class Heard:
-    """What clocks are fitted to: rows with their devices, times and residual ranges.
-
-    `residual_m` [n]; `per_ppm` [n] metres per ppm; `links` [n] codes; `tx`, `rx` [n] numbers of
-    `names`.
-    """
-
-    names: tuple[str, ...]
-    tx: Rows
-    rx: Rows
-    time_s: Floats
-    per_ppm: Floats
-    residual_m: Floats
-    links: Rows
-    view: View
-
-    @classmethod
-    def of(cls, view: View, residual_m: Floats) -> Heard:
-        """Return the rows of a view with their residual ranges [n]."""
-        names, tx, rx = ends(view)
-        time = numeric(view.frame, "time_s")
-        reply_s = np.nan_to_num(numeric(view.frame, "reply_time_s"))
-        per_ppm = C_M_PER_NS * reply_s / 2 * 1e3
-        return cls(names, tx, rx, time, per_ppm, residual_m, view.links, view)
-
-    @cached_property
-    def reference_s(self) -> float:
-        """The middle of the recording, 0 without times."""
-        known = np.isfinite(self.time_s)
-        return float(np.median(self.time_s[known])) if known.any() else 0.0
-
-    def error(self, clock: DeviceClock, rows: Rows) -> float:
-        """Return the mean abs. residual that a clock leaves on some rows, in metres."""
-        guess = clock.offset_ppm(self.view.scene)[rows] * self.per_ppm[rows]
-        left = np.abs(self.residual_m[rows] - guess)
-        return float(np.nanmean(left)) if np.isfinite(left).any() else 0.0
-
-    @cached_property
-    def stretches(self) -> Rows:
-        """Fold of each row [n]: alternate stretches of every pair of devices and link."""
-        fold = np.zeros(len(self.links), np.intp)
-        keys = np.stack([self.links, self.tx, self.rx], axis=1)
-        code = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
-        for pair in np.unique(code):
-            rows = np.flatnonzero(code == pair)
-            rows = rows[np.argsort(self.time_s[rows], kind="stable")]
-            fold[rows] = (np.arange(len(rows)) * CLOCK_STRETCHES // len(rows) + pair) % CLOCK_FOLDS
-        return fold
-
-    @cached_property
-    def parts(self) -> Rows:
-        """Fold of each row [n]: whole links."""
-        names = np.unique(self.links)
-        return np.asarray(
-            np.searchsorted(names, self.links) % max(min(CLOCK_LINK_FOLDS, len(names)), 1)
-        )
-
-
 def device_clock(view: View, residual_m: Floats) -> DeviceClock:
     """Return clocks per device that fit residual ranges [n] in metres.
 
@@ -120,30 +61,33 @@ def device_clock(view: View, residual_m: Floats) -> DeviceClock:
     """
     heard = Heard.of(view, residual_m)
     every = np.arange(len(view.links))
-    linear = _drift_helps(heard)
-    curved = walking(heard, every) if _times(heard) >= 2 * CLOCK_STRETCHES else None
+    linear = _goes_by(heard)
+    curved = walking(heard, every) if _values(heard.time_s) >= 2 * CLOCK_STRETCHES else None
     if curved and _wander_helps(heard, Wander(curved.spread_ppm, curved.settle_s), linear):
         return curved
     return polynomial(heard, every, linear)
 
 
-def _times(heard: Heard) -> int:
-    """Return how many different times are known."""
-    return len(np.unique(heard.time_s[np.isfinite(heard.time_s)]))
+def _values(values: Floats) -> int:
+    """Return how many different values are known."""
+    return len(np.unique(values[np.isfinite(values)]))
 
 
-def _drift_helps(heard: Heard) -> bool:
-    """Return whether drifts lower the error on links left out in turn."""
-    if _times(heard) < 3 or len(np.unique(heard.links)) < 3:
-        return False
-    left = [0.0, 0.0]
+def _goes_by(heard: Heard) -> str:
+    """Return what offsets go by: whose slopes lower the error on links left out in turn most."""
+    columns = {TIME: heard.time_s, WARM: heard.warm_c}
+    able = [over for over, values in columns.items() if _values(values) >= SLOPE_VALUES]
+    if not able or len(np.unique(heard.links)) < 3:
+        return STEADY
+    left = dict.fromkeys((STEADY, *able), 0.0)
     for kept, held in _folds(heard, heard.parts):
-        for drift in (False, True):
-            left[drift] += heard.error(polynomial(heard, kept, drift), held) * len(held)
-    return left[True] < RICHER_CLOCK * left[False]
+        for over in left:
+            left[over] += heard.error(polynomial(heard, kept, over), held) * len(held)
+    best = min(able, key=lambda over: left[over])
+    return best if left[best] < RICHER_CLOCK * left[STEADY] else STEADY
 
 
-def _wander_helps(heard: Heard, wander: Wander, linear: bool) -> bool:
+def _wander_helps(heard: Heard, wander: Wander, linear: str) -> bool:
     """Return whether wandering lowers the error on rows left out, stretches and links alike.
 
     Both count: a curve that only interpolates loses on links what it gains on stretches.
@@ -153,7 +97,7 @@ def _wander_helps(heard: Heard, wander: Wander, linear: bool) -> bool:
     return bool(left[1] < RICHER_CLOCK * left[0])
 
 
-def _compared(heard: Heard, wander: Wander, linear: bool, fold: Rows) -> tuple[float, float]:
+def _compared(heard: Heard, wander: Wander, linear: str, fold: Rows) -> tuple[float, float]:
     """Return the summed error on rows left out: of the simple clock and of a wandering one."""
     simple = curved = 0.0
     for kept, held in _folds(heard, fold):
@@ -181,21 +125,22 @@ def _folds(heard: Heard, fold: Rows) -> Iterator[tuple[Rows, Rows]]:
             yield kept, held
 
 
-def polynomial(heard: Heard, rows: Rows, drift: bool) -> DeviceClock:
-    """Return constant offsets, or offsets and linear drifts, fitted on some rows."""
+def polynomial(heard: Heard, rows: Rows, over: str) -> DeviceClock:
+    """Return constant offsets, with slopes over time or temperature if asked, of some rows."""
     count = len(heard.names)
-    hours = np.nan_to_num(heard.time_s[rows] - heard.reference_s) / 3600
     per_ppm = heard.per_ppm[rows]
     pair = incidence(heard.tx[rows], heard.rx[rows], -1.0, count)
     parts = [pair.multiply(per_ppm[:, None])]
     prior = np.full(count, OFFSET_PRIOR_PPM)
-    if drift:
-        parts.append(pair.multiply((per_ppm * hours)[:, None]))
-        prior = np.concatenate([prior, np.full(count, DRIFT_PRIOR_PPM_PER_HOUR)])
-    found = robust(csr_array(hstack(parts)), heard.residual_m[rows], prior)
-    drifts = found[count:] if drift else np.zeros(count)
-    offsets = tuple(found[:count].tolist())
-    return DeviceClock(heard.names, offsets, tuple(drifts.tolist()), heard.reference_s)
+    if over:
+        parts.append(pair.multiply((per_ppm * heard.since(over)[rows])[:, None]))
+        prior = np.concatenate([prior, np.full(count, PRIORS[over])])
+    found = robust(csr_array(hstack(parts)), heard.residual_m[rows], prior).tolist()
+    offsets, slopes, none = tuple(found[:count]), tuple(found[count:]), (0.0,) * count
+    if over == WARM:
+        made = DeviceClock(heard.names, offsets, none, heard.reference_s)
+        return replace(made, slopes_ppm_per_c=slopes, reference_c=heard.reference_c)
+    return DeviceClock(heard.names, offsets, slopes or none, heard.reference_s)
 
 
 def walking(

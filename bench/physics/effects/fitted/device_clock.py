@@ -32,11 +32,12 @@ class DeviceClock(Effect):
 
     `devices` are ids as in the columns `tx` and `rx`, `offsets_ppm` theirs (their mean is
     arbitrary: only differences act), `drifts_ppm_per_hour` their change with `time_s` from
-    `reference_s` on. A crystal that wanders has knots besides: `wander_ppm[i]` is added to device
-    i at the times `knots_s[i]`. Between and beyond them stands what is expected of a process of
-    Ornstein and Uhlenbeck, with standard deviation `spread_ppm` about the offset and time constant
-    `settle_s`; what is not known farther from a knot than knots are from each other scatters every
-    pair of devices anew every ten minutes.
+    `reference_s` on, `slopes_ppm_per_c`, if any, that with `temperature_c` from `reference_c` on.
+    A crystal that wanders has knots besides: `wander_ppm[i]` is added to device i at the times
+    `knots_s[i]`. Between and beyond them stands what is expected of a process of Ornstein and
+    Uhlenbeck, with standard deviation `spread_ppm` about the offset and time constant `settle_s`;
+    what is not known farther from a knot than knots are from each other scatters every pair of
+    devices anew every ten minutes.
     """
 
     name = "device-clock"
@@ -57,6 +58,8 @@ class DeviceClock(Effect):
     offsets_ppm: tuple[float, ...] = ()
     drifts_ppm_per_hour: tuple[float, ...] = ()
     reference_s: float = parameter(0, "s", -1e12, 1e12, "when the offsets hold")
+    slopes_ppm_per_c: tuple[float, ...] = ()
+    reference_c: float = parameter(25, "C", -100, 200, "at what temperature they hold")
     reply_time_s: float = parameter(3e-4, "s", 0, 1, "where the rows do not tell")
     knots_s: Curves = ()
     wander_ppm: Curves = ()
@@ -67,6 +70,7 @@ class DeviceClock(Effect):
         super().__post_init__()
         count = len(self.devices)
         as_tuples(self, devices=None, offsets_ppm=count, drifts_ppm_per_hour=count)
+        as_tuples(self, slopes_ppm_per_c=count if len(tuple(self.slopes_ppm_per_c)) else 0)
         as_curves(self, "knots_s", "wander_ppm", count)
 
     def values(self) -> dict[str, float]:
@@ -82,13 +86,16 @@ class DeviceClock(Effect):
         return altered(batch.later(offset * 1e-6 * reply / 2 * 1e9), clock_offset_ppm=offset)
 
     def offset_ppm(self, rows: Scene) -> Floats:
-        """Return offset of tx minus offset of rx at each row's time [n]."""
+        """Return offset of tx minus offset of rx at each row's time and temperature [n]."""
         hours = (rows.number("time_s", self.reference_s) - self.reference_s) / 3600
+        warmer = rows.number("temperature_c", self.reference_c) - self.reference_c
+        slopes = self.slopes_ppm_per_c or (0.0,) * len(self.devices)
         ends = []
         for end in ("tx", "rx"):
             base = at_end(rows, end, self.devices, self.offsets_ppm)
             slope = at_end(rows, end, self.devices, self.drifts_ppm_per_hour)
-            ends.append(base + hours * slope + self._wander(rows, end))
+            warm = at_end(rows, end, self.devices, slopes)
+            ends.append(base + hours * slope + warmer * warm + self._wander(rows, end))
         return np.asarray(ends[0] - ends[1])
 
     def at(self, device: str, time_s: float) -> float:

@@ -71,6 +71,21 @@ def test_drifting_crystals_get_drifts():
     assert np.abs(clock.offset_ppm(_view(frame).scene) - truth).max() < 0.01
 
 
+def test_crystals_that_follow_their_temperature_get_slopes_of_their_own():
+    frame, _ = _frame(lambda device, time: np.zeros(len(time)))
+    warm = 20 + 8 * np.sin(2 * np.pi * np.arange(len(frame)) / 37)
+    tx, rx = (frame[end].str[1:].astype(int).to_numpy() for end in ("tx", "rx"))
+    truth = 1.0 * (tx - rx) + 0.05 * (tx - rx) * (warm - 20)
+    longer = truth * C_M_PER_NS * REPLY_S / 2 * 1e3
+    frame = frame.assign(temperature_c=warm, error_m=frame["error_m"] + longer)
+    clock = _fit(frame)
+    assert clock.knots_s == ()
+    assert np.ptp(clock.slopes_ppm_per_c) == pytest.approx(0.15, abs=0.01)
+    assert np.abs(clock.offset_ppm(_view(frame).scene) - truth).max() < 0.01
+    simulator = Simulator(Base(), (clock,), 0)
+    assert from_toml(to_toml(simulator)) == simulator
+
+
 def test_wandering_crystals_are_followed_and_held_out_rows_predicted():
     frame, truth = _frame(_waves)
     held = (np.arange(len(frame)) // 10 + np.arange(len(frame)) // 60) % 3 == 0
