@@ -21,21 +21,24 @@ from scipy.sparse.csgraph import connected_components
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.fit.heard import TIME, WARM, Heard
 from bench.discrepancy.fit.least_squares import incidence, robust
-from bench.discrepancy.fit.settings import SLOPE_VALUES, WARM_PRIOR_PPM_PER_C
+from bench.discrepancy.fit.settings import (
+    DRIFT_PRIOR_PPM_PER_HOUR,
+    SCALE_SETTLED,
+    SLOPE_VALUES,
+    WANDER_PASSES,
+    WANDER_SPREADS_PPM,
+    WARM_PRIOR_PPM_PER_C,
+)
 from bench.discrepancy.settings import (
     CLOCK_KNOTS,
     CLOCK_RIDGES,
     CLOCK_SHORTEST_S,
     CLOCK_STRETCHES,
-    DRIFT_PRIOR_PPM_PER_HOUR,
     HUBER,
     MAD_TO_STD,
     OFFSET_PRIOR_PPM,
     RICHER_CLOCK,
-    SCALE_SETTLED,
-    WANDER_PASSES,
     WANDER_SETTLES_S,
-    WANDER_SPREADS_PPM,
 )
 from bench.errors import BenchError
 from bench.physics.effects.fitted.device_clock import DeviceClock

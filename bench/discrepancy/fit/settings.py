@@ -8,6 +8,10 @@ WALL_PRIOR_M: Final = 1.0  # typical delay of one obstacle at most: 0.8 m of con
 # [source: ITU-R P.2040-3, table 3]
 WALL_PRIOR_DB: Final = 30.0  # typical loss of one obstacle at most [source: the same]
 WARM_PRIOR_PPM_PER_C: Final = 0.3  # typical slope of a crystal's offset over temperature at most:
-# 10 ppm over 35 degrees [source: Vig 1992, AT-cut quartz]
+# some ppm over tens of degrees [source: Vig 1992, AT-cut quartz]
 SLOPE_VALUES: Final = 3  # different times or temperatures, from which on a slope is asked for
 # [convention]
+DRIFT_PRIOR_PPM_PER_HOUR: Final = 0.5  # [source] indoors crystals drift by tenths of a ppm an hour
+WANDER_SPREADS_PPM: Final = (0.01, 0.03, 0.1, 0.3, 1.0)  # tried by marginal likelihood [cost]
+WANDER_PASSES: Final = 20  # [cost]
+SCALE_SETTLED: Final = 0.02  # relative change of the scatter that ends the passes [cost]
