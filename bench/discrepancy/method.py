@@ -34,6 +34,7 @@ from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
+from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.elsewhere import elsewhere_too
 from bench.discrepancy.select.last_round import last_round
 from bench.discrepancy.select.level_slope import with_absorption, with_slope
@@ -317,6 +318,7 @@ def _with_best(
         kept, safely, anew = journal.kept, state.guard.safely, len(added) > 1
         again = safely("fitting again", kept(polished), added)
         added = again(search.comparison, search.fit, added, anew=anew)
+        added = safely("curve of levels", with_curve, added)(search, added)
         least = safely("margin", kept(margin), MARGIN_NATS)(search, added)
         added = safely("pruning", kept(prune), added)(search, added, least, best.effect, located)
     if {e.name for e in added} <= {e.name for e in before}:  # what was added was taken out again
@@ -333,6 +335,7 @@ def concluded(state: State, journal: Journal) -> Selection:
         added = last(search.comparison, search.work, added)
         added = state.guard.safely("size of scatter", with_sizes, added)(search, added)
         added = state.guard.safely("slope of levels", with_slope, added)(search, added)
+        added = state.guard.safely("curve of levels", with_curve, added)(search, added)
     search.progress("checking that what was found looks like what was recorded")
     asis = Checked(added, state.rounds)
     held = state.guard.safely("adequacy", journal.kept(checked), asis)(search, state.rounds, added)

@@ -159,7 +159,7 @@ class Effect(ABC):
     as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
     without which it is another effect; `essential_with_cir`, `essential_on_paths`: more of them,
     where waveforms are compared, and where they are not. `instead`: parameters any of which does
-    for all of these.
+    for all of these. `held`: fields beside these that no search over parameters changes.
     """
 
     name: ClassVar[str]
@@ -203,6 +203,7 @@ class Effect(ABC):
     essential_with_cir: ClassVar[tuple[str, ...]] = ()
     essential_on_paths: ClassVar[tuple[str, ...]] = ()
     instead: ClassVar[tuple[str, ...]] = ()
+    held: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         check_bounds(f"effect {self.name!r}", self)

@@ -162,7 +162,10 @@ def _again(
     """Return one effect fitted again, and what that gained on the fitted rows.
 
     In the `last` fit it does nothing more than it did: a warm-up that brought nothing stays out.
+    What holds a curve of its own stays as it is: parameters would only move that about.
     """
+    if any(getattr(effect, name) for name in type(effect).held):
+        return effect, 0.0
     others = without(added, effect)
     base = tally(comparison.ensemble(fit, others, FIT_MEMBERS))
     objective = Objective(type(effect), comparison, fit, others, base)

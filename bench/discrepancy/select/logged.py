@@ -19,6 +19,7 @@ from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.receiver_logs import Logged, logs
 from bench.discrepancy.select.settings import (
     LOGGED_COMPRESSIONS,
@@ -213,7 +214,8 @@ def _level_control(search: Search, rows: View, seen: Logged) -> Effect:
 
     tried = [replace(made, compression=size) for size in LOGGED_COMPRESSIONS]
     base = score(made)
-    return max(tried, key=lambda one: gain(base, score(one)))
+    best = max(tried, key=lambda one: gain(base, score(one)))
+    return with_curve(search, (best,))[0]
 
 
 def _count_db(level_dbm: Floats, share: float) -> Floats:

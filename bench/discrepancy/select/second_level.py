@@ -22,6 +22,7 @@ from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
+from bench.discrepancy.select.control_curve import fallen, own_curve_of
 from bench.discrepancy.select.elsewhere import moves_ranges
 from bench.discrepancy.select.settings import (
     CURVE_NEIGHBOURS,
@@ -150,6 +151,8 @@ def _beyond_control(search: Search, rows: View, added: Added, effect: Effect) ->
     control = next((one for one in added if one.physics == LevelControl.name), None)
     if control is None:
         return True
+    if _lone_curve(search, rows, added, control):
+        return _beyond_own_curve(search, without(added, control), effect)
     rest, acts = without(added, control), np.any(_deformed(search, rows, added, control), axis=1)
     bare, whole = (
         search.comparison.ensemble(rows, some, FIT_MEMBERS) for some in (rest, (*rest, effect))
@@ -162,6 +165,33 @@ def _beyond_control(search: Search, rows: View, added: Added, effect: Effect) ->
     codes = np.unique(rows.links[known], return_inverse=True)[1]
     after, before = (_squares(left[known], one, codes, _turned_down) for one in (both, curve))
     return _better(after, before)
+
+
+def _lone_curve(search: Search, rows: View, added: Added, known: Effect) -> bool:
+    """Return whether an effect is a control's own curve and nothing else that is named acts there.
+
+    What other names leave of levels, as their forms are not quite right, is in its curve too.
+    """
+    if not own_curve_of(known):
+        return False
+    others = (one for one in added if one is not known)
+    return not any(_deformed(search, rows, added, one).any() for one in others)
+
+
+def _beyond_own_curve(search: Search, others: Added, effect: Effect) -> bool:
+    """Return whether levels are nearer to a receiver's curve and an effect than to its curve alone.
+
+    Of any form, that takes nothing where all symbols are accumulated; of links left out.
+    """
+    before, after = (fallen(search, some) for some in (others, (*others, effect)))
+    if before is None or after is None:
+        return True
+    return _better(*(_by_links(one.missed_db, one.codes) for one in (after, before)))
+
+
+def _by_links(missed_db: Floats, codes: NDArray[np.intp]) -> Floats:
+    """Return the sum of the squares of what is missed of levels [n], by link [L]."""
+    return np.asarray(np.bincount(codes, missed_db**2), np.float64)
 
 
 def _either_sign(columns: Floats) -> Floats:
@@ -189,6 +219,8 @@ def _reasons(
     for known in added:
         if known.physics == AntennaPattern.name:
             out.append(_harmonics(heading_rad(rows.scene)))
+        if effect is not None and _lone_curve(search, rows, added, known):
+            continue  # it has any form already: see `_beyond_control`
         acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
         if effect is None and known.physics == LevelControl.name:
             arriving = search.comparison.ensemble(rows, without(added, known), FIT_MEMBERS)
@@ -284,5 +316,4 @@ def _squares(
     values: Floats, design: Floats, codes: NDArray[np.intp], fit: Regression = _ridge
 ) -> Floats:
     """Return the squares that regressions on other links leave of values [n], by link [L]."""
-    left = _left_out(values, design, codes, fit)
-    return np.asarray(np.bincount(codes, left**2), np.float64)
+    return _by_links(_left_out(values, design, codes, fit), codes)

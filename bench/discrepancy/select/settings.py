@@ -83,6 +83,10 @@ LOGGED_SHIFTS_DB: Final = (-6.0, -4.5, -3.0, -1.5, 0.0, 1.5, 3.0, 4.5, 6.0)  # [
 LOGGED_COMPRESSIONS: Final = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.25, 1.5)  # [cost]
 CONTROL_SLOPES: Final = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0)  # of every dB above
 # its start, that a control may take: no more than all [cost]
+CONTROL_BEND_DB: Final = 0.02  # that a control's own curve may be off by between its knots [cost]
+CONTROL_TURNS: Final = 6  # of a control's own curve and the effects beside it [cost]
+CONTROL_RATIO: Final = 3.2  # dB that a level falls by for each dB of the count, at most: 17.5 and
+# 5.6 dB at -60 dBm [manual of the DW1000, figure 22, and recorded counts]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
 EXTRA_SCATTER_M: Final = (1e-3, 1.0, 61)  # tried beside the simulated: from, to, how many [cost]
 REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell what goes with it:

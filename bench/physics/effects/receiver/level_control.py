@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.own_noise import with_own_noise
 from bench.physics.randomness import Draws
 from bench.physics.units import Floats, amplitude, scaled, squared
@@ -23,7 +24,8 @@ class LevelControl(Effect):
     (-60 dBm reads -77.5), and no peak exceeds `peak_counts`. The share of symbols accumulated
     follows recorded accumulators (28 % above -80 dBm reported, all of them below -92). `in_samples`
     of the attenuation in dB is seen in the samples too (a gain that is turned down); the rest is in
-    the reported level alone (an estimate that saturates).
+    the reported level alone (an estimate that saturates). A receiver with a curve of its own turns
+    down by `curve_db` at `curve_dbm` (less `shift_db`), linear between and level beyond.
     """
 
     name = "level-control"
@@ -35,19 +37,26 @@ class LevelControl(Effect):
     needs = (("preamble_count",),)  # a level alone is shifted by many things
     essential_with_cir = ("accumulation",)
     own_curve = True
+    held = ("curve_dbm", "curve_db")
 
-    compression: float = parameter(1, "ratio", 0, 1.5, "of the manual's deviation in dB", null=0)
+    compression: float = parameter(1, "ratio", 0, 1.5, "of the deviation in dB", null=0)
     accumulation: float = parameter(1, "ratio", 0, 1.2, "of the measured fall of the count", null=0)
     peak_counts: float = parameter(20000, "counts", 1000, 1e9, "highest peak let through", null=1e9)
     shift_db: float = parameter(0, "dB", -20, 20, "the true level at which both curves start")
     in_samples: float = parameter(1, "ratio", 0, 1, "of the attenuation in dB, that samples show")
+    curve_dbm: tuple[float, ...] = ()
+    curve_db: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        as_tuples(self, curve_dbm=None, curve_db=len(self.curve_dbm))
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Attenuate signals and shorten the accumulation of every row."""
         if batch.symbols is None or batch.nominal_symbols is None:
             return batch
         level = batch.level() - self.shift_db
-        read = level + self.compression * (reported_dbm(level) - level)
+        read = level - self.compression * self._deviation_db(level)
         share = 1 - self.accumulation * (1 - accumulated_share(read))
         symbols = np.maximum(np.rint(batch.nominal_symbols * np.clip(share, 0.05, 1)), 1.0)
         longer = symbols / batch.symbols
@@ -67,6 +76,12 @@ class LevelControl(Effect):
         if batch.as_given and power is not None:  # noise is in a table's samples: no gain moves it
             waveform = with_own_noise(waveform, signal / np.sqrt(longer), power)
         return altered(made, waveform=waveform, noise=noise)
+
+    def _deviation_db(self, level_dbm: Floats) -> Floats:
+        """Return by how many dB the level that is read falls behind the true one [n]."""
+        if self.curve_dbm:
+            return np.interp(level_dbm, self.curve_dbm, self.curve_db)
+        return np.asarray(level_dbm - reported_dbm(level_dbm))
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it as seen in the samples, in half, and in the reported level alone."""
