@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.locate.row_scatter import about_links
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.settings import BOUNDED_P, FEWEST_SHAPED, NO_SCATTER_SHARE, SHAPE_Z
 from bench.discrepancy.select.within_links import components, drawn_by_rows
@@ -43,8 +44,9 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
 def steady(whole: Ensemble, rest: Ensemble) -> bool:
     """Return whether ranges of one link scatter no more than in `rest`, where `whole` does more.
 
-    One-sided test of both variances within links (Fisher 1925), at 5 %; False where no link has
-    several rows, or an effect moves all rows of a link alike.
+    One-sided tests of both variances within links (Fisher 1925) and of the ranks of deviations,
+    which a few simulated ranges far off leave as they are, at 5 % together; False where no link
+    has several rows, or an effect moves all rows of a link alike.
     """
     from scipy.stats import f
 
@@ -62,7 +64,23 @@ def steady(whole: Ensemble, rest: Ensemble) -> bool:
     m = len(within) - 1
     simulated = max(float(within[1:].mean()) * m / max(m - 1, 1), LEAST_SCATTER_M**2)
     recorded = float(within[0]) * m / (m + 1)
-    return bool(f.sf(recorded / simulated, free, free * max(m - 1, 1)) > STEADY_P)
+    wider = f.sf(recorded / simulated, free, free * max(m - 1, 1)) <= STEADY_P / 2
+    return not wider and not _mostly_wider(beside[:, several], code[several])
+
+
+def _mostly_wider(beside: Floats, code: NDArray[np.intp]) -> bool:
+    """Return whether recorded deviations from links rank above simulated ones [1 + m, n].
+
+    `beside` the mean of the simulated ones, to which these are nearer than a new one is.
+    """
+    from scipy.stats import mannwhitneyu
+
+    away = about_links(beside, code)
+    m = len(away) - 1
+    recorded, simulated = away[0] * np.sqrt(m / (m + 1)), away[1:] * np.sqrt(m / max(m - 1, 1))
+    return bool(
+        mannwhitneyu(recorded, simulated.ravel(), alternative="greater").pvalue <= STEADY_P / 2
+    )
 
 
 def alike(recorded_m: Floats, simulated_m: Floats) -> bool:

@@ -69,3 +69,17 @@ def test_where_rows_of_a_link_scatter_as_simulated_nothing_scatters_them() -> No
         rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.1))
         assert steady(whole, rest) == told
     assert not steady(rest, rest)  # what draws nothing for rows is not asked
+
+
+def test_a_few_simulated_ranges_far_off_hide_no_wider_rows() -> None:
+    """Their variance is as large as that of a jitter which every recorded row has."""
+    rng = np.random.default_rng(4)
+    jittered, plain = rng.normal(0, 0.04, 300), rng.normal(0, 0.01, 300)
+    far = np.where(rng.random((12, 300)) < 0.01, 0.8, 0.0)
+    for recorded, told in ((jittered, False), (plain, True)):
+        rest = ensemble(recorded, 0.01)
+        rest.versions[1:, :, 0] += far
+        more = rng.normal(0, 0.04, (12, 300))
+        whole = ensemble(recorded, 0.01)
+        whole.versions[1:, :, 0] = rest.versions[1:, :, 0] + more
+        assert steady(whole, rest) == told
