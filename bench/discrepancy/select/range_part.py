@@ -34,6 +34,7 @@ from bench.discrepancy.sets.blocks import (
     OF_CLOCKS,
     Blocks,
     deformed,
+    kept_rows,
     named_kinds,
     of_laws,
     of_library,
@@ -164,8 +165,8 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else left * np.nan
     weights = row_weights(left[known], level[known], rows.links[known])
     flat = whitening(weights[:, None] * forms, weights * left[known]) * weights
-    library = _kept(of_library(ranged.kinds, rows), known)
-    laws = _kept(of_laws(ranged.kinds, rows) | of_setup(rows), known)
+    library = kept_rows(of_library(ranged.kinds, rows), known)
+    laws = kept_rows(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
     blocks = {name: tuple(flat @ part for part in block) for name, block in raw.items()}
     evidence = Evidence(flat @ left[known], rows.links[known], blocks, widest)
@@ -273,9 +274,3 @@ def whitening(forms: Floats, left_m: Floats) -> Floats:
     ways, sizes, _ = np.linalg.svd(forms, full_matrices=False)
     less = 1 - 1 / np.sqrt(1 + (sizes / scatter) ** 2)
     return np.asarray(np.eye(len(left_m)) - (ways * less) @ ways.T)
-
-
-def _kept(blocks: Blocks, known: NDArray[np.intp]) -> Blocks:
-    """Return the blocks of the known rows, those that do anything there."""
-    made = {name: tuple(part[known] for part in block) for name, block in blocks.items()}
-    return {name: block for name, block in made.items() if any(part.any() for part in block)}

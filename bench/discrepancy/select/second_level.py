@@ -214,7 +214,7 @@ def _reasons(
     """Return what else levels may do beside an effect, columns [n, k] each."""
     ground = any(one.physics == GroundBounce.name for one in added)
     fades = ground if effect is None else effect.physics != GroundBounce.name
-    out = [fading_ways(rows.scene)] if fades else []
+    out = [fading_ways(rows.scene, ground)] if fades else []
     paths = Base().paths(rows.scene)
     for known in added:
         if known.physics == AntennaPattern.name:

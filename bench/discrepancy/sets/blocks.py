@@ -75,6 +75,12 @@ def of_library(kinds: Kinds, rows: View) -> Blocks:
     return blocks
 
 
+def kept_rows(blocks: Blocks, rows: NDArray[np.intp]) -> Blocks:
+    """Return the blocks of some rows, those that do anything there."""
+    made = {name: tuple(part[rows] for part in block) for name, block in blocks.items()}
+    return {name: block for name, block in made.items() if any(part.any() for part in block)}
+
+
 def _of_several_links(own: Floats, links: NDArray[np.intp]) -> Floats:
     """Return the columns [n, k] that are of rows of several links.
 

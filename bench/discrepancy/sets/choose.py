@@ -16,8 +16,8 @@ from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.beside import misplaced, told_law, without_constants
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
-    Blocks,
     deformed,
+    kept_rows,
     named_kinds,
     of_laws,
     of_library,
@@ -29,6 +29,7 @@ from bench.discrepancy.sets.blocks import (
 from bench.discrepancy.sets.calibrated import without_calibration
 from bench.discrepancy.sets.choice import Choice, Set, but, but_not
 from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
@@ -92,15 +93,17 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
         return None
     ensemble, left = made
     known = np.flatnonzero(np.isfinite(left))
-    library = _kept(of_library(search.kinds, rows), known)
-    laws = _kept(of_laws(search.kinds, rows) | of_setup(rows), known)
+    library = kept_rows(of_library(search.kinds, rows), known)
+    laws = kept_rows(of_laws(search.kinds, rows) | of_setup(rows), known)
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     crowding = search.comparison.crowding(rows) ** 2
     usual = usual_levels(rows, ensemble)[known]
-    return Contest(evidence, kinds, crowding, rows, known, usual), ensemble
+    contest = Contest(evidence, kinds, crowding, rows, known, usual)
+    contest.fading = fading_db(rows, ensemble)[known]
+    return contest, ensemble
 
 
 def decided(search: Search, beside: Added) -> bool:
@@ -112,12 +115,6 @@ def decided(search: Search, beside: Added) -> bool:
 def _names(beside: Added) -> Set:
     """Return the effects that shift ranges: scatter changes nothing here."""
     return tuple(effect.physics for effect in beside if not type(effect).independent)
-
-
-def _kept(blocks: Blocks, rows: NDArray[np.intp]) -> Blocks:
-    """Return the blocks of some rows, those that do anything there."""
-    made = {name: tuple(part[rows] for part in block) for name, block in blocks.items()}
-    return {name: block for name, block in made.items() if any(part.any() for part in block)}
 
 
 class Contest:
@@ -148,6 +145,7 @@ class Contest:
         self._nats: dict[Set, float] = {}
         self.able: Set = ()
         self.weights = np.ones(len(known))  # of rows, in the evidence
+        self.fading = np.zeros(len(known))  # see `fading_db`
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
@@ -325,7 +323,7 @@ class Contest:
 
     def _beyond_forms(self, causes: Set) -> Set:
         """Return the set without names that a law of a definite form does as well as."""
-        while (held := beaten(self, causes)) is not None:
+        while (held := beaten(self, causes) or faded(self, causes)) is not None:
             law = held.law
             self.evidence = self.evidence.with_blocks({**self.evidence.blocks, law.name: law.parts})
             self.evidence.widest[law.name] = LAW_SIZE

@@ -45,6 +45,8 @@ USUAL_LEVEL_DB: Final = 4.0  # off what is usual at a distance: half of what an 
 USUAL_SCATTERS: Final = 3.0  # of simulated levels, that usual ones are off at most [convention]
 LEAST_LEVEL_DB: Final = 2.0  # and at least: a simulator's levels may hardly scatter [convention]
 LEVEL_PASSES: Final = 4  # [cost]
+FADING_SHARE: Final = 0.5  # of how much stronger signals are than simulated, that is no curve over
+# the distance and the simulated level: else a path loss or a control of levels is most [convention]
 FEWEST_ROWS: Final = 30  # below which sets are not told apart [convention]
 DEVICE_ROWS: Final = 7  # of a device, to ask whether it stands elsewhere [convention]
 SCATTER_NATS: Final = 0.02  # of gain, of scatter beside a set: it leaves less than single names

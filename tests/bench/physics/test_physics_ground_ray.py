@@ -9,7 +9,14 @@ import pytest
 from bench.physics.base import Base
 from bench.physics.effects.fitted.ground_ray import GroundRay
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
-from bench.physics.effects.propagation.two_rays import LEAST_POWER, fading_db, pulled_m
+from bench.physics.effects.propagation.two_rays import (
+    LEAST_POWER,
+    Rays,
+    fading_db,
+    fading_ways,
+    pulled_m,
+    rays,
+)
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -78,3 +85,61 @@ def test_what_it_may_do_holds_what_a_reflection_does() -> None:
     pulled, _ = _changed(HIDDEN)
     left = pulled - parts[0] @ np.linalg.lstsq(parts[0], pulled, rcond=None)[0]
     assert np.std(left) < 0.25 * np.std(pulled)
+
+
+def _found() -> Rays:
+    found = rays(scene(_frame(), "recorded"))
+    assert found is not None
+    return found
+
+
+def _crossed_m(found: Rays) -> np.ndarray:
+    """Return how much later a threshold is crossed: sooner where both rays are louder [n]."""
+    near = np.exp(-found.longer_m / 0.8)
+    return -0.15 * np.log(np.abs(1 + near * found.ray(6.4896, 0.6, 0.5)))
+
+
+def _energy_db(found: Rays) -> np.ndarray:
+    """Return the gain of two pulses whose energies add where they do not overlap [n]."""
+    ray = found.ray(6.4896, 0.6, 0.0)
+    near = np.exp(-((found.longer_m / 0.5) ** 2))
+    return 10 * np.log10(1 + np.abs(ray) ** 2 + 2 * near * np.real(ray))
+
+
+def test_a_threshold_that_both_rays_cross_is_within_what_it_may_do() -> None:
+    rows, crossed = scene(_frame().assign(channel=5), "recorded"), _crossed_m(_found())
+    parts = GroundBounce.ways(rows)
+    assert parts is not None
+    left = crossed - parts[0] @ np.linalg.lstsq(parts[0], crossed, rcond=None)[0]
+    assert np.std(left) < 0.25 * np.std(crossed)
+
+
+def test_a_receiver_of_another_kind_is_followed_in_ranges_and_levels() -> None:
+    frame, found = _frame().assign(channel=5), _found()
+    noise = 0.01 * np.random.default_rng(5).normal(size=len(frame))
+    fitted = GroundRay.fit_values(frame, _crossed_m(found) + noise)
+    assert isinstance(fitted, GroundRay)
+    bare = fitted._pulled(found)
+    left, plain = (_crossed_m(found) - one for one in (fitted._moved(found), bare))
+    assert np.std(left) < 0.5 * np.std(plain)
+    gain = _energy_db(found)
+    louder = fitted.with_level(frame, gain)
+    assert np.std(gain - louder._faded(found)) < 0.25 * np.std(gain)
+    assert abs(np.mean(gain - louder._faded(found))) < 0.5 * np.mean(gain)
+
+
+def test_energies_that_add_are_among_the_ways_of_a_named_reflection() -> None:
+    rows, gain = scene(_frame().assign(channel=5), "recorded"), _energy_db(_found())
+    named, any_one = (fading_ways(rows, known) for known in (True, False))
+    left = [gain - one @ np.linalg.lstsq(one, gain, rcond=None)[0] for one in (named, any_one)]
+    assert np.std(left[0]) < 0.1 * np.std(gain)
+    assert np.std(left[0]) < 0.3 * np.std(left[1])
+
+
+def test_a_curve_over_the_distance_is_no_reflection_and_a_ripple_is_one() -> None:
+    frame = _frame()
+    rows, far = scene(frame, "recorded"), frame["true_range_m"].to_numpy()
+    assert GroundBounce.possible(rows, _crossed_m(_found()))
+    assert not GroundBounce.possible(rows, 0.1 * far / (far + 10))
+    assert not GroundBounce.possible(rows, -0.05 * frame["rx_z_m"].to_numpy())
+    assert not GroundBounce.possible(scene(frame.drop(columns="rx_z_m"), "recorded"), far)

@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.effects.propagation.two_rays import (
     Rays,
     carriers_ghz,
+    fades_db,
     fading_db,
+    moves_m,
     pulled_m,
     rays,
 )
@@ -28,6 +31,9 @@ FINER: Floats = np.linspace(0.01, 0.95, 95)
 REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
 LEAST_ROWS = 12
+FITS, TAIL = 6, 4.0  # of rows weighed anew; degrees of freedom of their scatter, Student's t
+CONSTANT_M, CONSTANT_DB = 1.0, 1.0  # typical, of another cause
+MEDIAN_OF_NORMAL = 0.6745  # of |z|
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,8 @@ class GroundRay(Effect):
     The reflection has `size` at grazing incidence, less by (1 - sine)^`steepness` where it is
     steeper, and overlaps the edge while it is less than about `reach_m` longer. `level_size` is the
     same for the level, which a pulse blurs otherwise. Below zero: it is not turned around, as of
-    upright antennas above Brewster's angle.
+    upright antennas above Brewster's angle. What a receiver of another kind makes of both rays is
+    beside that: factors `moved` of `moves_m`, and `louder` of `fades_db`; () for none.
     """
 
     name = "ground-ray"
@@ -55,19 +62,34 @@ class GroundRay(Effect):
     carrier_ghz: float = parameter(6.4896, "GHz", 1, 12, "carrier")
     reach_m: float = parameter(0.7, "m", 0.05, 5, "excess within a pulse")
     steepness: float = parameter(0.0, "1", 0, 3, "how much weaker where it is steep")
+    moved: tuple[float, ...] = ()
+    louder: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        as_tuples(self, moved=None, louder=None)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Pull ranges and change levels where heights are known."""
         found = rays(batch.rows)
         if found is None:
             return batch
-        batch = batch.longer(self._pulled(found))
-        gain = fading_db(found.ray(self.carrier_ghz, self.level_size, self.steepness))
-        return batch.reported_louder(gain)
+        batch = batch.longer(self._moved(found))
+        return batch.reported_louder(self._faded(found))
 
     def _pulled(self, found: Rays) -> Floats:
         ray = found.ray(self.carrier_ghz, self.size, self.steepness)
         return pulled_m(found.longer_m, ray, self.reach_m)
+
+    def _moved(self, found: Rays) -> Floats:
+        """Return by how much ranges are longer [n]."""
+        pulled = self._pulled(found)
+        return pulled + moves_m(found, self.carrier_ghz) @ self.moved if self.moved else pulled
+
+    def _faded(self, found: Rays) -> Floats:
+        """Return by how much levels are stronger [n], in dB."""
+        gain = fading_db(found.ray(self.carrier_ghz, self.level_size, self.steepness))
+        return gain + fades_db(found, self.carrier_ghz) @ self.louder if self.louder else gain
 
     def values(self) -> dict[str, float]:
         """Return the size of the reflection."""
@@ -82,27 +104,52 @@ class GroundRay(Effect):
             return None
         own = Rays(found.longer_m[known], found.size[known], found.flat[known])
         left = residual_m[known]
+        made = [cls._of_carrier(one, own, left) for one in carriers_ghz(rows)]
+        best = min(made, key=lambda one: _missed(left, one._moved(own)))
+        return best if _missed(left, best._moved(own)) < _missed(left, np.zeros(1)) else None
+
+    @classmethod
+    def _of_carrier(cls, carrier_ghz: float, own: Rays, left: Floats) -> GroundRay:
+        """Return the reflection of one carrier that leaves least, with what it moves besides."""
         tried = [
-            cls(carrier_ghz=carrier, reach_m=reach, steepness=steepness, size=float(size))
-            for carrier, reach, steepness in product(carriers_ghz(rows), REACHES_M, STEEPNESSES)
+            cls(carrier_ghz=carrier_ghz, reach_m=reach, steepness=steepness, size=float(size))
+            for reach, steepness in product(REACHES_M, STEEPNESSES)
             for size in (*GRID[1::3], *-GRID[1::3])
         ]
         best = min(tried, key=lambda one: _missed(left, one._pulled(own)))
         finer = [replace(best, size=float(size)) for size in FINER * np.sign(best.size)]
         best = min(finer, key=lambda one: _missed(left, one._pulled(own)))
-        return best if _missed(left, best._pulled(own)) < _missed(left, np.zeros(1)) else None
+        more = _factors(moves_m(own, carrier_ghz), left - best._pulled(own), CONSTANT_M)
+        return replace(best, moved=tuple(more.tolist()))
 
     def with_level(self, frame: pd.DataFrame, left_db: Floats) -> GroundRay:
-        """Return it with the size that leaves least of residual levels [n]."""
+        """Return it with the size that leaves least of residual levels [n], and what is beside."""
         found, known = rays(scene(frame, "recorded")), np.isfinite(left_db)
         if found is None or not known.any():
             return self
+        bare = replace(self, louder=())
+        sizes = [replace(bare, level_size=float(size)) for size in (*GRID, *-GRID[1:])]
+        best = min(sizes, key=lambda one: _missed(left_db[known], one._faded(found)[known]))
+        if known.sum() < LEAST_ROWS:
+            return best
+        left, ways = (left_db - best._faded(found))[known], fades_db(found, self.carrier_ghz)
+        return replace(best, louder=tuple(_factors(ways[known], left, CONSTANT_DB).tolist()))
 
-        def missed(size: float) -> float:
-            gain = fading_db(found.ray(self.carrier_ghz, size, self.steepness))[known]
-            return _missed(left_db[known], gain)
 
-        return replace(self, level_size=float(min((*GRID, *-GRID[1:]), key=missed)))
+def _factors(ways: Floats, left: Floats, constant: float) -> Floats:
+    """Return the factors [k] of `ways` [n, k], of size one before, that leave least of `left` [n].
+
+    Beside a constant, which is another cause; rows far off weigh less.
+    """
+    design = np.column_stack([ways, np.full(len(left), constant)])
+    factors, rest = np.zeros(design.shape[1]), left - np.median(left)
+    for _ in range(FITS):
+        variance = max(float(np.median(np.abs(rest))) / MEDIAN_OF_NORMAL, 1e-6) ** 2
+        weight = (TAIL + 1) / (TAIL + rest**2 / variance)
+        square = (design * weight[:, None]).T @ design + variance * np.eye(len(factors))
+        factors = np.linalg.solve(square, design.T @ (weight * left))
+        rest = left - design @ factors
+    return np.asarray(factors[:-1])
 
 
 def _missed(left: Floats, made: Floats) -> float:

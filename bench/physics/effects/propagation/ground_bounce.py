@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from bench.physics.batch import SPECULAR, Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.specular import in_room
-from bench.physics.effects.propagation.two_rays import pulling_ways
+from bench.physics.effects.propagation.two_rays import goes_up_and_down, pulling_ways
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
+
+LEAST_RIPPLE = 0.5  # of the variance of what it does to ranges: the rest is a curve over geometry
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,13 @@ class GroundBounce(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return how the reflection may pull the leading edge; None without heights."""
+        """Return how the reflection may move what a receiver finds; None without heights."""
         return pulling_ways(rows)
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether ranges go up and down as two rays do, and not by a curve alone."""
+        return goes_up_and_down(rows, shift_m) >= LEAST_RIPPLE
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows inside a known room that have reflections of it already."""

@@ -1,0 +1,55 @@
+"""An error of the level follows what the distance makes of levels: what only fades is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.sets.choose import _contest, chosen
+from bench.discrepancy.sets.faded import NAME, faded
+from bench.recordings.table import Recordings
+from tests.bench.discrepancy.sets.test_sets import search_of
+
+Change = Callable[[Recordings], Recordings]
+
+
+def fading(of_fading_m: float, of_level_m: float) -> Change:
+    """Return what fades recorded signals, with so many metres per dB of that and of the level."""
+
+    def made(table: Recordings) -> Recordings:
+        if table.simulator:
+            return table
+        frame = table.frame
+        fades = 2.5 * np.random.default_rng(8).normal(size=len(frame))
+        level = frame["rx_power_dbm"].to_numpy() + fades
+        shift = of_fading_m * fades + of_level_m * (level + 77)
+        return replace(
+            table,
+            frame=frame.assign(
+                rx_power_dbm=level,
+                error_m=frame["error_m"] + shift,
+                range_m=frame["range_m"] + shift,
+            ),
+        )
+
+    return made
+
+
+def test_what_follows_fading_alone_is_no_error_of_the_level() -> None:
+    found = chosen(search_of(None, 11, fading(-0.02, 0.0)), ())
+    assert (found.names, found.others) == ((), (NAME,))
+
+
+def test_what_follows_levels_however_they_come_about_is_one() -> None:
+    found = chosen(search_of(None, 11, fading(0.0, -0.008)), ())
+    assert (found.names, found.others) == (("power-bias",), ())
+
+
+def test_levels_that_do_not_fade_tell_nothing() -> None:
+    made = _contest(search_of(None, 11, fading(0.0, -0.008)), ())
+    assert made is not None
+    contest, _ = made
+    contest.fading = np.zeros(len(contest.known))
+    assert faded(contest, ("power-bias",)) is None
