@@ -30,7 +30,7 @@ WITH_BOTH = (
     "harbour", "tunnel", "orchard", "pool", "market", "ferry", "stacks",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
     "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag",
-    "chairlift", "atrium", "hangar", "manege", "opera",
+    "chairlift", "atrium", "hangar", "manege", "opera", "brickworks",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
@@ -47,7 +47,7 @@ def _world(name: str) -> Any:
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
         ValueError,
-        match="unknown family 'x'; known: atrium, bakery, belfry, brewery, cannery",
+        match="unknown family 'x'; known: atrium, bakery, belfry, brewery, brickworks",
     ):
         world_of("x")
 
