@@ -64,7 +64,7 @@ CAUSES = {
 RARELY = ("blocked-path", "diffraction")
 AT_LAST = ("alnar-from-one-buckstay", "range-rounding")
 """What becomes of ranges after all else, in this order."""
-SUMS, GRAIN = 238.0, 5.1  # symbols that are summed; counts of noise for each root of one
+SUMS, GRAIN = 238.0, 4.15  # symbols that are summed; counts of noise for each root of one
 OWN_DB: Floats = np.random.default_rng(1602).uniform(-1.5, 1.5, BUCKSTAYS)
 
 
@@ -254,7 +254,7 @@ def _between(rng: np.random.Generator, rows: pd.DataFrame, rare: str) -> list[li
 def in_the_hall(rows: pd.DataFrame, rng: np.random.Generator) -> Floats:
     """Return levels in dBm [n]: as in an aisle with dust in it, readers that differ, hooks."""
     push = Push(rows, 0, rng)
-    hooks = push.each_link(lambda n: 1.1 - 1.3 * rng.weibull(1.7, n))
+    hooks = push.each_link(lambda n: 1.1 - 1.3 * rng.weibull(1.7, n).clip(max=2.6))
     lost = 16.4 * np.log10(push.far) + 0.12 * push.far
     return np.asarray(-59.1 - lost + OWN_DB[push.buckstay] + hooks, np.float64)
 

@@ -68,7 +68,7 @@ def _cut_crystals(push: Push, strength: float) -> Upshot:
 def _saturating(push: Push, strength: float) -> Upshot:
     """Drift by what an oven's walls have taken up: ever less for each degree."""
     warm = np.maximum(push.get("temperature_c") - 17.0, -5.0)
-    return Upshot(strength * (0.165 * (1 - np.exp(-warm / 15.0)) - 0.1))
+    return Upshot(strength * (0.33 * (1 - np.exp(-warm / 15.0)) - 0.2))
 
 
 def _beside_a_mast(push: Push, strength: float) -> Upshot:
@@ -76,7 +76,9 @@ def _beside_a_mast(push: Push, strength: float) -> Upshot:
     off = np.radians(push.get("azimuth_deg")) - push.shared(5).uniform(0.0, 2 * np.pi)
     narrow = 0.42
     shade = (1 - narrow**2) / (1 + narrow**2 - 2 * narrow * np.cos(off)) - 1
-    return Upshot(0.062 * strength * shade, whole_db=-min(strength, 1.5) * (shade + 0.6))
+    return Upshot(
+        0.07 * strength * (shade + 0.25), whole_db=-1.6 * min(strength, 1.5) * (shade + 0.6)
+    )
 
 
 def _sigmoid(push: Push, strength: float) -> Upshot:
@@ -93,7 +95,7 @@ def _two_counters(push: Push, strength: float) -> Upshot:
 def _in_dust(push: Push, strength: float) -> Upshot:
     """Lose more by a power of the way, as among leaves (Weissberger 1982), and by links."""
     ware = push.each_link(lambda n: push.rng.lognormal(0.0, 0.35, n))
-    return Upshot(whole_db=-strength * (1.25 * (push.far / 3.0) ** 0.588 + 0.8 * ware))
+    return Upshot(whole_db=-strength * (1.6 * (push.far / 3.0) ** 0.588 + 0.8 * ware))
 
 
 def _resonators(push: Push, strength: float) -> Upshot:
@@ -122,7 +124,7 @@ def _ware(push: Push, strength: float) -> Upshot:
         mixed = dense * (1 + 3 * air * holes / (1 - air * holes))
         late += rows * thick_m * (np.sqrt(mixed - 1 + straight**2) - straight)
         lost += rows * db * straight**-0.5
-    return Upshot(1.1 * strength * late, first_db=-min(strength, 1.5) * lost)
+    return Upshot(0.95 * strength * late, first_db=-min(strength, 1.5) * lost)
 
 
 def _off_the_roof(push: Push, strength: float) -> Upshot:
@@ -187,20 +189,20 @@ def _over_doors(push: Push, strength: float) -> Upshot:
     """Bend over a kiln's door of steel, and go along the thick edge that it has."""
     steel = push.meets("metal")
     part = push.each_link(lambda n: push.rng.uniform(0.2, 0.8, n))
-    high = np.sqrt(strength) * push.each_link(lambda n: push.rng.uniform(0.15, 0.5, n))
+    high = np.sqrt(strength) * push.each_link(lambda n: push.rng.uniform(0.1, 0.34, n))
     legs = push.far * part, push.far * (1 - part)
     bent = np.hypot(legs[0], high) + np.hypot(legs[1], high) - push.far
     thick = strength * push.each_link(lambda n: push.rng.uniform(0.045, 0.12, n))
     deep = high * np.sqrt(2 * push.far / (WAVE_M * legs[0] * legs[1]))
     return Upshot(
-        steel * (bent + thick).clip(max=0.46), first_db=-0.8 * steel * edge_db(deep).clip(max=25.0)
+        steel * (bent + thick).clip(max=0.46), first_db=-0.62 * steel * edge_db(deep).clip(max=22.0)
     )
 
 
 def _soft_knee(push: Push, strength: float) -> Upshot:
     """Let through less of what is above a level, by a soft knee; sum the fewer symbols."""
     over = (push.get("rx_power_dbm") + 84.0) / 8.0
-    less = min(0.44 * strength, 0.85) * 8.0 * np.log10(1 + 10**over)
+    less = min(0.3 * strength, 0.8) * 8.0 * np.log10(1 + 10**over)
     return Upshot(whole_db=-less, sums_db=-1.25 * less)
 
 
@@ -209,7 +211,7 @@ def _converters(push: Push, strength: float) -> Upshot:
     off = np.linalg.norm(push.hung[:, None] - RAMS_M, axis=2)
     own = push.shared(7).lognormal(-0.2, 0.4, BUCKSTAYS)[push.buckstay]
     load = push.each_push(lambda n: push.rng.beta(1.3, 1.3, n))
-    db = strength * (own + 5.5 * load * (1 / (1 + (off / 9.0) ** 2)).sum(axis=1))
+    db = strength * (own + 3.4 * load * (1 / (1 + (off / 9.0) ** 2)).sum(axis=1))
     weak = 10 ** (-(push.get("rx_power_dbm") + 84.0) / 20) * np.sqrt(10 ** (db / 10) - 1)
     return Upshot(0.016 * weak * push.rng.normal(size=push.rows), hiss_db=db)
 

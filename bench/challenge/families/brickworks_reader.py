@@ -20,8 +20,8 @@ WIDE_LEAD, WIDE_SAMPLES = 38, 226
 SAMPLE_NS = 1.0016
 METRES = 0.299792458 * SAMPLE_NS  # a sample
 OF_SIZES = 0.655136  # how sizes of noise scatter, next to a part of it
-CLEAR, OF_LARGEST = 6.8, 0.115  # times a part's scatter; of the largest size
-LOOKED_BACK = 54  # samples before the largest in which first paths are looked for
+CLEAR, OF_LARGEST = 6.4, 0.1  # times a part's scatter; of the largest size
+LOOKED_BACK = 92  # samples before the largest in which first paths are looked for
 KNOT = 1.72  # samples: a quarter of a pulse
 DELAYED, FRACTION = 2, 0.5  # samples; of what comes now
 TAPS = (0.89500033, 0.37376822, -0.09662165, -0.2234636)
@@ -73,7 +73,7 @@ def edges(waves: Complexes, sigma: Floats, dull: float = 0.0) -> Floats:
     size = np.abs(waves)
     rows, largest = np.arange(len(size)), size[:, :-5].argmax(axis=1)
     most = size[rows, largest]
-    asked = np.maximum(CLEAR * sigma, OF_LARGEST * most) * (1 + 4.0 * dull)
+    asked = np.maximum(CLEAR * sigma, OF_LARGEST * most) * (1 + 3.6 * dull)
     loud = size >= np.minimum(asked, 0.8 * most)[:, None]
     loud &= (largest[:, None] - LOOKED_BACK <= PLACES) & (PLACES >= DELAYED + 6)
     begun = np.where(loud.any(axis=1), loud.argmax(axis=1), largest)

@@ -64,7 +64,7 @@ def _walls_and_roof(reader: Reader, strength: float) -> None:
         squarely = np.abs(apart[:, axis]) / way
         back = SHEET * np.ones(push.rows) if axis == 2 else _wall(squarely)
         free = push.each_link(lambda n: reader.rng.beta(4.0, 1.6, n))
-        size = (1.35 * strength**0.5 * free * back * push.far / way).clip(max=0.8)
+        size = (1.75 * strength**0.5 * free * back * push.far / way).clip(max=0.85)
         reader.repeat(first, size * reader.turned(), np.maximum((way - push.far) / METRES, 2.7))
 
 
@@ -97,14 +97,14 @@ def _unequal_parts(reader: Reader, strength: float) -> None:
         ]
     ) / np.sqrt((soft**2).sum())
     power = (smooth[0] ** 2 + (part * smooth[1]) ** 2) / (1 + part**2)
-    mixed = min(0.62 * strength**0.6, 0.92)
+    mixed = min(0.55 * strength**0.6, 0.84)
     reader.wave = reader.wave + reader.came() * (np.sqrt(1 - mixed + mixed * power) - 1)
 
 
 def _coupled(reader: Reader, strength: float) -> None:
     """Reverberate in an aisle and in the hall that it opens to: by two exponentials, one slow."""
     since = np.maximum(reader.since - 3.4, 0.0)
-    both = 0.044 * np.exp(-since / 9.0) + 0.02 * np.exp(-since / 36.0)
+    both = 0.055 * np.exp(-since / 9.0) + 0.026 * np.exp(-since / 36.0)
     power = strength * both * reader.from_on(3.4, 2.4)
     reader.hisses(np.sqrt(power / 2) * reader.tops()[:, None])
 
@@ -121,7 +121,7 @@ def _slotted_guide(reader: Reader, strength: float) -> None:
     rung = np.exp(1j * (cutoff * root - 0.75 * np.pi)) / (root / root[0]) ** 1.5
     air, wave = reader.came(), reader.wave.copy()
     for lag, one in zip(lags.tolist(), rung, strict=True):
-        wave[:, lag:] += 0.3 * min(strength, 2.4) ** 0.8 * one * air[:, :-lag]
+        wave[:, lag:] += 0.34 * min(strength, 2.4) ** 0.8 * one * air[:, :-lag]
     reader.wave = wave
 
 
@@ -159,7 +159,7 @@ def _mid_riser(waves: Complexes, step: float) -> Complexes:
 
 def _steps(reader: Reader, strength: float) -> None:
     """Keep middles of steps, of both parts."""
-    step = 0.95 * strength * float(np.median(reader.sigma))
+    step = 1.3 * strength * float(np.median(reader.sigma))
     reader.wave = _mid_riser(reader.wave, step)
     tried = np.geomspace(0.05, 9.0, 60)
     spread = np.array([np.abs(_mid_riser(TRIED, float(one))).std() for one in tried])

@@ -34,7 +34,7 @@ Complexes = NDArray[np.complex128]
 LEAD, SAMPLES = 16, 154
 OF_ROWS = np.repeat(np.arange(1, 10), [27, 20, 17, 13, 10, 7, 4, 3, 1])
 """How many rows links have."""
-FULL_DB = 114.5  # of levels: a count for each symbol
+FULL_DB = 116.0  # of levels: a count for each symbol
 KNOWN = (*OF_RANGES, *(name for name in WAVES if name not in LAWS))
 CAUSES = {name: cause for name, cause in brickworks.CAUSES.items() if name in OF_RANGES}
 RARELY = ()
@@ -125,13 +125,13 @@ def _in_the_hall(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> C
     Hoppers are where they are; how much each returns is by chance of links.
     """
     push = Push(rows, 0, rng)
-    door = push.meets("metal") * push.each_link(lambda n: rng.uniform(0.28, 0.75, n))
+    door = push.meets("metal") * push.each_link(lambda n: rng.uniform(0.25, 0.62, n))
     wave = (1 - door)[:, None] * _turned(rng, top)
     legs = [np.linalg.norm(end[:, None] - STACKS_M, axis=2) for end in (push.there, push.hung)]
     late = (legs[0] + legs[1] - push.far[:, None]) / METRES
     for hopper in range(len(STACKS_M)):
         samples = late[:, hopper].clip(4.6, 155.0)
-        size = 0.32 / (1 + (samples / 26.0) ** 1.5)
+        size = 0.34 / (1 + (samples / 20.0) ** 2)
         size = size * push.each_link(lambda n: rng.weibull(1.4, n).clip(max=2.4))
         wave += size[:, None] * _turned(rng, top + samples)
     since = np.clip(PLACES - top[:, None] - 3.2, 0.0, None)
