@@ -68,17 +68,19 @@ def edges(waves: Complexes, sigma: Floats, dull: float = 0.0) -> Floats:
     """Return where first pulses begin, in samples [n]: at some fraction of their tops.
 
     `sigma` [n]: of a part of noise. Looked for from the first sample on, not long before the
-    largest, that is clear of noise and a part of the largest. What is dull asks for more of both.
+    largest, that is clear of noise and a part of the largest; what came two samples ago has to be
+    about as much, too. What is dull asks for more of both.
     """
     size = np.abs(waves)
     rows, largest = np.arange(len(size)), size[:, :-5].argmax(axis=1)
     most = size[rows, largest]
-    asked = np.maximum(CLEAR * sigma, OF_LARGEST * most) * (1 + 3.6 * dull)
-    loud = size >= np.minimum(asked, 0.8 * most)[:, None]
+    asked = np.maximum(CLEAR * sigma, OF_LARGEST * most)
+    loud = size >= np.minimum(asked * (1 + 5.5 * dull), 0.8 * most)[:, None]
     loud &= (largest[:, None] - LOOKED_BACK <= PLACES) & (PLACES >= DELAYED + 6)
     begun = np.where(loud.any(axis=1), loud.argmax(axis=1), largest)
+    least = np.minimum(asked * (1 + 1.6 * dull), 0.8 * most)[:, None]
     over = np.full_like(size, -1.0)
-    over[:, DELAYED:] = size[:, :-DELAYED] - FRACTION * size[:, DELAYED:]
+    over[:, DELAYED:] = size[:, :-DELAYED] - np.maximum(FRACTION * size[:, DELAYED:], least)
     fits = (over >= 0) & (begun[:, None] <= PLACES)
     at = np.where(fits.any(axis=1), fits.argmax(axis=1), largest).clip(DELAYED + 6)
     here, before = over[rows, at], over[rows, at - 1]

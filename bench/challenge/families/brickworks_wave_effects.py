@@ -30,7 +30,7 @@ OF_RANGES = (
     "temperature-drift", "time-lag", "timestamp-jitter",
 )  # fmt: skip
 """Effects that are those of the brickworks' tables of ranges."""
-ODD = ("haar-left-in", "teager-left-on", "addresses-bit-reversed")
+ODD = ("haar-left-in", "teager-left-on", "angles-read-for-sizes")
 ELSEWHERE = ("kiln-bed-heaves", "alnar-from-one-buckstay")
 LAWS = {name: law for name, law in LAWS_OF_ROWS.items() if name not in ELSEWHERE}
 LAWS |= {name: Law() for name in ODD}
@@ -192,22 +192,26 @@ def _haar(reader: Reader, strength: float) -> None:
     _odd(reader, sizes, min(1.1 * strength, 1.0))
 
 
+def _usual(reader: Reader, late: Floats) -> Floats:
+    """Return how large late sizes are, by roots of their mean squares [n, 1]."""
+    power = np.average(np.abs(reader.wave) ** 2, axis=1, weights=late + 1e-12)
+    return np.asarray(np.sqrt(power)[:, None])
+
+
 def _teager(reader: Reader, strength: float) -> None:
-    """Show roots of late samples' energy by Teager: a square less the product of neighbours."""
+    """Show late samples' energy by Teager (Kaiser 1990): a square less what is beside it."""
     size = np.abs(reader.wave)
     energy = size**2
     energy[:, 1:-1] -= size[:, :-2] * size[:, 2:]
-    _odd(reader, np.sqrt(np.abs(energy)), min(1.1 * strength, 1.0))
+    usual = _usual(reader, reader.from_on(FROM))
+    _odd(reader, np.abs(energy) ** 0.75 / np.sqrt(usual), min(0.9 * strength, 1.0))
 
 
-def _bit_reversed(reader: Reader, strength: float) -> None:
-    """Show sixteens of late sizes in the order of a fast transform: addresses' bits reversed."""
-    order = np.array([int(f"{k:04b}"[::-1], 2) for k in range(16)])
-    whole = WIDE_SAMPLES // 16 * 16
-    sizes = np.abs(reader.wave)
-    blocks = sizes[:, :whole].reshape(reader.rows, -1, 16)[:, :, order]
-    sizes[:, :whole] = blocks.reshape(reader.rows, whole)
-    _odd(reader, sizes, min(1.1 * strength, 1.0))
+def _angles(reader: Reader, strength: float) -> None:
+    """Show angles in place of late sizes: what turns vectors tells both, by two registers."""
+    late = reader.from_on(FROM)
+    angle = np.abs(np.angle(reader.wave)) / np.pi
+    _odd(reader, 2.2 * _usual(reader, late) * angle, min(0.9 * strength, 1.0))
 
 
 IN_THE_HALL: dict[str, Callable[[Reader, float], None]] = {
@@ -223,7 +227,7 @@ IN_READERS: dict[str, Callable[[Reader, float], None]] = {
     "narrowband-interference": _telemetry,
     "haar-left-in": _haar,
     "teager-left-on": _teager,
-    "addresses-bit-reversed": _bit_reversed,
+    "angles-read-for-sizes": _angles,
     "quantisation": _steps,
     "late-detection": _dull,
 }

@@ -131,13 +131,13 @@ def _in_the_hall(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) -> C
     late = (legs[0] + legs[1] - push.far[:, None]) / METRES
     for hopper in range(len(STACKS_M)):
         samples = late[:, hopper].clip(4.6, 155.0)
-        size = 0.34 / (1 + (samples / 20.0) ** 2)
+        size = 0.4 / (1 + (samples / 20.0) ** 2)
         size = size * push.each_link(lambda n: rng.weibull(1.4, n).clip(max=2.4))
         wave += size[:, None] * _turned(rng, top + samples)
     since = np.clip(PLACES - top[:, None] - 3.2, 0.0, None)
     dust = 0.024 * push.each_link(lambda n: rng.gamma(9.0, 1 / 9.0, n))[:, None]
     wave += dust * np.exp(-since / 24.0) * (since > 0) * rustle(rng, len(rows))
-    level = brickworks.in_the_hall(rows, rng) - 1.4  # hoppers and dust add to what comes straight
+    level = brickworks.in_the_hall(rows, rng) - 1.7  # hoppers and dust add to what comes straight
     return np.asarray(10 ** (level[:, None] / 20) * wave)
 
 

@@ -766,7 +766,7 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("opera", "histogram-equalised", 0.05),
         ("brickworks", "haar-left-in", 0.05),
         ("brickworks", "teager-left-on", 0.05),
-        ("brickworks", "addresses-bit-reversed", 0.05),
+        ("brickworks", "angles-read-for-sizes", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(
