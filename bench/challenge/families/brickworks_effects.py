@@ -34,8 +34,8 @@ RAMS_M: Floats = np.array([(4.0, 4.4, 0.6), (4.0, 14.3, 0.6), (40.0, 8.9, 0.6), 
 LAGS: Floats = np.array([0.606, 1.305, 2.12, 3.61])  # of two poles, at eighths of chances
 FLIGHTS = ((0.0, 0.25), (1.0, 0.5), (2.0, 0.25))  # of three messages: replies since; shares
 HEAVED_M, HOTTEST_M = 0.19, 24.0  # of the kiln's bed, and where
-RETURNED, ROPE_M, GRAVITY = 0.065, 5.2, 9.81  # a share of strokes; of grabs; m/s^2
-ANOTHER_SECOND_S = 0.62
+RETURNED, ROPE_M, GRAVITY = 0.05, 5.2, 9.81  # a share of strokes; of grabs; m/s^2
+ANOTHER_SECOND_S = 0.45
 
 
 def _two_poles(push: Push, strength: float) -> Upshot:
