@@ -30,10 +30,10 @@ def removed(case: Case, found: Diagnosis) -> tuple[float, float]:
     """
     before, after = found.confirmed.before, found.confirmed.after
     true = None if case.drawn.concealed == "aggregate" else _true(case, found)
-    totals, changed = [0.0, 0.0], moved(case)
-    for name in (one for one in before.names if true and one in changed):
-        if true is None or name not in true.names or name not in after.names:
-            continue
+    if true is None:
+        return 0.0, 0.0
+    totals, counted = [0.0, 0.0], moved(case) & {*true.names} & {*after.names}
+    for name in (one for one in before.names if one in counted):
         was, now, best = (_score(one, name) for one in (before, after, true))
         if np.isfinite([was, now, best]).all() and was > WORTH * best > 0:
             totals[0] += weight_of(name) * (was - now) / best
@@ -49,8 +49,8 @@ def moved(case: Case) -> set[str]:
     """
     frames, window = (case.recorded.frame, case.clean), window_of(case.recorded.frame)
     now, clean = (observe(frame, window) for frame in frames)
-    pairs = ((n, now.column(n), clean.column(n) if n in clean.names else None) for n in now.names)
-    return {n for n, ours, other in pairs if other is None or not _same(ours, other)}
+    same = {n for n in clean.names if n in now.names and _same(now.column(n), clean.column(n))}
+    return {*now.names} - same
 
 
 def _same(ours: Floats, other: Floats) -> bool:

@@ -16,7 +16,6 @@ from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
 from bench.discrepancy.select.one_device import left_at_device
-from bench.discrepancy.select.settings import NEARER_SHARE
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import (
     CONFIRM_FIRST,
@@ -24,6 +23,7 @@ from bench.discrepancy.settings import (
     FARTHER_SHARE,
     HIGH_QUANTILE,
     LEAST_NOTICED_M,
+    NEARER_SHARE,
     NOTICED_SHARE,
 )
 
@@ -166,8 +166,7 @@ def _typical(comparison: Comparison, held: View, added: Added, centred: Ensemble
     """
     if held.waveform or all(type(effect).strikes is None for effect in added):
         return centred
-    kinds = [(effect, type(effect)) for effect in added]
-    firm = tuple(e for e, kind in kinds if kind.strikes is None and not kind.independent)
+    firm = tuple(e for e in added if type(e).strikes is None and not type(e).independent)
     return _of(comparison, held, added, centred, firm)
 
 

@@ -75,6 +75,7 @@ FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]
 FARTHER_SHARE: Final = 0.25  # more range error after than before is worse, by chance or not: few
 # sealed links prove nothing [convention]
+NEARER_SHARE: Final = 0.9  # of the mean before: below it anyone reads "nearer" [convention]
 LEAST_NOTICED_M: Final = 0.0023  # half a time stamp of the DW1000: less is no worse [data sheet]
 NOTICED_SHARE: Final = 0.02  # less of it is worse for nobody, however sure [convention]
 HIGH_QUANTILE: Final = 0.9  # of |recorded - simulated| [convention]
@@ -102,7 +103,9 @@ RARE_FEWEST: Final = 2  # simulated versions, to know the scatter of links [deri
 
 # --- Where they differ (locate) ------------------------------------------------------------------
 FAMILY_WISE: Final = 0.025  # error of the whole search: below 5 % in few tables, too [convention]
+UNUSUAL_P: Final = 0.05  # what is no less likely than this needs no word about it [convention]
 PERMUTATIONS: Final = 499  # p values down to 0.002 [cost]
+NULL_TAIL: Final = 0.1  # of permuted maxima, whose exponential goes on beyond them [convention]
 PERMUTED_AT_ONCE: Final = 100  # [cost]
 MOST_FINDINGS: Final = 12  # that are listed [convention]
 INTERVAL_COUNTS: Final = (4, 12)  # coarse for what is weak, fine for what changes sign [blind]

@@ -10,15 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 
 
 @dataclass(frozen=True)
-class Untimed:
+class Untimed(Changed):
     """A comparison in which effects of some `names` (of their physics) leave ranges alone."""
 
-    comparison: Comparison
     names: tuple[str, ...]
 
     def ensemble(self, view: View, added: Added, members: int, first: int = 0) -> Ensemble:
@@ -31,22 +30,6 @@ class Untimed:
         timed = self.comparison.ensemble(view, rest, members, first)
         versions[..., whole.place(RANGE)] = timed.versions_of(RANGE)
         return replace(whole, versions=versions)
-
-    def distinct(self, view: View) -> int:
-        """Return how many members there are that repeat nothing of each other."""
-        return self.comparison.distinct(view)
-
-    def alike(self, view: View) -> int:
-        """Return how many members there are with those of similar links."""
-        return self.comparison.alike(view)
-
-    def paired(self, view: View) -> bool:
-        """Return whether every recorded row has simulated rows of its own."""
-        return self.comparison.paired(view)
-
-    def crowding(self, view: View) -> float:
-        """Return how much wider a mean scatters than permutations say."""
-        return self.comparison.crowding(view)
 
 
 def untimed(comparison: Comparison, names: tuple[str, ...]) -> Comparison:

@@ -112,6 +112,32 @@ class Comparison(Protocol):
         """Return how much wider a mean scatters than permutations say: 1 where no row is shared."""
 
 
+@dataclass(frozen=True)
+class Changed:
+    """Another comparison, of which only what is simulated is changed: rows stand for rows as there.
+
+    What inherits it says how in `ensemble`.
+    """
+
+    comparison: Comparison
+
+    def distinct(self, view: View) -> int:
+        """Return how many members there are that repeat nothing of each other."""
+        return self.comparison.distinct(view)
+
+    def alike(self, view: View) -> int:
+        """Return how many members there are with those of similar links."""
+        return self.comparison.alike(view)
+
+    def paired(self, view: View) -> bool:
+        """Return whether every recorded row has simulated rows of its own."""
+        return self.comparison.paired(view)
+
+    def crowding(self, view: View) -> float:
+        """Return how much wider a mean scatters than permutations say."""
+        return self.comparison.crowding(view)
+
+
 NEEDS_WAVEFORM = ("noise_std", "preamble_count", "first_path_power_dbm")
 
 

@@ -68,11 +68,11 @@ def _in_feet(one_m: Floats, other_m: Floats) -> bool:
 
     A constant offset has another factor at another length.
     """
-    both = np.isfinite(one_m) & np.isfinite(other_m) & (one_m > 0) & (other_m > 0)
+    ratios = _log_ratios(one_m, other_m)
+    both = np.isfinite(ratios)
     if not both.any():
         return False
-    ratios = np.log(one_m[both] / other_m[both])
-    low, middle, high = np.percentile(ratios, QUARTILES)
+    low, middle, high = np.percentile(ratios[both], QUARTILES)
     short, _, long = np.percentile(np.log(other_m[both]), QUARTILES)
     factor = abs(abs(middle) + np.log(FOOT_M)) < ONE_FACTOR
     return bool(factor and high - low < ONE_FACTOR and long - short > 2 * ONE_FACTOR)
@@ -80,7 +80,7 @@ def _in_feet(one_m: Floats, other_m: Floats) -> bool:
 
 def _log_ratios(one_m: Floats, other_m: Floats) -> Floats:
     """Return the logarithms of ratios of lengths [n], NaN where one is not known or nothing."""
-    known = (one_m > 0) & (other_m > 0)
+    known = np.isfinite(one_m) & np.isfinite(other_m) & (one_m > 0) & (other_m > 0)
     ratios = np.divide(one_m, other_m, out=np.full(len(one_m), np.nan), where=known)
     return np.asarray(np.log(ratios), np.float64)
 

@@ -74,8 +74,9 @@ def _refitted(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
 def _of_clocks(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, DeviceClock)
     own, over = _places(view, effect.devices), WARM if effect.slopes_ppm_per_c else STEADY
+    heard = _heard(view)
     return tuple(effect.values()), lambda rows, left, _: (
-        _offsets(view, left, rows, over) * _heard(view, rows)
+        _offsets(view, left, rows, over) * heard(rows)
     )[own]
 
 
@@ -83,18 +84,20 @@ def _of_delays(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, DeviceDelay)
     own = _places(view, effect.devices)
     told = np.where(delay_told(view), 1.0, np.nan)  # one that is not told has no interval
+    heard = _heard(view)
     return tuple(effect.values()), lambda rows, left, _: (
-        delays_of(view, left, rows) * told * _heard(view, rows)
+        delays_of(view, left, rows) * told * heard(rows)
     )[own]
 
 
-def _heard(view: View, rows: Rows) -> Floats:
-    """Return 1 of the devices [D] that some rows hold, NaN of others: these tell nothing of them.
+def _heard(view: View) -> Callable[[Rows], Floats]:
+    """Return what says 1 of the devices [D] that some rows hold, NaN of others: not told by them.
 
     Links drawn again leave a device of two out once in eight times, and a prior is no estimate.
     """
     names, tx, rx = ends(view)
-    return np.where(np.isin(np.arange(len(names)), [tx[rows], rx[rows]]), 1.0, np.nan)
+    every = np.arange(len(names))
+    return lambda rows: np.where(np.isin(every, [tx[rows], rx[rows]]), 1.0, np.nan)
 
 
 def _places(view: View, devices: Sequence[str]) -> NDArray[np.intp]:

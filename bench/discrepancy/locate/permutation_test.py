@@ -22,12 +22,12 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.locate.row_scatter import about_links, of_links
-from bench.discrepancy.select.settings import NULL_TAIL
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LARGER_HERE,
     MOST_CLUSTERS,
     MOST_FINDINGS,
+    NULL_TAIL,
     PART_SHARE,
     PERMUTATIONS,
     PERMUTED_AT_ONCE,

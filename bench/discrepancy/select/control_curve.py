@@ -19,7 +19,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.backfitting import polished
-from bench.discrepancy.select.receiver_logs import logs
+from bench.discrepancy.select.receiver_logs import Logged, logs
 from bench.discrepancy.select.settings import (
     CONTROL_BEND_DB,
     CONTROL_RATIO,
@@ -46,20 +46,21 @@ def with_curve(search: Search, added: Added) -> Added:
     Of ranges alone, where a simulator is run again. In turns with the other effects: what a path
     loss takes the curve cannot, and the other way round.
     """
-    alone = len(added) == 1 or not any(isinstance(one, LevelControl) for one in added)
-    for _ in range(1 if alone else CONTROL_TURNS):
-        before, added = added, _with_curve(search, added)
-        if alone or added == before:
+    known = any(isinstance(one, LevelControl) for one in added)
+    if not known or search.fit.waveform or not isinstance(search.comparison, Resimulation):
+        return added
+    seen = logs(search, search.sharpest)
+    for _ in range(CONTROL_TURNS):
+        before, added = added, _with_curve(search, seen, added)
+        if len(added) == 1 or added == before:
             break
         added = polished(search.comparison, search.sharpest, added, 1, anew=False)
     return added
 
 
-def _with_curve(search: Search, added: Added) -> Added:
-    if search.fit.waveform or not isinstance(search.comparison, Resimulation):
-        return added
+def _with_curve(search: Search, seen: Logged, added: Added) -> Added:
     return tuple(
-        curved(search, without(added, one), one) if isinstance(one, LevelControl) else one
+        curved(search, seen, without(added, one), one) if isinstance(one, LevelControl) else one
         for one in added
     )
 
@@ -100,9 +101,12 @@ class Fallen:
         return out
 
 
-def fallen(search: Search, others: Added) -> Fallen | None:
-    """Return how far levels have fallen beside some effects; None where that is not known."""
-    rows, seen = search.sharpest, logs(search, search.sharpest)
+def fallen(search: Search, seen: Logged, others: Added) -> Fallen | None:
+    """Return how far levels have fallen beside some effects; None where that is not known.
+
+    `seen` are the logs of the sharpest rows.
+    """
+    rows = search.sharpest
     bare = search.comparison.ensemble(rows, others, FIT_MEMBERS, SEARCH_FIRST)
     if LEVEL not in bare.names:
         return None
@@ -116,12 +120,12 @@ def fallen(search: Search, others: Added) -> Fallen | None:
     return Fallen(level, less[known], most_db, codes, known)
 
 
-def curved(search: Search, others: Added, control: LevelControl) -> Effect:
+def curved(search: Search, logged: Logged, others: Added, control: LevelControl) -> Effect:
     """Return a control of levels with the curve that recorded levels show beside other effects.
 
     As it is where levels of links left out are no nearer with that curve.
     """
-    seen = fallen(search, others)
+    seen = fallen(search, logged, others)
     if seen is None:
         return control
     added = (*others, control)

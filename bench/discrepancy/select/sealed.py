@@ -23,6 +23,7 @@ from bench.discrepancy.settings import ALL_SPARED
 from bench.physics.effect import Effect
 
 NOT_ADDED = "was not added"
+Change = Callable[[Added], Served | None]  # what effects do to sealed links
 
 
 def unrefused(
@@ -51,14 +52,7 @@ def unrefused(
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
-    struck = [(e, seen[e.name]) for e in gone if e.name in seen]
-    held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
-    held |= {e.physics for e in gone if (alone := change((e,))) is not None and alone.idle}
-    if sealed.waveform:
-        sure = _surely_better(found.verdicts)
-        held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
-    said = _taken_back(found, gone, sealed, held)
+    said = _taken_back(found, gone, sealed, _held(found, gone, sealed, change))
     stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
     able = tuple(e for e in stay if _better_waves(e, change((e,))))
     apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
@@ -67,6 +61,18 @@ def unrefused(
     held_on = tuple(e for e in found.added if e.name in back)
     said = replace(said, added=held_on, withheld=words, untimed=apart)
     return said, tuple(e for e in more if e.name in names)
+
+
+def _held(found: Selection, gone: Added, sealed: View, change: Change) -> set[str]:
+    """Return the names of refused effects that sealed links leave standing (see `unrefused`)."""
+    seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
+    struck = [(e, seen[e.name]) for e in gone if e.name in seen]
+    held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
+    held |= {e.physics for e in gone if (alone := change((e,))) is not None and alone.idle}
+    if sealed.waveform:
+        sure = _surely_better(found.verdicts)
+        held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
+    return held
 
 
 def _how(effect: Effect, apart: tuple[str, ...]) -> str:
@@ -133,7 +139,7 @@ def _all_spared(sealed: View, strike: Strike) -> float:
     return float((1 - share) ** len(np.unique(sealed.links))) if share < 1 else 0.0
 
 
-def _serving(added: Added, change: Callable[[Added], Served | None]) -> Added:
+def _serving(added: Added, change: Change) -> Added:
     """Return those of some effects that serve together; all where that cannot be judged."""
     kept, now = added, change(added)
     while kept and now is not None and not now.serves:

@@ -24,6 +24,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.control_curve import fallen, own_curve_of
 from bench.discrepancy.select.elsewhere import moves_ranges
+from bench.discrepancy.select.receiver_logs import logs
 from bench.discrepancy.select.settings import (
     CURVE_NEIGHBOURS,
     CURVE_ROWS,
@@ -183,7 +184,8 @@ def _beyond_own_curve(search: Search, others: Added, effect: Effect) -> bool:
 
     Of any form, that takes nothing where all symbols are accumulated; of links left out.
     """
-    before, after = (fallen(search, some) for some in (others, (*others, effect)))
+    seen = logs(search, search.sharpest)
+    before, after = (fallen(search, seen, some) for some in (others, (*others, effect)))
     if before is None or after is None:
         return True
     return _better(*(_by_links(one.missed_db, one.codes) for one in (after, before)))

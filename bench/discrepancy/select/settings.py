@@ -114,6 +114,3 @@ OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coar
 
 # --- What names leave at one device (select/one_device) -------------------------------------------
 DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhere [four tables]
-UNUSUAL_P: Final = 0.05  # what is no less likely than this needs no word about it [convention]
-NEARER_SHARE: Final = 0.9  # of the mean before: below it anyone reads "nearer" [convention]
-NULL_TAIL: Final = 0.1  # of permuted maxima, whose exponential goes on beyond them [convention]

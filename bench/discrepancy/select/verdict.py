@@ -9,7 +9,7 @@ from typing import Any
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.select.settings import UNUSUAL_P
+from bench.discrepancy.settings import UNUSUAL_P
 from bench.physics.effect import Effect
 
 

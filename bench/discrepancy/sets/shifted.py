@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added, Changed, View
 from bench.discrepancy.data.observables import RANGE
 
 
 @dataclass(frozen=True)
-class Shifted:
+class Shifted(Changed):
     """Another comparison, every simulated range of its rows longer by `shift_m` [n].
 
     Or another observable `name` larger, in its unit.
@@ -21,7 +21,6 @@ class Shifted:
     Only for the view whose rows these are.
     """
 
-    comparison: Comparison
     shift_m: NDArray[np.float64]
     name: str = RANGE
 
@@ -31,19 +30,3 @@ class Shifted:
         versions = made.versions.copy()
         versions[1:, :, made.place(self.name)] += self.shift_m
         return replace(made, versions=versions)
-
-    def distinct(self, view: View) -> int:
-        """Return how many members there are that repeat nothing of each other."""
-        return self.comparison.distinct(view)
-
-    def alike(self, view: View) -> int:
-        """Return how many members there are with those of similar links."""
-        return self.comparison.alike(view)
-
-    def paired(self, view: View) -> bool:
-        """Return whether every recorded row has simulated rows of its own."""
-        return self.comparison.paired(view)
-
-    def crowding(self, view: View) -> float:
-        """Return how much wider a mean scatters than permutations say."""
-        return self.comparison.crowding(view)

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.challenge.cases import make_case
 from bench.challenge.families.brickworks_effects import edge_db
-from bench.challenge.families.brickworks_reader import OF_SIZES, RISE, delayed, edges, pulses
-from bench.challenge.families.brickworks_reader import rustle as noise_of
-from bench.challenge.families.case import SCHEDULE, Draw, Tables, turn_of, world_of
+from bench.challenge.families.brickworks_reader import RISE, edges, pulses
+from bench.challenge.families.case import Draw, Tables, world_of
 
 
 @cache
@@ -134,38 +132,8 @@ def test_an_edge_takes_six_db_where_the_way_touches_it_and_more_the_deeper_it_is
     assert lost[5] - lost[4] == pytest.approx(6.02, abs=0.05)  # as one over it, far in the shade
 
 
-def test_noise_is_alike_from_sample_to_sample_as_measured() -> None:
-    """In a DW1000 by .32, -.17 and -.20 after one, two and three samples."""
-    noise = noise_of(np.random.default_rng(3), 900)
-    assert np.abs(noise).std() == pytest.approx(OF_SIZES, rel=0.01)
-    alike = [(noise[:, k:] * noise[:, : -k or None].conj()).real.mean() / 2 for k in range(4)]
-    assert np.allclose(alike, [1.0, 0.32, -0.17, -0.2], atol=0.015)
-
-
 def test_a_constant_fraction_is_where_it_is_however_high_pulses_are() -> None:
     top = 60 + np.linspace(0, 1, 20)
     low, high = (edges(size * pulses(top) + 0j, np.full(20, 0.01)) for size in (1.0, 40.0))
     assert np.allclose(low, high, atol=1e-9)
     assert np.allclose(top - low, RISE, atol=0.08)
-
-
-def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end() -> None:
-    wave = pulses(np.full(4, 60.0)).astype(np.complex128)
-    late = np.array([0.0, 3.0, 10.4, 400.0])
-    moved = np.abs(delayed(wave, late))
-    assert np.allclose(moved[:3], pulses(60.0 + late[:3]), atol=0.02)
-    assert moved[3].max() < 1e-9
-
-
-@pytest.mark.parametrize("mode", sorted({mode for mode, one in SCHEDULE if one == "brickworks"}))
-def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
-    turns = (n for n in range(60) if turn_of(n, ("brickworks",)).mode == mode)
-    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
-    case, again = (make_case(number, 4, ("brickworks",)) for _ in range(2))
-    assert case.drawn == again.drawn
-    assert case.drawn.hidden
-    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
-        assert one.frame["range_m"].equals(other.frame["range_m"])
-        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
-        assert not told.isna().any(axis=None)
-        assert not {"gait", "slew_rad", "into_s"} & {*told}

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.challenge.cases import make_case
-from bench.challenge.families.case import SCHEDULE, Draw, Tables, turn_of, world_of
+from bench.challenge.families.case import Draw, Tables, world_of
 
 
 @cache
@@ -87,17 +86,3 @@ def test_slabs_with_echoes_inside_never_hurry_a_wave() -> None:
     through = _tables("").recorded["obstacles"].map(lambda some: bool({*some} - {"metal"}))
     assert (shift[through] > 0.02).all()
     assert not shift[~through].any()
-
-
-@pytest.mark.parametrize("mode", [mode for mode, one in SCHEDULE if one == "hangar"])
-def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
-    turns = (n for n in range(60) if turn_of(n, ("hangar",)).mode == mode)
-    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
-    case, again = (make_case(number, 4, ("hangar",)) for _ in range(2))
-    assert case.drawn == again.drawn
-    assert case.drawn.hidden
-    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
-        assert one.frame["range_m"].equals(other.frame["range_m"])
-        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
-        assert not told.isna().any(axis=None)
-        assert not {"pivot_x", "sense", "since_s"} & {*told}

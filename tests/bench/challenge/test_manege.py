@@ -6,11 +6,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pytest
 
-from bench.challenge.cases import make_case
-from bench.challenge.families.case import SCHEDULE, Draw, Tables, turn_of, world_of
-from bench.challenge.families.manege_handset import OF_SIZES, hiss, pulses, put_off
+from bench.challenge.families.case import Draw, Tables, world_of
 
 
 @cache
@@ -83,33 +80,3 @@ def test_horses_and_harrows_keep_to_the_arena_and_letters_take_turns() -> None:
     tall = rows["rx"].str.startswith("horse")
     assert 0.4 < tall.mean() < 0.95
     assert lessons["true_range_m"].agg(lambda one: one.mean()).std() > 2
-
-
-def test_noise_is_alike_from_sample_to_sample_as_measured() -> None:
-    """In a DW1000 by .32, -.17 and -.20 after one, two and three samples."""
-    noise = hiss(np.random.default_rng(3), 900)
-    assert np.abs(noise).std() == pytest.approx(OF_SIZES, rel=0.01)
-    alike = [(noise[:, k:] * noise[:, : -k or None].conj()).real.mean() / 2 for k in range(4)]
-    assert np.allclose(alike, [1.0, 0.32, -0.17, -0.17], atol=0.015)
-
-
-def test_what_is_put_off_keeps_its_size_and_leaves_at_the_end() -> None:
-    wave = pulses(np.full(4, 60.0)).astype(np.complex128)
-    late = np.array([0.0, 3.0, 10.4, 400.0])
-    moved = np.abs(put_off(wave, late))
-    assert np.allclose(moved[:3], pulses(60.0 + late[:3]), atol=0.03)
-    assert moved[3].max() < 1e-9
-
-
-@pytest.mark.parametrize("mode", [mode for mode, one in SCHEDULE if one == "manege"])
-def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
-    turns = (n for n in range(60) if turn_of(n, ("manege",)).mode == mode)
-    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
-    case, again = (make_case(number, 4, ("manege",)) for _ in range(2))
-    assert case.drawn == again.drawn
-    assert case.drawn.hidden
-    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
-        assert one.frame["range_m"].equals(other.frame["range_m"])
-        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
-        assert not told.isna().any(axis=None)
-        assert not {"mid_x", "pace", "into_s"} & {*told}

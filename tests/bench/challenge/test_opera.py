@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.challenge.cases import make_case
-from bench.challenge.families.case import SCHEDULE, Draw, Tables, turn_of, world_of
-from bench.challenge.families.opera_console import OF_SIZES, hiss, later, struck
+from bench.challenge.families.case import Draw, Tables, world_of
 from bench.challenge.families.opera_effects import screened_db
 
 
@@ -118,33 +116,3 @@ def test_a_screen_that_only_touches_the_way_takes_five_db_and_more_the_deeper() 
     assert lost[0] == pytest.approx(5.0, abs=0.05)
     assert (np.diff(lost) > 2).all()
     assert lost[3] - lost[2] == pytest.approx(10.0, abs=0.05)  # as the root, far in the shade
-
-
-def test_noise_is_alike_from_sample_to_sample_as_measured() -> None:
-    """In a DW1000 by .32, -.17 and -.20 after one, two and three samples."""
-    noise = hiss(np.random.default_rng(3), 900)
-    assert np.abs(noise).std() == pytest.approx(OF_SIZES, rel=0.01)
-    alike = [(noise[:, k:] * noise[:, : -k or None].conj()).real.mean() / 2 for k in range(4)]
-    assert np.allclose(alike, [1.0, 0.32, -0.17, -0.2], atol=0.015)
-
-
-def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end() -> None:
-    wave = struck(np.full(4, 60.0)).astype(np.complex128)
-    late = np.array([0.0, 3.0, 10.4, 400.0])
-    moved = np.abs(later(wave, late))
-    assert np.allclose(moved[:3], struck(60.0 + late[:3]), atol=0.02)
-    assert moved[3].max() < 1e-9
-
-
-@pytest.mark.parametrize("mode", [mode for mode, one in SCHEDULE if one == "opera"])
-def test_cases_are_the_same_again_and_know_all_that_they_tell(mode: str) -> None:
-    turns = (n for n in range(60) if turn_of(n, ("opera",)).mode == mode)
-    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
-    case, again = (make_case(number, 4, ("opera",)) for _ in range(2))
-    assert case.drawn == again.drawn
-    assert case.drawn.hidden
-    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
-        assert one.frame["range_m"].equals(other.frame["range_m"])
-        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
-        assert not told.isna().any(axis=None)
-        assert not {"arm_m", "turn_rad", "into_s"} & {*told}

@@ -1,0 +1,75 @@
+"""What the last families have in common: noise as measured, pulses that come later, cases again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from bench.challenge.cases import make_case
+from bench.challenge.families import brickworks_reader, manege_handset, opera_console
+from bench.challenge.families.case import SCHEDULE, turn_of
+
+OF_ITS_OWN = {
+    "hangar": {"pivot_x", "sense", "since_s"},
+    "manege": {"mid_x", "pace", "into_s"},
+    "opera": {"arm_m", "turn_rad", "into_s"},
+    "brickworks": {"gait", "slew_rad", "into_s"},
+}
+"""Columns that a world works with and no recording has."""
+Draws = Callable[[np.random.Generator, int], np.ndarray]
+Pulses = Callable[[np.ndarray], np.ndarray]
+Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@pytest.mark.parametrize(
+    ("noise_of", "of_sizes", "last"),
+    [
+        (manege_handset.hiss, manege_handset.OF_SIZES, -0.17),
+        (opera_console.hiss, opera_console.OF_SIZES, -0.2),
+        (brickworks_reader.rustle, brickworks_reader.OF_SIZES, -0.2),
+    ],
+)
+def test_noise_is_alike_from_sample_to_sample_as_measured(
+    noise_of: Draws, of_sizes: float, last: float
+) -> None:
+    """In a DW1000 by .32, -.17 and -.20 after one, two and three samples."""
+    noise = noise_of(np.random.default_rng(3), 900)
+    assert np.abs(noise).std() == pytest.approx(of_sizes, rel=0.01)
+    alike = [(noise[:, k:] * noise[:, : -k or None].conj()).real.mean() / 2 for k in range(4)]
+    assert np.allclose(alike, [1.0, 0.32, -0.17, last], atol=0.015)
+
+
+@pytest.mark.parametrize(
+    ("pulses", "later", "within"),
+    [
+        (manege_handset.pulses, manege_handset.put_off, 0.03),
+        (opera_console.struck, opera_console.later, 0.02),
+        (brickworks_reader.pulses, brickworks_reader.delayed, 0.02),
+    ],
+)
+def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
+    pulses: Pulses, later: Later, within: float
+) -> None:
+    wave = pulses(np.full(4, 60.0)).astype(np.complex128)
+    late = np.array([0.0, 3.0, 10.4, 400.0])
+    moved = np.abs(later(wave, late))
+    assert np.allclose(moved[:3], pulses(60.0 + late[:3]), atol=within)
+    assert moved[3].max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("family", "mode"), sorted({(one, mode) for mode, one in SCHEDULE if one in OF_ITS_OWN})
+)
+def test_cases_are_the_same_again_and_know_all_that_they_tell(family: str, mode: str) -> None:
+    turns = (n for n in range(60) if turn_of(n, (family,)).mode == mode)
+    number = [next(turns) for _ in range(2)][1]  # the first hides nothing
+    case, again = (make_case(number, 4, (family,)) for _ in range(2))
+    assert case.drawn == again.drawn
+    assert case.drawn.hidden
+    for one, other in ((case.recorded, again.recorded), (case.truth, again.truth)):
+        assert one.frame["range_m"].equals(other.frame["range_m"])
+        told = one.frame.drop(columns=["cir", "obstacles"], errors="ignore")
+        assert not told.isna().any(axis=None)
+        assert not OF_ITS_OWN[family] & {*told}
