@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
@@ -30,7 +31,9 @@ if TYPE_CHECKING:
     import pyarrow.parquet as pq
 
 Item = TypeVar("Item")
+Made = TypeVar("Made")
 CHUNK = 16 * BLOCK
+CHUNKS_AT_ONCE = 2
 
 
 @dataclass
@@ -74,16 +77,18 @@ def simulate_to(
     tally = Tally()
     with atomic_path(target) as scratch, ExitStack() as opened:
         writer: pq.ParquetWriter | None = None
-        written = 0
         frames = opened.enter_context(closing(ahead(rechunked(geometry, CHUNK))))
-        made = (_simulated(simulator, frame, tally, source) for frame in frames)
-        for table in opened.enter_context(closing(ahead(made))):
+
+        def simulated(chunk: tuple[int, pd.DataFrame]) -> tuple[Floats, pa.Table]:
+            return _simulated(simulator, chunk[1], chunk[0] * CHUNK, source)
+
+        for error_m, table in opened.enter_context(closing(at_once(simulated, enumerate(frames)))):
             if writer is None:
                 writer = opened.enter_context(_writer(scratch, table.schema))
             writer.write_table(table.cast(writer.schema))
-            written += table.num_rows
+            tally.add(error_m)
             if progress is not None:
-                progress(written)
+                progress(tally.rows)
         if writer is None:
             raise BenchError(f"{source}: no rows to simulate at")
     return tally
@@ -97,16 +102,18 @@ def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
     return pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=plain)
 
 
-def _simulated(simulator: Simulator, frame: pd.DataFrame, tally: Tally, source: str) -> pa.Table:
-    """Return a chunk's simulated recordings as an Arrow table, and count its rows."""
-    made = simulator.observe(scene(frame, source), first_row=tally.rows)
-    tally.add(made.error_m)
+def _simulated(
+    simulator: Simulator, frame: pd.DataFrame, first_row: int, source: str
+) -> tuple[Floats, pa.Table]:
+    """Return a chunk's errors [n] in metres, and its simulated recordings as an Arrow table."""
+    made = simulator.observe(scene(frame, source), first_row=first_row)
     text = to_toml(simulator)
-    return to_arrow(
+    table = to_arrow(
         Recordings(
             made.table(frame), simulator.name, "simulated", simulator=text, seed=simulator.seed
         )
     )
+    return made.error_m, table
 
 
 def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:
@@ -117,6 +124,22 @@ def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:
         while (item := coming.result()) is not end:
             coming = thread.submit(next, steps, end)
             yield item
+
+
+def at_once(work: Callable[[Item], Made], items: Iterable[Item]) -> Generator[Made, None, None]:
+    """Yield `work` of every item in order, of two at a time in threads. Close it when done.
+
+    Most of a chunk's work runs beside others' in threads of its own; what does not, runs beside the
+    next one's. Memory holds three.
+    """
+    coming: deque[Future[Made]] = deque()
+    with ThreadPoolExecutor(CHUNKS_AT_ONCE) as threads:
+        for item in items:
+            coming.append(threads.submit(work, item))
+            if len(coming) > CHUNKS_AT_ONCE:
+                yield coming.popleft().result()
+        while coming:
+            yield coming.popleft().result()
 
 
 def rechunked(frames: Iterable[pd.DataFrame], rows: int) -> Iterator[pd.DataFrame]:

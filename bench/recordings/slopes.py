@@ -8,8 +8,8 @@ noise, and what goes with the speed seems to go with it less (errors in variable
 from __future__ import annotations
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 LONGEST_GAP_S = 2.0
 """Between rows further apart in time nothing is known of the motion: robots turn within seconds."""
@@ -66,8 +66,9 @@ def _within(step: Floats, reach: int, even: float = NEAR_STEPS) -> NDArray[np.in
     """
     if len(step) < 2 * reach:
         return np.empty(0, np.intp)
-    steps = sliding_window_view(step, 2 * reach)
-    least, most = steps.min(axis=1), steps.max(axis=1)
+    inner = slice(reach, len(step) - reach + 1)  # windows wholly within the series
+    least = minimum_filter1d(step, 2 * reach)[inner]
+    most = maximum_filter1d(step, 2 * reach)[inner]
     return np.flatnonzero((least > 0) & (least * even >= most)) + reach
 
 
@@ -178,7 +179,9 @@ def _around(
     rows = middle[:, None] + np.arange(-reach, reach + 1)
     away = time_s[rows] - time_s[middle][:, None]
     half = np.abs(away).max(axis=1)
-    design = (away / half[:, None])[..., None] ** np.arange(degree + 1)
+    design = np.ones((*away.shape, degree + 1))
+    design[..., 1:] = (away / half[:, None])[..., None]
+    np.multiply.accumulate(design, axis=-1, out=design)  # sooner than powers of floats
     return true_m[rows] - true_m[middle][:, None], design, half
 
 
