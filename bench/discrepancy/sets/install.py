@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -51,22 +52,27 @@ def together(search: Search, beside: Added, choice: Choice) -> Added:
 def best_form(search: Search, added: Added, name: str) -> Effect | None:
     """Return the form of some physics that fits all working rows best, beside other effects.
 
-    A curve has to gain something for its freedom.
+    A curve has to gain something for its freedom. What a library form can do without costs as much
+    as its fit, and is asked where no curve is better.
     """
     rows, comparison = search.sharpest, search.comparison
     base = tally(comparison.ensemble(rows, added, FIT_MEMBERS))
+
+    def worth(form: Effect) -> float:
+        return gain(base, tally(comparison.ensemble(rows, (*added, form), FIT_MEMBERS)))
+
     curves = latent_effects(comparison, rows, added, name)
-    forms = [*_of_library(search, added, name, base), *curves]
-    best, most = None, 0.0
-    for form in forms:
-        made = tally(comparison.ensemble(rows, (*added, form), FIT_MEMBERS))
-        worth = gain(base, made) - CURVE_FREEDOM_NATS * (form in curves)
-        if best is None or worth > most:
-            best, most = form, worth
-    return best
+    forms = [(worth(curve) - CURVE_FREEDOM_NATS, curve) for curve in curves]
+    most = max((gained for gained, _ in forms), default=-np.inf)
+    library = _of_library(search, added, name, base, most)
+    forms = [*((worth(form), form) for form in library), *forms]
+    return max(forms, key=itemgetter(0), default=(0.0, None))[1]
 
 
-def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Effect]:
+def _of_library(
+    search: Search, added: Added, name: str, base: Tally, most: float = -np.inf
+) -> list[Effect]:
+    """Return the form of the library, without what it can do without if it gains over `most`."""
     kind = named_kinds(search.kinds, search.sharpest).get(name)
     if kind is None:
         return []
@@ -78,7 +84,9 @@ def _of_library(search: Search, added: Added, name: str, base: Tally) -> list[Ef
         if not kind.fitted:
             return []
         fitted = refine(objective, screen(objective, on_ranges=True))
-        return [plainer(objective, fitted, RIVAL_NATS / len(search.sharpest.rows)).effect]
+        if fitted.gain > most:
+            fitted = plainer(objective, fitted, RIVAL_NATS / len(search.sharpest.rows))
+        return [fitted.effect]
     except BenchError:
         return []
 
