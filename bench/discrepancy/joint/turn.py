@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 from bench.checkpoint.journal import Journal
@@ -211,7 +212,8 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     held = Checked(state.added, rounds)
     best = fitting_best(search, held, tuple(one.effect for one in struck), said)
     told = {*choice.marked, *(one.name for one in (*search.logged, *(s.effect for s in struck)))}
-    said = without_idle(said, rounds, best, told, set(choice.nats))
+    left = partial(journal.kept(locate_left), search, best, len(rounds) + 1)
+    said = without_idle(said, rounds, best, told, set(choice.nats), left)
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
     tied = search.choice.tied

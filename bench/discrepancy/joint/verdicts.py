@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -85,12 +86,14 @@ def without_idle(
     best: Added,
     sure: Collection[str],
     waves: Collection[str] = (),
+    left: Callable[[], Located] | None = None,
 ) -> tuple[Verdict, ...]:
     """Return verdicts without names that held-out links need neither in score nor in simulator.
 
     `best` is the simulator that fits best, `sure` the names that bear a mark or a log shows,
     `waves` those that waveforms speak for: scatter that only ranges show was seen beside all names,
-    and goes with one of them.
+    and goes with one of them. `left` searches for what `best` leaves: beside other names something
+    without one is there only where that finds anything.
     """
     kept = {effect.physics for effect in best} | set(sure)
     named = [one for one in said if isinstance(one, LeftOut) and not kept & {*one.names}]
@@ -102,7 +105,10 @@ def without_idle(
         return stay
     names = " and ".join(one.names[0] for one in idle)
     why = f"looks most like {names}, but held-out links are no better with it"
-    return (*stay, _unknown(rounds[0], rounds[-1], why))
+    if left is None or not any(one.names for one in stay):
+        return (*stay, _unknown(rounds[0], rounds[-1], why))
+    last = replace(rounds[-1], located=left())
+    return (*stay, _unknown(last, last, why, best)) if last.located.significant else stay
 
 
 def _scatters_beside(said: Verdict, but: Collection[str]) -> bool:

@@ -13,11 +13,12 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.turn import with_scatter
 from bench.discrepancy.joint.verdicts import without_idle
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 SURE, UNSURE = Estimate(0.5, 0.2, 0.9, "nats"), Estimate(0.04, -1.2, 1.4, "nats")
@@ -48,6 +49,17 @@ def test_scatter_that_was_seen_beside_a_name_goes_with_it() -> None:
             assert without_idle((said(UNSURE), scatter), (TURN,), (), sure, waves)[0] == scatter
         sound = said(SURE), scatter
         assert without_idle(sound, (TURN,), (), (), names[:1]) == sound
+
+
+def test_something_without_a_name_is_beside_names_only_where_the_search_finds_it() -> None:
+    sure = LeftOut(AntennaDelay(), (), SURE, 1.0, Control("", None))
+    seen = replace(TURN.located, findings=(cast(Finding, SimpleNamespace()),))
+    for found, more in ((TURN.located, 0), (seen, 1)):
+        stay = without_idle((said(UNSURE), sure), (TURN,), (), (), left=lambda found=found: found)
+        assert stay[0] == sure
+        assert len(stay) == 1 + more
+    (alone,) = without_idle((said(UNSURE),), (TURN,), (), (), left=lambda: TURN.located)
+    assert isinstance(alone, Unknown)  # something differed, and nothing else has its name
 
 
 def test_what_is_unknown_already_is_said_once() -> None:
