@@ -22,6 +22,7 @@ from bench.errors import BenchError
 
 T = TypeVar("T")
 Rows = NDArray[np.intp]
+Marks = frozenset[tuple[str, str]]
 
 
 class Sealed(Generic[T]):
@@ -97,13 +98,13 @@ def split_links(
         )
     order = np.random.default_rng(seed).permutation(count)
     wanted = max(1, round(count * (1 - sum(shares))))
-    devices = _devices(frame, codes, count)
-    held = _held_out(order, wanted, devices)
+    devices, marks = _devices(frame, codes, count), _marks(frame, codes, count)
+    held = _held_out(order, wanted, devices, marks)
     if count < SHARED_BELOW:
         return _shared(codes, held, count)
     rest = [link for link in order.tolist() if link not in held]
     part = np.full(count, 1)
-    part[_discover(rest, shares[0] / sum(shares), devices)] = 0
+    part[_discover(rest, shares[0] / sum(shares), devices, marks)] = 0
     part[list(held)] = 2
     rows = [np.flatnonzero(part[codes] == which) for which in range(3)]
     return LinkSplit(rows[0], rows[1], Sealed(rows[2]), count)
@@ -118,7 +119,9 @@ def check_rows(split: LinkSplit) -> None:
         )
 
 
-def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> list[int]:
+def _discover(
+    rest: list[int], share: float, devices: list[tuple[str, str]], marks: list[Marks]
+) -> list[int]:
     """Return the links, of `rest` in random order, that are searched.
 
     A device of few links has `share` of them here and the others among those that are fitted:
@@ -130,6 +133,7 @@ def _discover(rest: list[int], share: float, devices: list[tuple[str, str]]) -> 
     rare = sorted((link for link in rest if first[link]), key=first.__getitem__)
     chosen = [link for i, link in enumerate(rare) if int((i + 1) * share) > int(i * share)]
     plain = [link for link in rest if not first[link]]
+    plain = _in_proportion(plain, share, marks)
     return chosen + plain[: max(1, round(len(rest) * share) - len(chosen))]
 
 
@@ -153,16 +157,58 @@ def _devices(frame: pd.DataFrame, codes: NDArray[np.intp], count: int) -> list[t
     return [(tx.iloc[i], rx.iloc[i]) for i in first]
 
 
-def _held_out(order: NDArray[np.intp], wanted: int, devices: list[tuple[str, str]]) -> set[int]:
-    """Return the links of the confirm part: those first whose devices stay connected elsewhere."""
+def _held_out(
+    order: NDArray[np.intp], wanted: int, devices: list[tuple[str, str]], marks: list[Marks]
+) -> set[int]:
+    """Return the links of the confirm part: those first whose devices stay connected elsewhere.
+
+    Of everything that marks links about its share: what is the matter with one device is confirmed
+    by links of its own.
+    """
+    fair = _in_proportion(order.tolist(), wanted / max(len(order), 1), marks)
     held: set[int] = set()
-    for link in order.tolist():
+    for link in fair:
         if len(held) < wanted and _still_known(link, held | {link}, devices):
             held.add(link)
     for link in order.tolist():  # not enough of them: take any
         if len(held) < wanted:
             held.add(link)
     return held
+
+
+def _in_proportion(order: list[int], share: float, marks: list[Marks]) -> list[int]:
+    """Return the links in an order in which everything has its share of them among the first.
+
+    First those that nothing has more of than its share, rounded down; then up; then the others.
+    """
+    every = Counter(name for link in order for name in marks[link])
+    first: dict[int, None] = {}
+    for rounded in (np.floor, np.ceil):
+        left = Counter({name: int(rounded(share * count)) for name, count in every.items()})
+        left.subtract(name for link in first for name in marks[link])
+        for link in order:
+            if link not in first and all(left[name] > 0 for name in marks[link]):
+                first[link] = None
+                left.subtract(marks[link])
+    return list(dict.fromkeys([*first, *order]))
+
+
+def _marks(frame: pd.DataFrame, codes: NDArray[np.intp], count: int) -> list[Marks]:
+    """Return what marks each link: its devices, its place and what stands in its way."""
+    devices = _devices(frame, codes, count)
+    rows = frame.iloc[np.unique(codes, return_index=True)[1]]
+    places = rows["environment"].astype(str) if "environment" in rows else [""] * count
+    cells = rows["obstacles"] if "obstacles" in rows else [()] * count
+    listed = [
+        map(str, cell) if isinstance(cell, list | tuple | np.ndarray) else () for cell in cells
+    ]
+    every = zip(devices, places, listed, strict=True)
+    return [
+        frozenset({("device", name) for name in ends if name})
+        | {("place", place)}
+        | {("obstacle", kind) for kind in kinds}
+        for ends, place, kinds in every
+    ]
 
 
 def _still_known(link: int, held: set[int], devices: list[tuple[str, str]]) -> bool:

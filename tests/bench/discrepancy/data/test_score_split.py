@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -91,3 +93,25 @@ def test_few_links_of_few_rows_are_one_line():
     with pytest.raises(BenchError, match="5 links of at most 20 rows"):
         check_rows(split_links(few, 0))
     check_rows(split_links(pd.DataFrame({"link": np.repeat(list("abcde"), 30)}), 0))
+
+
+def test_every_part_has_its_share_of_every_device_place_and_obstacle():
+    rng, links = np.random.default_rng(3), 96
+    frame = pd.DataFrame(
+        {
+            "link": [f"l{i}" for i in range(links)],
+            "tx": rng.choice(["t1", "t2", "t3"], links),
+            "rx": rng.choice([f"a{i}" for i in range(6)], links),
+            "environment": rng.choice(["hall", "office"], links),
+            "obstacles": [["wall"] if one else [] for one in rng.random(links) < 0.2],
+        }
+    )
+    keys = {name: frame[name].astype(str) for name in frame if name != "link"}
+    off = []
+    for seed in range(8):
+        split = split_links(frame, seed)
+        parts = [(split.discover, 0.4), (split.fit, 0.35), (split.confirm.open(), 0.25)]
+        for (rows, share), column in product(parts, keys.values()):
+            there, every = column.iloc[rows].value_counts(), column.value_counts()
+            off += (there.reindex(every.index, fill_value=0) - share * every).tolist()
+    assert np.mean(np.square(off)) < 1.5  # links, squared; parts drawn by chance are off by 4.8
