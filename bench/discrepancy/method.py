@@ -72,7 +72,7 @@ from bench.physics.effect import Effect
 from bench.physics.memory import keep_freed
 from bench.physics.simulator import Simulator
 from bench.recordings.places import cut_into_places, link_count
-from bench.recordings.table import Recordings
+from bench.recordings.table import CIR_COLUMNS, Recordings
 
 
 @dataclass(frozen=True)
@@ -206,9 +206,9 @@ def diagnose(
 
 
 def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Recordings) -> Options:
-    """Return the options with what they leave open decided by the tables."""
+    """Return the options with what they leave open decided; without waveforms no CIR is seen."""
     if asked.waveform is not None:
-        return asked
+        return asked if asked.waveform else replace(asked, hide=(*asked.hide, *CIR_COLUMNS))
     both = [recorded, *([simulated] if isinstance(simulated, Recordings) else [])]
     shown = [hidden(table.frame, asked.hide) for table in both]
     return replace(asked, waveform=all(map(has_waveforms, shown)))

@@ -7,7 +7,7 @@ import pandas as pd
 
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.figures import check_figures, typical
-from bench.discrepancy.data.observables import error_m
+from bench.discrepancy.data.observables import error_m, reach
 from bench.discrepancy.data.settings import (
     LONGEST_MEDIAN_RANGE_M,
     SAME_PERIOD,
@@ -16,6 +16,7 @@ from bench.discrepancy.data.settings import (
     UNIT_MISTAKE,
 )
 from bench.discrepancy.data.truth import check_truth
+from bench.discrepancy.settings import WINDOW_AFTER
 from bench.errors import BenchError
 from bench.recordings.places import distance_m
 from bench.recordings.table import Recordings
@@ -28,6 +29,8 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
     alone would be called physics. Not so where no `waveforms` are compared.
     """
     check_recorded(recorded)
+    if waveforms:
+        _check_reach(recorded)
     if not isinstance(simulated, Recordings):
         return
     check_figures(simulated.frame, simulated.source)
@@ -35,6 +38,20 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
     both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated))
     if waveforms and both:
         _check_periods(recorded, simulated)
+        _check_reach(simulated)
+
+
+def _check_reach(table: Recordings) -> None:
+    """Raise where waveforms end so soon after the first path that there is little to compare."""
+    if not {"cir", "first_path_index"} <= {*table.frame}:
+        return
+    after, least = reach(table.frame)[1], WINDOW_AFTER[0]
+    if after < least:
+        raise BenchError(
+            f"{table.source}: its CIRs hold {max(after, 0):.0f} samples from first_path_index on; "
+            f"expected {least} or more to compare waveforms: give longer ones, or --paths-only to "
+            "compare ranges and levels"
+        )
 
 
 def _check_copies(recorded: Recordings, simulated: Recordings) -> None:

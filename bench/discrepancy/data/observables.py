@@ -6,7 +6,7 @@ NaN and takes no part in any comparison.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -171,24 +171,34 @@ def window_of(frame: pd.DataFrame) -> Window:
     """
     if "cir" not in frame or "first_path_index" not in frame or not len(frame):
         return Window()
-    first = np.nan_to_num(_numbers(frame["first_path_index"]))
-    length = np.array([len(cir) for cir in frame["cir"]])
-    before = int(np.clip(np.quantile(np.floor(first), 1 - WINDOW_FULL_SHARE), *WINDOW_BEFORE))
-    after = int(
-        np.clip(np.quantile(length - np.floor(first), 1 - WINDOW_FULL_SHARE), *WINDOW_AFTER)
-    )
+    before, after = reach(frame)
+    before, after = int(np.clip(before, *WINDOW_BEFORE)), int(np.clip(after, *WINDOW_AFTER))
     return Window(before, after, bool(np.isfinite(_scalar(frame, COUNT)).any()))
+
+
+def reach(frame: pd.DataFrame) -> tuple[float, float]:
+    """Return how many samples before and after its first path nearly every row has."""
+    first = np.floor(np.nan_to_num(_numbers(frame["first_path_index"])))
+    after = np.array([len(cir) for cir in frame["cir"]]) - first
+    few = 1 - WINDOW_FULL_SHARE
+    return float(np.quantile(first, few)), float(np.quantile(after, few))
 
 
 def shared_window(frame: pd.DataFrame, other: pd.DataFrame | None) -> Window:
     """Return the window of a table that is compared with another, None: with a simulator.
 
-    Samples are compared as they are where one of the tables does not tell the counts of its own.
+    Both fill it: energies of a shorter one would be smaller by that alone. Samples are compared as
+    they are where one of the tables does not tell the counts of its own.
     """
     window = window_of(frame)
-    if other is None or "cir" not in other:
+    if other is None or not {"cir", "first_path_index"} <= {*other}:
         return window
-    return replace(window, counted=window.counted and window_of(other).counted)
+    theirs = window_of(other)
+    return Window(
+        min(window.before, theirs.before),
+        min(window.after, theirs.after),
+        window.counted and theirs.counted,
+    )
 
 
 def aligned(frame: pd.DataFrame, window: Window) -> tuple[Floats, Floats]:

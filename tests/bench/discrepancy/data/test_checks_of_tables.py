@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.data.checks import check_tables
+from bench.discrepancy.data.observables import shared_window
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
@@ -37,6 +38,29 @@ def test_waveforms_of_another_period_are_refused_with_what_to_do() -> None:
 def test_a_period_without_waveforms_is_of_no_matter() -> None:
     check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0, cir=False))
     check_tables(table("r.parquet", 1.0016), table("s.parquet", 2.0), waveforms=False)
+
+
+def of_samples(source: str, samples: int) -> Recordings:
+    """Return rows with waveforms of so many samples, the path at the tenth; SIMULATED."""
+    made = table(source, 1.0)
+    cirs = list(np.ones((len(made.frame), samples), np.float32))
+    return Recordings(made.frame.assign(cir=cirs, first_path_index=10.4), source)
+
+
+def test_waveforms_that_end_after_the_path_are_refused_on_either_side() -> None:
+    long, short = of_samples("long.parquet", 60), of_samples("short.parquet", 20)
+    said = r"short\.parquet: its CIRs hold 10 samples from first_path_index on; expected 16 or"
+    for pair in ((short, long), (long, short), (short, Simulator(Base()))):
+        with pytest.raises(BenchError, match=said):
+            check_tables(*pair)
+        check_tables(*pair, waveforms=False)
+    check_tables(long, of_samples("other.parquet", 40))
+
+
+def test_waveforms_are_compared_as_far_as_both_tables_go() -> None:
+    long, other = of_samples("long.parquet", 60).frame, of_samples("other.parquet", 40).frame
+    assert shared_window(long, None).after == 50
+    assert shared_window(long, other).after == shared_window(other, long).after == 30
 
 
 def test_simulated_levels_without_their_sign_are_refused() -> None:
