@@ -15,7 +15,7 @@ from bench.challenge.families.case import FAMILIES, MODES
 from bench.challenge.rates import rates
 from bench.challenge.real import RealCase, ghent, miluv, outdoor
 from bench.discrepancy import write_report
-from bench.discrepancy.report.document import describe
+from bench.discrepancy.report.found_lines import describe
 from bench.errors import BenchError, unknown_name
 from bench.files import read_json, write_atomically
 from bench.measure.machine import describe_machine

@@ -115,20 +115,13 @@ def _print_next(diagnosis: Diagnosis, out: Path | None) -> None:
 def _print(diagnosis: Diagnosis, kept: bool) -> None:
     """Print the verdicts and the confirm figures; what a report that is `kept` has is cut."""
     from bench.discrepancy.compare.calibration import auc_doubt
-    from bench.discrepancy.report.document import (
-        describe,
-        law_lines,
-        measured_lines,
-        nameless_lines,
-    )
-    from bench.discrepancy.report.doing import doings
+    from bench.discrepancy.report.document import measured_lines
+    from bench.discrepancy.report.found_lines import found_lines, nameless_lines
     from bench.discrepancy.report.parameters import skipped_line, skipped_lines
 
     say(named(diagnosis.headline))
-    does = doings(diagnosis)
-    said = [line for one in diagnosis.selection.verdicts for line in describe(one, does)]
-    laws = law_lines(diagnosis.law) if diagnosis.law else []
-    for line in (*said, *laws, *nameless_lines(diagnosis)):
+    said = [line for told in found_lines(diagnosis) for line in told]
+    for line in (*said, *nameless_lines(diagnosis)):
         say(named(line.replace("**", "")))
     seen = diagnosis.confirmed
     for line in diagnosis.counted:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -15,15 +13,12 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
-from bench.discrepancy.select.one_device import left_at_device
-from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import (
     CONFIRM_FIRST,
     CONFIRM_MEMBERS,
     FARTHER_SHARE,
     HIGH_QUANTILE,
     LEAST_NOTICED_M,
-    NEARER_SHARE,
     NOTICED_SHARE,
 )
 
@@ -77,10 +72,6 @@ class Confirmed:
 
 
 Pair = tuple[float, float]
-NOT_ADDED: Final = "Nothing was added to the simulator."
-BY_SCORE: Final = "by its score, in which spreads, levels and waveforms count, too"
-NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
-NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
 
 
@@ -271,76 +262,3 @@ def _median(values: Floats) -> float:
 def _mae(ensemble: Ensemble, seed: int) -> Estimate:
     """Return the mean |recorded range error - ensemble median| in metres."""
     return cluster_bootstrap(_misses(ensemble), ensemble.links, seed, "m")
-
-
-def headline(
-    verdicts: tuple[Verdict, ...],
-    added: bool,
-    seen: Confirmed,
-    more: str = "",
-    withheld: Mapping[str, str] = NOTHING,
-    changed: str = NEW_SIMULATOR,
-) -> str:
-    """Return one line: what was found, and whether it serves on the sealed links.
-
-    `more` is said of what has no name; `withheld` says what was not added, or not whole, and
-    why; `changed` is what has it now.
-    """
-    said = _found_and_change(verdicts, added, seen, more, changed)
-    kept = "".join(f" {name} {words}." for name, words in withheld.items())
-    return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
-
-
-def _found_and_change(
-    verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str, changed: str
-) -> str:
-    names = [" or ".join(v.names) for v in verdicts if v.names]
-    unknown = any(isinstance(v, Unknown) for v in verdicts)
-    if not names and not unknown:
-        return "Nothing found that the simulator leaves out."
-    said = "Left out: " + ", ".join(names) if names else "Something is there, without a name"
-    said += "".join(f": {v.cause}" for v in verdicts if isinstance(v, Unknown) and v.cause)
-    said += " - and something without a name" if names and unknown else ""
-    said += more or (_device(verdicts) if names else "")
-    if not added:
-        return f"{said}. {NOT_ADDED}"
-    change = _change(seen)
-    if not seen.serves:
-        why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
-        why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
-        return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
-    sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, {_alike(seen)}"
-    return f"{said}. {changed} fits better{sure}{alike}: {change}."
-
-
-def _alike(seen: Confirmed) -> str:
-    """Return in words how ranges are where chance may be all that brought them nearer."""
-    nearer = seen.mae_after_m.value < NEARER_SHARE * seen.mae_before_m.value
-    return "ranges nearer, though not beyond chance" if nearer else "ranges alike within chance"
-
-
-def _device(verdicts: tuple[Verdict, ...]) -> str:
-    """Return at which device something without a name shows beside names, "" where at none."""
-    unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
-    seen = [one for v in unknown if not v.cause for one in left_at_device(v.findings)]
-    return f" ({seen[0].what} {seen[0].cell.place.where()})" if seen else ""
-
-
-def _only_median(seen: Confirmed) -> bool:
-    """Return whether the median of the range error alone speaks against it."""
-    means = seen.mae_before_m.value, seen.mae_after_m.value
-    return seen.gain.value > 0 and not is_farther(seen.nearer_m, means, (0.0, 0.0))
-
-
-def _medians(seen: Confirmed) -> str:
-    return f"{seen.median_before_m.value:.3g} -> {seen.median_after_m.value:.3g} m"
-
-
-def _change(seen: Confirmed) -> str:
-    """Return in words how far ranges were off before and after."""
-    before, after = f"{seen.mae_before_m.value:.3g}", f"{seen.mae_after_m.value:.3g}"
-    means = f"{before} m before and after" if before == after else f"{before} -> {after} m"
-    worse = seen.median_after_m.value > seen.median_before_m.value
-    more = f", in the median {_medians(seen)}" if worse and seen.serves else ""
-    return f"mean |recorded - simulated| {means}{more} on sealed links"

@@ -18,13 +18,14 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import untimed
 from bench.discrepancy.compare.view import Added, Comparison, without
-from bench.discrepancy.confirm import NEW_SIMULATOR, NEW_TABLE, Confirmed, confirm, headline
+from bench.discrepancy.confirm import Confirmed, confirm
 from bench.discrepancy.counterpart import counted, covered
 from bench.discrepancy.data.checks import check_tables
 from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
+from bench.discrepancy.headline import NEW_SIMULATOR, NEW_TABLE, headline
 from bench.discrepancy.joint import turn as waves
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.named_faults import without_a_name
@@ -137,7 +138,7 @@ class Diagnosis:
         """One line to begin with: what was found, and whether the sealed links bear it out."""
         fault = without_a_name(self.setup_fault, self.selection)
         said = fault or self.law or curve_words(self.added)
-        more = f" ({said}{self.law.nearest if self.law else ''})" if said else ""
+        more = f"{said}{self.law.nearest if self.law else ''}" if said else ""
         found, added = self.selection, bool(self.added)
         now = NEW_SIMULATOR if self.simulator else NEW_TABLE
         return headline(found.verdicts, added, self.confirmed, more, found.withheld, now)

@@ -25,7 +25,7 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.method import Diagnosis, Options, diagnose
-from bench.discrepancy.report.document import describe
+from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.verdict import Ambiguous
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_clock import DeviceClock

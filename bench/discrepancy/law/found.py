@@ -8,6 +8,8 @@ from typing import Any
 from bench.discrepancy.compare.crps import Estimate
 from bench.physics.effects.ranging.law import Law, with_constants
 
+FAULT, LAW = "a fault of the set-up", "a law"
+
 
 @dataclass(frozen=True)
 class LawConstant:
@@ -83,9 +85,9 @@ class FoundLaw:
         return f"; not excluded: {rival.words}" if rival else ""
 
     def __str__(self) -> str:
-        what = f"a law of the form of {self.of_library}"
-        what = what if self.of_library else "a law without a name"
-        what = "a fault of the set-up" if self.fault else what
+        what = f"{LAW} of the form of {self.of_library}"
+        what = what if self.of_library else f"{LAW} without a name"
+        what = FAULT if self.fault else what
         return f"{what}: {self.words}; looks like: {self.looks_like}"
 
 
@@ -103,7 +105,7 @@ class SetupFault:
     size: tuple[LawConstant, ...] = ()
 
     def __str__(self) -> str:
-        return f"a fault of the set-up: {self.words}"
+        return f"{FAULT}: {self.words}"
 
 
 def law_dict(law: FoundLaw | None) -> dict[str, Any] | None:

@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from bench.discrepancy.compare.calibration import auc_doubt
 from bench.discrepancy.compare.radio import SETTINGS
-from bench.discrepancy.confirm import NOTHING
 from bench.discrepancy.data.own_columns import RULE
-from bench.discrepancy.law.found import FoundLaw, fault_dict, law_dict
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.law.found import fault_dict, law_dict
 from bench.discrepancy.method import Diagnosis
-from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.report.folder import REPORT
+from bench.discrepancy.report.found_lines import finding_lines, found_lines, nameless_lines
 from bench.discrepancy.report.parameters import (
-    detectable_line,
-    parameter_lines,
     skipped_lines,
     value_table,
 )
-from bench.discrepancy.select.remainder import beyond_names
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import (
-    Ambiguous,
-    Control,
-    LeftOut,
-    NoMismatch,
-    Unknown,
-    Verdict,
     as_dict,
 )
 from bench.files import write_atomically
@@ -40,7 +28,6 @@ from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
 from bench.text import named, plain
 
-UNTRIED = "it could not be tried"
 PLACES = (
     "Antennas move under one link name: {} links were cut into {} places of 1 m, the unit that is "
     "held out. Places of one drive are neighbours: intervals may be too narrow."
@@ -118,11 +105,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     told = (*diagnosis.counted, *measured_lines(diagnosis))
     lines += [part for line in told for part in (line, "")]
     lines += ["## What was found", ""]
-    does = doings(diagnosis)
-    for verdict in diagnosis.selection.verdicts:
-        lines += [*describe(verdict, does), ""]
-    if diagnosis.law is not None:
-        lines += [*law_lines(diagnosis.law), ""]
+    lines += [part for told in found_lines(diagnosis) for part in (*told, "")]
     lines += [part for line in nameless_lines(diagnosis) for part in (line, "")]
     lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
     lines += ["## Pictures", ""]
@@ -155,111 +138,6 @@ def measured_lines(diagnosis: Diagnosis) -> list[str]:
         why = "you said so, or it explains what was missing and nothing of the scatter"
         out += [f"Known before ranges are measured: {', '.join(diagnosis.options.known)} ({why})."]
     return out
-
-
-def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
-    """Return one verdict in words and figures; `does` says what names do to ranges."""
-    if isinstance(verdict, NoMismatch):
-        return [f"**{verdict}.**", detectable_line(verdict)]
-    if isinstance(verdict, Unknown):
-        asked = verdict.removable.high > verdict.removable.low  # else none was tried
-        worth = "nothing" if verdict.removable.value < 0 else verdict.removable
-        how = f"A flexible regression over all that is known removes {worth} of held-out score."
-        return [
-            f"**Something is there that no known effect explains** ({verdict.note}).",
-            *([how] if asked else []),
-            *_findings(verdict.findings, 5),
-        ]
-    if isinstance(verdict, Ambiguous):
-        out = [f"**{' or '.join(verdict.names)}**: these recordings cannot tell them apart."]
-        out += [f"To progress: {verdict.separate}."]
-        return out + [line for option in verdict.options for line in _option_lines(option, does)]
-    return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict, does)]
-
-
-def _findings(findings: Sequence[Finding], most: int) -> list[str]:
-    """Return the first findings, each once: of some of the rows what holds in others is no news."""
-    told: list[Finding] = []
-    for one in (finding.told for finding in findings):
-        if not any(_alike(one, other) for other in told):
-            told.append(one)
-    return [f"- {finding}" for finding in told[:most]]
-
-
-def _alike(one: Finding, other: Finding) -> bool:
-    """Return whether two findings are of one observable, and as large as far as is known."""
-    same = one.cell.observable == other.cell.observable and one.cell.moment == other.cell.moment
-    trends = one.cell.place.trend or other.cell.place.trend
-    apart = one.effect.low > other.effect.high or other.effect.low > one.effect.high
-    return one.cell == other.cell if trends else same and not apart
-
-
-def nameless_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return which library effects the new simulator has although they are not stated as causes."""
-    selection = diagnosis.selection
-    every = beyond_names(selection.added, selection.verdicts)
-    if not every:
-        return []
-    return [
-        "**In the new simulator, but not stated as causes** (held-out links fit better with them, "
-        "but they do not reproduce enough of what they act on, or remove too little):",
-        *(f"- {effect.name}: {_short(vars(effect))}" for effect in every),
-    ]
-
-
-def law_lines(law: FoundLaw) -> list[str]:
-    """Return a law without a name: figures, evidence, what else it could be."""
-    return [
-        f"**{law}** (90 %).",
-        f"As an effect of the simulator: error = {law.effect.formula.shown}",
-        f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
-        *(
-            f"- not excluded: {rival.words} ({rival.behind:.1f} nats behind)"
-            for rival in law.rivals
-        ),
-    ]
-
-
-def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
-    """Return one named effect: what it does, its parameters, its evidence."""
-    effect = option.effect
-    out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
-    if (words := does.get(option.names[0])) is not None:
-        out += [f"  - does to these recordings: {words}"]
-    if option.note.startswith(UNTRIED):
-        return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
-    out += parameter_lines(option.parameters)
-    if not option.parameters:
-        out += [f"  - {_short(vars(effect))}"]
-    out += [f"  - {option.judged}: {option.gain}"]
-    if option.control.left is not None:
-        out += [f"  - negative control ({option.control.words}): {_control(option.control)}"]
-    return out
-
-
-def _control(control: Control) -> str:
-    """Return what is left where an effect must vanish, in words that the interval bears out."""
-    left = control.left
-    if control.passed is None:
-        return f"not decided (one in twenty such intervals excludes zero by chance), left {left}"
-    if not control.passed:
-        return f"FAILED, left {left}"
-    if left is not None and left.high < 0:
-        return f"passed, not longer there: left {left}"
-    if left is not None and left.low > 0:
-        return f"little is left there beside what is elsewhere, but not nothing: {left}"
-    return f"passed, left {left}"
-
-
-def _short(values: dict[str, Any]) -> str:
-    """Return the fields of an effect, long lists rounded."""
-
-    def shown(value: Any) -> str:
-        if isinstance(value, tuple):
-            return "[" + ", ".join(shown(item) for item in value) + "]"
-        return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-    return "; ".join(f"{name} = {shown(value)}" for name, value in values.items())
 
 
 def _confirm_lines(diagnosis: Diagnosis) -> list[str]:
@@ -312,7 +190,7 @@ def _search_lines(diagnosis: Diagnosis) -> list[str]:
     for number, turn in enumerate(diagnosis.selection.rounds, 1):
         state = "nothing significant" if not turn.located.significant else "differs:"
         out += [f"Round {number} ({turn.located.cells} places searched): {state}", ""]
-        out += _findings(turn.located.findings, 4)
+        out += finding_lines(turn.located.findings, 4)
         if turn.explanation:
             for one in turn.explanation.contenders:
                 out += [f"- tried {one.name}: gain {one.gain}"]

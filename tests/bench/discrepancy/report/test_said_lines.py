@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.confirm import _change
-from bench.discrepancy.report.document import describe, measured_lines
+from bench.discrepancy.headline import _change
+from bench.discrepancy.report.document import measured_lines
+from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
 from bench.physics.effects.propagation.diffraction import Diffraction
 

@@ -7,7 +7,7 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.report.document import describe
+from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
 from bench.physics.effect import Effect

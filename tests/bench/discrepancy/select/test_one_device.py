@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.confirm import headline
+from bench.discrepancy.headline import headline
 from bench.discrepancy.locate.hypotheses import Cell, Moment, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import conclude

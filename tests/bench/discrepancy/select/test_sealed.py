@@ -14,9 +14,11 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import Untimed
-from bench.discrepancy.confirm import Served, headline, is_farther, served
+from bench.discrepancy.confirm import Served, is_farther, served
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.headline import headline
+from bench.discrepancy.law.found import FAULT, LAW
 from bench.discrepancy.law.unexplained import weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import sealed
@@ -274,6 +276,26 @@ def test_of_spoilt_recordings_the_first_line_says_so_and_no_law_is_looked_for() 
     assert unnamed(None, found) == ()  # type: ignore[arg-type]
     line = headline(found.verdicts, False, None)  # type: ignore[arg-type]
     assert line.startswith("Something is there, without a name: samples are clipped.")
+
+
+@pytest.mark.parametrize(
+    ("names", "more", "said"),
+    [
+        ((), f"{FAULT}: a and b are swapped", "A fault of the set-up: a and b are swapped. "),
+        ((LAG,), f"{LAW} without a name: error = 1", "Left out: time-lag - and a law without a na"),
+        (
+            (LAG,),
+            "a constant 1 m",
+            "Left out: time-lag - and something without a name (a co",
+        ),
+        ((), "", "Something is there, without a name. "),
+    ],
+)
+def test_a_law_or_a_fault_stands_for_itself(
+    names: tuple[Effect, ...], more: str, said: str
+) -> None:
+    verdicts = (*map(named, names), Unknown((), Estimate(0.0, 0.0, 0.0)))
+    assert headline(verdicts, False, None, more).startswith(said)  # type: ignore[arg-type]
 
 
 def test_the_headline_says_why_a_name_was_not_added() -> None:

@@ -14,7 +14,7 @@ from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.method import select_effects
-from bench.discrepancy.report.document import describe
+from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.link_mixture import (
     apart,
     link_medians,

@@ -1,0 +1,106 @@
+"""The first line of a diagnosis: what was found, and what it does on sealed links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from bench.discrepancy.confirm import Confirmed, is_farther
+from bench.discrepancy.law.found import FAULT, LAW
+from bench.discrepancy.select.one_device import left_at_device
+from bench.discrepancy.select.verdict import Unknown, Verdict
+from bench.discrepancy.settings import NEARER_SHARE
+
+NOT_ADDED: Final = "Nothing was added to the simulator."
+BY_SCORE: Final = "by its score, in which spreads, levels and waveforms count, too"
+NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
+NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+TOLD = (FAULT, LAW)
+
+
+def headline(
+    verdicts: tuple[Verdict, ...],
+    added: bool,
+    seen: Confirmed,
+    more: str = "",
+    withheld: Mapping[str, str] = NOTHING,
+    changed: str = NEW_SIMULATOR,
+) -> str:
+    """Return one line: what was found, and whether it serves on the sealed links.
+
+    `more` is said of what has no name; `withheld` says what was not added, or not whole, and
+    why; `changed` is what has it now.
+    """
+    said = _found_and_change(verdicts, added, seen, more, changed)
+    kept = "".join(f" {name} {words}." for name, words in withheld.items())
+    return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
+
+
+def _found_and_change(
+    verdicts: tuple[Verdict, ...], added: bool, seen: Confirmed, more: str, changed: str
+) -> str:
+    said = _found(verdicts, more)
+    if not said:
+        return "Nothing found that the simulator leaves out."
+    if not added:
+        return f"{said}. {NOT_ADDED}"
+    change = _change(seen)
+    if not seen.serves:
+        why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
+        why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
+        return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
+    sure = "" if seen.gain.above_zero else ", though not beyond doubt"
+    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, {_alike(seen)}"
+    return f"{said}. {changed} fits better{sure}{alike}: {change}."
+
+
+def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
+    """Return in words what was found, "" where nothing was; `more` is of what has no name.
+
+    A law or a fault of the set-up stands for itself; beside names alone it says more of one.
+    """
+    names = [" or ".join(v.names) for v in verdicts if v.names]
+    unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
+    told = f" ({more})" if more else ""
+    if not unknown:
+        return f"Left out: {', '.join(names)}{told}" if names else ""
+    if more.startswith(TOLD):
+        return f"Left out: {', '.join(names)} - and {more}" if names else more[0].upper() + more[1:]
+    cause = "".join(f": {one.cause}" for one in unknown if one.cause)
+    if not names:
+        return f"Something is there, without a name{cause}{told}"
+    found = f"Left out: {', '.join(names)}{cause} - and something without a name"
+    return found + (told or _device(verdicts))
+
+
+def _alike(seen: Confirmed) -> str:
+    """Return in words how ranges are where chance may be all that brought them nearer."""
+    nearer = seen.mae_after_m.value < NEARER_SHARE * seen.mae_before_m.value
+    return "ranges nearer, though not beyond chance" if nearer else "ranges alike within chance"
+
+
+def _device(verdicts: tuple[Verdict, ...]) -> str:
+    """Return at which device something without a name shows beside names, "" where at none."""
+    unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
+    seen = [one for v in unknown if not v.cause for one in left_at_device(v.findings)]
+    return f" ({seen[0].what} {seen[0].cell.place.where()})" if seen else ""
+
+
+def _only_median(seen: Confirmed) -> bool:
+    """Return whether the median of the range error alone speaks against it."""
+    means = seen.mae_before_m.value, seen.mae_after_m.value
+    return seen.gain.value > 0 and not is_farther(seen.nearer_m, means, (0.0, 0.0))
+
+
+def _medians(seen: Confirmed) -> str:
+    return f"{seen.median_before_m.value:.3g} -> {seen.median_after_m.value:.3g} m"
+
+
+def _change(seen: Confirmed) -> str:
+    """Return in words how far ranges were off before and after."""
+    before, after = f"{seen.mae_before_m.value:.3g}", f"{seen.mae_after_m.value:.3g}"
+    means = f"{before} m before and after" if before == after else f"{before} -> {after} m"
+    worse = seen.median_after_m.value > seen.median_before_m.value
+    more = f", in the median {_medians(seen)}" if worse and seen.serves else ""
+    return f"mean |recorded - simulated| {means}{more} on sealed links"

@@ -1,0 +1,148 @@
+"""What was found, in words and figures: names, laws and faults, and what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from bench.discrepancy.headline import NOTHING
+from bench.discrepancy.law.found import FoundLaw
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.report.doing import doings
+from bench.discrepancy.report.parameters import detectable_line, parameter_lines
+from bench.discrepancy.select.remainder import beyond_names
+from bench.discrepancy.select.verdict import (
+    Ambiguous,
+    Control,
+    LeftOut,
+    NoMismatch,
+    Unknown,
+    Verdict,
+)
+
+UNTRIED = "it could not be tried"
+
+
+def found_lines(diagnosis: Diagnosis) -> list[list[str]]:
+    """Return what was found, in lines of each: names, a law or fault, what else differs."""
+    does, every = doings(diagnosis), diagnosis.selection.verdicts
+    names = [describe(verdict, does) for verdict in every if not isinstance(verdict, Unknown)]
+    rest = [verdict for verdict in every if isinstance(verdict, Unknown)]
+    if diagnosis.law is None:
+        return [*names, *map(describe, rest)]
+    return [*names, law_lines(diagnosis.law), *map(_explained, rest)]
+
+
+def _explained(verdict: Unknown) -> list[str]:
+    """Return what differed where a law or a fault of the set-up explains it."""
+    return [
+        f"Without it, no known effect explains what differs ({verdict.note}):",
+        *finding_lines(verdict.findings, 5),
+    ]
+
+
+def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
+    """Return one verdict in words and figures; `does` says what names do to ranges."""
+    if isinstance(verdict, NoMismatch):
+        return [f"**{verdict}.**", detectable_line(verdict)]
+    if isinstance(verdict, Unknown):
+        asked = verdict.removable.high > verdict.removable.low  # else none was tried
+        worth = "nothing" if verdict.removable.value < 0 else verdict.removable
+        how = f"A flexible regression over all that is known removes {worth} of held-out score."
+        return [
+            f"**Something is there that no known effect explains** ({verdict.note}).",
+            *([how] if asked else []),
+            *finding_lines(verdict.findings, 5),
+        ]
+    if isinstance(verdict, Ambiguous):
+        out = [f"**{' or '.join(verdict.names)}**: these recordings cannot tell them apart."]
+        out += [f"To progress: {verdict.separate}."]
+        return out + [line for option in verdict.options for line in _option_lines(option, does)]
+    return [f"**Left out: {verdict.names[0]}.**", *_option_lines(verdict, does)]
+
+
+def finding_lines(findings: Sequence[Finding], most: int) -> list[str]:
+    """Return the first findings, each once: of some of the rows what holds in others is no news."""
+    told: list[Finding] = []
+    for one in (finding.told for finding in findings):
+        if not any(_alike(one, other) for other in told):
+            told.append(one)
+    return [f"- {finding}" for finding in told[:most]]
+
+
+def _alike(one: Finding, other: Finding) -> bool:
+    """Return whether two findings are of one observable, and as large as far as is known."""
+    same = one.cell.observable == other.cell.observable and one.cell.moment == other.cell.moment
+    trends = one.cell.place.trend or other.cell.place.trend
+    apart = one.effect.low > other.effect.high or other.effect.low > one.effect.high
+    return one.cell == other.cell if trends else same and not apart
+
+
+def nameless_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return which library effects the new simulator has although they are not stated as causes."""
+    selection = diagnosis.selection
+    every = beyond_names(selection.added, selection.verdicts)
+    if not every:
+        return []
+    where = "new simulator" if diagnosis.simulator else "simulated table with what was found"
+    return [
+        f"**In the {where}, but not stated as causes** (held-out links fit better with them, "
+        "but they do not reproduce enough of what they act on, or remove too little):",
+        *(f"- {effect.name}: {_short(vars(effect))}" for effect in every),
+    ]
+
+
+def law_lines(law: FoundLaw) -> list[str]:
+    """Return a law without a name: figures, evidence, what else it could be."""
+    return [
+        f"**{law}** (90 %).",
+        f"As an effect of the simulator: error = {law.effect.formula.shown}",
+        f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
+        *(
+            f"- not excluded: {rival.words} ({rival.behind:.1f} nats behind)"
+            for rival in law.rivals
+        ),
+    ]
+
+
+def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
+    """Return one named effect: what it does, its parameters, its evidence."""
+    effect = option.effect
+    out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
+    if (words := does.get(option.names[0])) is not None:
+        out += [f"  - does to these recordings: {words}"]
+    if option.note.startswith(UNTRIED):
+        return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
+    out += parameter_lines(option.parameters)
+    if not option.parameters:
+        out += [f"  - {_short(vars(effect))}"]
+    out += [f"  - {option.judged}: {option.gain}"]
+    if option.control.left is not None:
+        out += [f"  - negative control ({option.control.words}): {_control(option.control)}"]
+    return out
+
+
+def _control(control: Control) -> str:
+    """Return what is left where an effect must vanish, in words that the interval bears out."""
+    left = control.left
+    if control.passed is None:
+        return f"not decided (one in twenty such intervals excludes zero by chance), left {left}"
+    if not control.passed:
+        return f"FAILED, left {left}"
+    if left is not None and left.high < 0:
+        return f"passed, not longer there: left {left}"
+    if left is not None and left.low > 0:
+        return f"little is left there beside what is elsewhere, but not nothing: {left}"
+    return f"passed, left {left}"
+
+
+def _short(values: dict[str, Any]) -> str:
+    """Return the fields of an effect, long lists rounded."""
+
+    def shown(value: Any) -> str:
+        if isinstance(value, tuple):
+            return "[" + ", ".join(shown(item) for item in value) + "]"
+        return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+    return "; ".join(f"{name} = {shown(value)}" for name, value in values.items())
