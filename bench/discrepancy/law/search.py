@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
 from bench.discrepancy.law.faults import faults, of_a_rate
+from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, unmoved
 from bench.discrepancy.law.material import Material
@@ -21,7 +22,7 @@ from bench.discrepancy.law.settings import (
     LAW_NATS,
     LAW_TIED_NATS,
 )
-from bench.discrepancy.law.structures import Fitted, Structure, cost
+from bench.discrepancy.law.structures import Fitted, GridLaw, Structure, cost
 from bench.discrepancy.settings import INTERVAL_LEVEL
 
 Floats = NDArray[np.float64]
@@ -152,9 +153,26 @@ def intervals(given: Material, best: Candidate, seed: int) -> tuple[LawConstant,
         if name == "phase":  # goes round: beside its value
             found = value + np.angle(np.exp(1j * (found - value)))
         tails = (50 - 50 * INTERVAL_LEVEL, 50 + 50 * INTERVAL_LEVEL)
-        low, high = np.percentile(found, tails)
+        low, high = _to_rows(given, best.structure, name, *np.percentile(found, tails))
         out.append(LawConstant(name, value, min(float(low), value), max(float(high), value), unit))
     return tuple(out)
+
+
+def _to_rows(
+    given: Material, structure: Structure, name: str, low: float, high: float
+) -> tuple[float, float]:
+    """Return an interval, of a place of a step as far as the next rows where the law acts.
+
+    Between two of these no row tells one place from another.
+    """
+    if not (isinstance(structure, GridLaw) and structure.form == "step"):
+        return low, high
+    if name != structure.shape.free:
+        return low, high
+    values = over_what(given, structure.at).values
+    acts = values[(given.factors[structure.by].weights != 0) & np.isfinite(values)]
+    below, above = acts[acts <= low], acts[acts >= high]
+    return max(below, default=low), min(above, default=high)
 
 
 def _drawn(given: Material, structure: Structure, seed: int) -> list[dict[str, float]]:
