@@ -67,11 +67,14 @@ def _rivals(proposal: Proposal, sealed: Material, shift: Floats, seed: int) -> t
 def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
     """Return the library's names that do as well as a device that stands elsewhere.
 
-    From where an anchor sees its rows, standing further off reads nearly the same as being late.
+    From where an anchor sees its rows, standing further off reads nearly the same as being late: by
+    how much is what a constant there would be, which does as well.
     """
     of = f" of {law.where}" if law.where else ""
     given = names if law.fault == "position" else ()
-    return tuple(Rival(f"{name}{of} instead", "constant", (), 0.0, True) for name in given)
+    same = (one.words for one in law.rivals if one.form == "constant" and not one.columns)
+    size = next((f" ({words.partition(',')[0]})" for words in same), "")
+    return tuple(Rival(f"{name}{of} instead{size}", "constant", (), 0.0, True) for name in given)
 
 
 def _rival(one: Candidate, behind: float) -> Rival:

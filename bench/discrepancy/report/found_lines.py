@@ -22,6 +22,7 @@ from bench.discrepancy.select.verdict import (
 )
 
 UNTRIED = "it could not be tried"
+SHOWN_RIVALS = 5
 
 
 def found_lines(diagnosis: Diagnosis) -> list[list[str]]:
@@ -94,15 +95,18 @@ def nameless_lines(diagnosis: Diagnosis) -> list[str]:
 
 
 def law_lines(law: FoundLaw) -> list[str]:
-    """Return a law without a name: figures, evidence, what else it could be."""
+    """Return a law without a name: figures, evidence, what else it could be, likeliest first."""
+    rivals = sorted(law.rivals, key=lambda rival: (not rival.listed, rival.behind))
+    more = len(rivals) - SHOWN_RIVALS
     return [
         f"**{law}** (90 %).",
         f"As an effect of the simulator: error = {law.effect.formula.shown}",
         f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
         *(
             f"- not excluded: {rival.words} ({rival.behind:.1f} nats behind)"
-            for rival in law.rivals
+            for rival in rivals[:SHOWN_RIVALS]
         ),
+        *([f"- and {more} more laws: not_excluded in diagnosis.json"] if more > 0 else []),
     ]
 
 

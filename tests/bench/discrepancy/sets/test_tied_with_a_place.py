@@ -39,13 +39,17 @@ def test_a_late_corner_is_never_said_to_stand_elsewhere_without_the_delay() -> N
     assert "antenna-delay" in said
     if found.setup_fault:
         assert found.selection.tied == ("antenna-delay",)
-        assert "; or antenna-delay of A2 instead: these recordings cannot tell" in found.headline
+        said = found.headline.partition("; or antenna-delay of A2 instead (error = 0.1")[2]
+        assert "m): these recordings cannot tell" in said
 
 
 def test_only_a_place_has_a_name_beside_it() -> None:
     law = FoundLaw("position", (), "A2", "", "", "0", (), 9.0, None, None, fault="position")  # type: ignore[arg-type]
     (rival,) = tied_names(law, ("antenna-delay",))
     assert (rival.words, rival.behind) == ("antenna-delay of A2 instead", 0.0)
+    same = Rival("error = 0.12 m, where rx is A2", "constant", (), -0.1)
+    (rival,) = tied_names(replace(law, rivals=(same,)), ("antenna-delay",))
+    assert rival.words == "antenna-delay of A2 instead (error = 0.12 m)"
     assert tied_names(law, ()) == ()
     assert tied_names(FoundLaw(**{**vars(law), "fault": "unit"}), ("antenna-delay",)) == ()
 
