@@ -134,6 +134,11 @@ def _typed(frame: pd.DataFrame, name: str) -> tuple[pd.DataFrame, dict[str, Mask
     for column in [c for c in FLOAT_COLUMNS if c in columns]:
         if pd.api.types.is_bool_dtype(columns[column]):
             raise BenchError(f"{name}: column {column!r} holds true or false; expected numbers")
+        if pd.api.types.is_datetime64_any_dtype(columns[column]):
+            raise BenchError(
+                f"{name}: column {column!r} holds dates (the first: {frame[column].iloc[0]}); "
+                "expected numbers, times in seconds from whatever begin"
+            )
         columns[column], text[column] = _as_float(columns[column])
         if column in ("error_m", "range_m", "true_range_m") and columns[column].isna().all():
             raise BenchError(f"{name}: column {column!r} holds no number{_first(frame[column])}")

@@ -21,6 +21,7 @@ from bench.errors import BenchError
 from bench.recordings.obstacle_names import parse_names
 from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
 
+PARQUET_BEGINS = b"PAR1"
 IMPORT = "bench data import finds its delimiter and decimal mark"
 _AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
 
@@ -30,6 +31,8 @@ def read_csv(path: Path) -> pd.DataFrame:
     try:
         frame = read_text_table(path)
     except BenchError as problem:
+        if _is_parquet(path):
+            raise
         raise BenchError(f"{problem}; a log of another form: {IMPORT}") from problem
     return with_lists(frame, path)
 
@@ -45,6 +48,8 @@ def read_text_table(
     import pyarrow as pa
     from pyarrow import csv
 
+    if _is_parquet(path):
+        raise BenchError(f"{path}: it is Parquet, not CSV: expected a name that ends in .parquet")
     if delimiter == " ":
         return _spaced(path, decimal, encoding, skip)
     options = csv.ConvertOptions(
@@ -64,6 +69,15 @@ def read_text_table(
         twice = frame.columns[frame.columns.duplicated()][0]
         raise BenchError(f"{path}: column {twice!r} stands twice in the header")
     return frame.rename(columns=lambda name: str(name).strip())
+
+
+def _is_parquet(path: Path) -> bool:
+    """Return whether a file begins as Parquet does, whatever its name."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(PARQUET_BEGINS)) == PARQUET_BEGINS
+    except OSError:
+        return False  # the reader says why
 
 
 def _spaced(path: Path, decimal: str, encoding: str, skip: int) -> pd.DataFrame:

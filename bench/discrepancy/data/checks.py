@@ -84,7 +84,11 @@ def check_recorded(recorded: Recordings) -> None:
     frame, source = recorded.frame, recorded.source
     if not len(frame):
         raise BenchError(f"{source}: the table has no rows")
-    recorded.require("link")
+    if "link" not in frame:
+        raise BenchError(
+            f"{source}: no column 'link': expected a name for every pair of antenna positions, "
+            "whose rows are held out together"
+        )
     if not np.isfinite(error_m(frame)).any() and "cir" not in frame:
         raise BenchError(
             f"{source}: no truth: expected 'error_m', or 'range_m' and 'true_range_m', with values"

@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.errors import BenchError
@@ -67,3 +68,14 @@ def test_a_bad_csv_gives_one_clear_line(tmp_path: Path, lines: list[str], expect
         read_recordings(_write(tmp_path / "t.csv", *lines))
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_parquet_of_another_name_and_dates_say_what_is_expected(tmp_path: Path) -> None:
+    frame = pd.DataFrame({"range_m": [1.0, 2.0], "true_range_m": [1.0, 2.1], "link": ["a", "b"]})
+    frame.to_parquet(tmp_path / "named.csv")
+    with pytest.raises(BenchError, match=r"named\.csv: it is Parquet, not CSV: .*\.parquet$"):
+        read_recordings(tmp_path / "named.csv")
+    dates = frame.assign(time_s=["2026-03-01 01:03:10", "2026-03-01 01:03:11"])
+    dates.to_csv(tmp_path / "dates.csv", index=False)
+    with pytest.raises(BenchError, match=r"'time_s' holds dates \(the first: 2026-.*seconds"):
+        read_recordings(tmp_path / "dates.csv")
