@@ -109,7 +109,7 @@ def _places(view: View, devices: Sequence[str]) -> NDArray[np.intp]:
 def _of_levels(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     assert isinstance(effect, PowerCurve)
     level = effect.level_dbm(view.scene)
-    names = tuple(at_level(float(knot)) for knot in KNOTS_DBM)
+    names = tuple(at_level(float(knot), effect.compression) for knot in KNOTS_DBM)
     return names, lambda rows, left, bounded: _bias(level, left, rows, bounded)
 
 

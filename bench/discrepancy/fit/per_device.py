@@ -17,6 +17,7 @@ from bench.discrepancy.fit.clocks import device_clock
 from bench.discrepancy.fit.ground import ground_ray
 from bench.discrepancy.fit.headings import pattern_curve
 from bench.discrepancy.fit.least_squares import ends, incidence, robust
+from bench.discrepancy.fit.settings import BEYOND_CURVE_DB, BEYOND_CURVE_SHARE
 from bench.discrepancy.fit.walls import wall_delay
 from bench.discrepancy.settings import (
     BUDGET_AT_1M_DBM,
@@ -131,8 +132,10 @@ def power_curve(comparison: Comparison, view: View, added: Added) -> PowerCurve 
         or weak.sum() < LEVEL_WEAK_ROWS
     ):
         return None
-    at_1m = np.interp(logged[weak], LOGGED_DBM, TRUE_DBM)
-    at_1m = at_1m + 20 * np.log10(view.scene.true_range_m[weak])
+    loss_db = 20 * np.log10(view.scene.true_range_m)
+    compression = _compression(logged)
+    at_1m = np.interp(logged[weak], LOGGED_DBM, TRUE_DBM) if compression else logged[weak]
+    at_1m = at_1m + loss_db[weak]
     spread = float(
         np.clip(
             MAD_TO_STD * np.median(np.abs(at_1m - np.median(at_1m))),
@@ -143,15 +146,23 @@ def power_curve(comparison: Comparison, view: View, added: Added) -> PowerCurve 
     budget = float(np.clip(np.median(at_1m), *BUDGET_AT_1M_DBM))
     residual = made[1]
     fits = [
-        _curve(view, residual, budget, s)
+        _curve(view, residual, PowerCurve((), (), budget, s, compression))
         for s in sorted({BUDGET_SPREADS_DB[0], min(BUDGET_SPREADS_DB[1], spread), spread})
     ]
     return min(fits, key=lambda fit: fit[1])[0]
 
 
-def _curve(view: View, residual: Floats, budget: float, spread: float) -> tuple[PowerCurve, float]:
+def _compression(logged: Floats) -> float:
+    """Return 0 where levels [n] are logged as they arrive, 1 where the stronger ones are too low.
+
+    Of what a DW1000 logs hardly anything is above the end of its curve, however near devices are.
+    """
+    known = logged[np.isfinite(logged)]
+    return float((known > LOGGED_DBM[-1] + BEYOND_CURVE_DB).mean() <= BEYOND_CURVE_SHARE)
+
+
+def _curve(view: View, residual: Floats, start: PowerCurve) -> tuple[PowerCurve, float]:
     """Return the curve for one trust in the budget, and the mean |residual| it leaves."""
-    start = PowerCurve(level_at_1m_dbm=budget, spread_db=spread)
     level = start.level_dbm(view.scene)
     bias = _bounded(curve_at_knots(level, residual), level)
     left = float(np.nanmean(np.abs(residual - np.interp(level, KNOTS_DBM, bias))))

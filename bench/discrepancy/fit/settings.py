@@ -15,3 +15,6 @@ DRIFT_PRIOR_PPM_PER_HOUR: Final = 0.5  # [source] indoors crystals drift by tent
 WANDER_SPREADS_PPM: Final = (0.01, 0.03, 0.1, 0.3, 1.0)  # tried by marginal likelihood [cost]
 WANDER_PASSES: Final = 20  # [cost]
 SCALE_SETTLED: Final = 0.02  # relative change of the scatter that ends the passes [cost]
+BEYOND_CURVE_DB: Final = 1.0  # above the largest level of a DW1000's curve, and
+BEYOND_CURVE_SHARE: Final = 0.02  # the share of rows logged there, from which on levels are taken
+# as they are logged [source: APS011, fig. 5; RECORDED: of 75 819 rows none is above it]

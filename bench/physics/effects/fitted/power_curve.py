@@ -18,24 +18,31 @@ from bench.physics.units import Floats
 LOGGED_DBM = (-120.0, -90.0, -87.5, -85.0, -82.5, -80.0, -77.5)
 TRUE_DBM = (-120.0, -90.0, -86.5, -83.5, -80.0, -72.5, -60.0)
 _GRID_DBM = np.arange(-115.0, -40.0, 0.5)
-_LOGGED_AT_GRID = np.interp(_GRID_DBM, TRUE_DBM, LOGGED_DBM)
 LOGGED_STD_DB = 0.4  # scatter of the logged level
 
 
-def at_level(level_dbm: float) -> str:
+def logged_at(true_dbm: Floats | float, compression: float = 1.0) -> Floats:
+    """Return the level that is logged where `true_dbm` arrives: 0 `compression` logs what does."""
+    compressed = np.interp(true_dbm, TRUE_DBM, LOGGED_DBM)
+    return np.asarray(true_dbm + compression * (compressed - true_dbm))
+
+
+def at_level(level_dbm: float, compression: float = 1.0) -> str:
     """Return the name of the bias at a true receive level, with the level that is logged there."""
-    logged = float(np.interp(level_dbm, TRUE_DBM, LOGGED_DBM))
+    logged = float(logged_at(level_dbm, compression))
     also = "" if round(logged, 1) == round(level_dbm, 1) else f", logged {logged:.1f}"
     return f"bias_m[{level_dbm:g} dBm{also}]"
 
 
-def true_level_dbm(logged: Floats, budget: Floats, spread_db: float) -> Floats:
+def true_level_dbm(
+    logged: Floats, budget: Floats, spread_db: float, compression: float = 1.0
+) -> Floats:
     """Return the expected true receive level [n] in dBm.
 
     Combines the `logged` level, which compresses above -80 dBm, with the link `budget` level
     known to `spread_db` (posterior mean over a grid); where none was logged, the budget's.
     """
-    misfit = ((logged[:, None] - _LOGGED_AT_GRID) / LOGGED_STD_DB) ** 2
+    misfit = ((logged[:, None] - logged_at(_GRID_DBM, compression)) / LOGGED_STD_DB) ** 2
     weight = np.nan_to_num(misfit) + ((_GRID_DBM - budget[:, None]) / spread_db) ** 2
     weight = np.exp((weight.min(axis=1, keepdims=True) - weight) / 2)
     return np.asarray((weight * _GRID_DBM).sum(axis=1) / weight.sum(axis=1))
@@ -68,6 +75,7 @@ class PowerCurve(Effect):
     bias_m: tuple[float, ...] = (0.0,)
     level_at_1m_dbm: float = parameter(-58, "dBm", -80, -30, "budget at 1 m")
     spread_db: float = parameter(3, "dB", 0.2, 15, "how well the budget is known")
+    compression: float = parameter(1, "1", 0, 1, "of logged levels: 1 a DW1000's, 0 none")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -77,12 +85,13 @@ class PowerCurve(Effect):
         """Return the true receive level of each row [n]."""
         logged = rows.numbers.get("rx_power_dbm", np.full(len(rows), np.nan))
         budget = self.level_at_1m_dbm - 20 * np.log10(rows.true_range_m)
-        return true_level_dbm(np.asarray(logged, np.float64), budget, self.spread_db)
+        logged = np.asarray(logged, np.float64)
+        return true_level_dbm(logged, budget, self.spread_db, self.compression)
 
     def values(self) -> dict[str, float]:
         """Return the bias at every level in metres."""
         pairs = zip(self.levels_dbm, self.bias_m, strict=True)
-        return {at_level(level): bias for level, bias in pairs}
+        return {at_level(level, self.compression): bias for level, bias in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the curve at each row's level."""

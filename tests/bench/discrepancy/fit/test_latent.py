@@ -20,7 +20,12 @@ from bench.discrepancy.fit.per_device import (
 )
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_delay import DeviceDelay
-from bench.physics.effects.fitted.power_curve import PowerCurve, true_level_dbm
+from bench.physics.effects.fitted.power_curve import (
+    LOGGED_DBM,
+    TRUE_DBM,
+    PowerCurve,
+    true_level_dbm,
+)
 from bench.physics.effects.ranging.power_bias import published_bias_m
 from bench.physics.simulator import Simulator
 from bench.physics.units import C_M_PER_NS
@@ -103,6 +108,23 @@ def test_the_bias_curve_follows_the_published_one():
     middle = np.array([-88.0, -84.0])
     step = np.diff(np.interp(middle, curve.levels_dbm, curve.bias_m))
     assert step == pytest.approx(np.diff(published_bias_m(middle)), abs=0.02)
+
+
+def test_the_levels_of_a_receiver_that_logs_what_arrives_are_taken_as_they_are() -> None:
+    frame = _levels()
+    frame["error_m"] = 0.1 * np.tanh((-75.0 - frame["rx_power_dbm"]) / 5)
+    curve = power_curve(WORLD, _view(frame), ())
+    assert curve is not None
+    assert curve.compression == 0
+    told = dict(zip(curve.levels_dbm, curve.values().items(), strict=True))
+    for level in (-82.0, -73.0, -70.0):
+        name, bias_m = told[level]
+        assert name == f"bias_m[{level:g} dBm]"
+        assert bias_m == pytest.approx(0.1 * np.tanh((-75.0 - level) / 5), abs=0.012)
+    pressed = np.interp(frame["rx_power_dbm"], TRUE_DBM, LOGGED_DBM)
+    curve = power_curve(WORLD, _view(frame.assign(rx_power_dbm=pressed)), ())
+    assert curve is not None
+    assert curve.compression == 1
 
 
 def test_no_curve_without_logged_levels():
