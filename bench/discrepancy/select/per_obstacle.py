@@ -28,10 +28,10 @@ def told_by_obstacles(search: Search, others: Added, effect: Effect, fitted: Tol
     """Return the intervals of an effect, with metres per obstacle of every kind that is listed.
 
     Beside `others`, of kinds that enough links have in another number than the rest; of an effect
-    that acts by kind on tables of ranges. `fitted` are the intervals of its parameters, which stay.
+    that acts by kind. `fitted` are the intervals of its parameters, which stay.
     """
-    rows = search.sharpest
-    if not type(effect).by_kind or rows.waveform or not (counts := _counts(rows)):
+    rows = search.fitted_on(effect) if search.fit.waveform else search.sharpest
+    if not type(effect).by_kind or not (counts := _counts(rows)):
         return fitted
     made = search.comparison.ensemble(rows, others, FIT_MEMBERS, SEARCH_FIRST)
     left = made.first(search.comparison.distinct(rows)).residual_of(RANGE)

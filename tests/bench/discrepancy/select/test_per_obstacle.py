@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.table import TableComparison
@@ -50,6 +51,15 @@ def test_metres_of_every_kind_are_stated_with_intervals() -> None:
                  for k, s in STEPS_M.items()]  # fmt: skip
         assert values["excess_m[brick]"].high - values["excess_m[brick]"].low < 0.05
     assert np.mean(held) >= 0.7
+
+
+def test_ranges_beside_waveforms_say_it_too() -> None:
+    search = searched(1)
+    seen = replace(search.fit, waveform=True)
+    waves = replace(search, fit=seen, discover=seen, work=None)
+    told = {one.name: one for one in told_by_obstacles(waves, (), MaterialDelay(), ())}
+    assert set(told) == {f"excess_m[{kind}]" for kind in STEPS_M}
+    assert told["excess_m[brick]"].value == pytest.approx(STEPS_M["brick"], abs=0.03)
 
 
 def test_kinds_that_come_together_and_other_effects_have_none() -> None:
