@@ -272,19 +272,17 @@ def _deformed(search: Search, rows: View, added: Added, known: Effect) -> Floats
 def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[np.intp]) -> bool:
     """Return whether a change [n] predicts levels [n] of links left out as `others` [n, k] do not.
 
-    Beside them, or alone as well as all of these do, which are many; or where these do nothing.
+    Beside them, or alone as well as all of these do, which are many. More than so many decibel in
+    all rows in any case.
     """
     codes = np.unique(links, return_inverse=True)[1]
     flat = np.ones((len(left_db), 1))
-    alone = np.column_stack([flat, change_db])
-    nothing, single, many, both = (
-        _squares(left_db, design, codes)
-        for design in (flat, alone, others, np.column_stack([others, change_db]))
-    )
+    designs = flat, np.column_stack([flat, change_db]), others, np.column_stack([others, change_db])
+    nothing, single, many, both = (_squares(left_db, design, codes) for design in designs)
+    alone = _better(single, nothing)
     if not _better(many, nothing):  # what explains nothing is no rival
-        return True
-    simpler = float(single.sum()) <= float(many.sum()) and _better(single, nothing)
-    return simpler or _better(both, many)
+        return alone
+    return (alone and float(single.sum()) <= float(many.sum())) or _better(both, many)
 
 
 def _better(after: Floats, before: Floats) -> bool:

@@ -35,6 +35,15 @@ def _made():
     return rng, far, heading, np.repeat(np.arange(LINKS), ROWS)
 
 
+def test_as_many_decibel_in_all_rows_are_no_path_loss() -> None:
+    rng, far, _, links = _made()
+    others = np.column_stack([np.ones(len(far)), rng.normal(size=len(far))])
+    slope = 6 * np.log10(far)
+    left = 1.2 + rng.normal(size=LINKS)[links]
+    assert not predicts(left, slope, others, links)
+    assert predicts(left + slope, slope, others, links)
+
+
 def test_a_gain_over_headings_is_no_path_loss_and_a_slope_is_one() -> None:
     rng, far, heading, links = _made()
     gain = 2 * np.cos(heading) + rng.normal(size=len(far))
