@@ -1,4 +1,4 @@
-"""The delay and loss of every listed obstacle, from its kind, thickness and angle."""
+"""The delay and loss of every listed obstacle, from its kind, thickness and angle; kinds."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
+
+UNLISTED = "unlisted"
+ANY_GHZ = 6.5  # no permittivity of ITU-R P.2040-3, table 3, changes with the frequency
 
 
 def slabs(rows: Scene, centre_ghz: float, thickness_scale: float = 1.0) -> tuple[Floats, Floats]:
@@ -46,3 +49,38 @@ def of_kind(rows: Scene, kind: str) -> NDArray[np.bool_]:
     """Return which obstacles [n, M] are of one kind."""
     code = rows.kind_names.index(kind) if kind in rows.kind_names else -2
     return np.asarray(rows.kinds == code)
+
+
+def unlisted(rows: Scene) -> NDArray[np.bool_]:
+    """Return the rows [n] without line of sight whose obstacles are not listed."""
+    return np.asarray(rows.blocked() & (rows.obstacle_count() == 0))
+
+
+def kinds_crossed(rows: Scene) -> tuple[str, ...]:
+    """Return the kinds of obstacles that these rows pass through, none of metal."""
+    codes = np.unique(rows.kinds[(rows.kinds >= 0) & ~of_metal(rows)])
+    listed = sorted(rows.kind_names[code] for code in codes)
+    return (*listed, *([UNLISTED] if unlisted(rows).any() else []))
+
+
+def crossed(rows: Scene, kinds: tuple[str, ...]) -> Floats:
+    """Return how many usual obstacles of every kind are in the way [n, k].
+
+    One that is twice as thick, or hit aslant so that the way through it delays as much, counts two.
+    """
+    delay_m = slabs(rows, ANY_GHZ)[0]
+    out = np.zeros((len(rows), len(kinds)))
+    for place, kind in enumerate(kinds):
+        if kind == UNLISTED:
+            out[:, place] = unlisted(rows)
+        elif kind in rows.kind_names:
+            here = rows.kinds == rows.kind_names.index(kind)
+            out[:, place] = np.where(here, delay_m, 0.0).sum(axis=1) / _usual_m(kind)
+    return out
+
+
+def _usual_m(kind: str) -> float:
+    """Return what one obstacle of a kind delays by the tables, in metres."""
+    made = obstacle(kind)
+    permittivity = material(made.material).permittivity(ANY_GHZ)
+    return float(excess_m(np.array([made.thickness_m]), permittivity, np.zeros(1))[0])

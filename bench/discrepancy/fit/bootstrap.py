@@ -38,8 +38,9 @@ from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
-from bench.physics.effects.fitted.wall_delay import WallDelay, crossed
+from bench.physics.effects.fitted.wall_delay import WallDelay
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
+from bench.physics.slabs import crossed
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

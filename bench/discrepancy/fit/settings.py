@@ -7,6 +7,7 @@ from typing import Final
 WALL_PRIOR_M: Final = 1.0  # typical delay of one obstacle at most: 0.8 m of concrete
 # [source: ITU-R P.2040-3, table 3]
 WALL_PRIOR_DB: Final = 30.0  # typical loss of one obstacle at most [source: the same]
+WALL_TURNS: Final = 3  # what a wall weakens is found later, beside which it delays [cost]
 WARM_PRIOR_PPM_PER_C: Final = 0.3  # typical slope of a crystal's offset over temperature at most:
 # some ppm over tens of degrees [source: Vig 1992, AT-cut quartz]
 SLOPE_VALUES: Final = 3  # different times or temperatures, from which on a slope is asked for

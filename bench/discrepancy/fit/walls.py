@@ -15,14 +15,11 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.fit.least_squares import robust
-from bench.discrepancy.fit.settings import WALL_PRIOR_DB, WALL_PRIOR_M
+from bench.discrepancy.fit.settings import WALL_PRIOR_DB, WALL_PRIOR_M, WALL_TURNS
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
-from bench.physics.effects.fitted.wall_delay import (
-    MOST_M,
-    WallDelay,
-    crossed,
-    kinds_crossed,
-)
+from bench.physics.effects.fitted.wall_delay import MOST_M, WallDelay
+from bench.physics.effects.propagation.material_delay import MaterialDelay
+from bench.physics.slabs import crossed, kinds_crossed
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +39,26 @@ def wall_delay(comparison: Comparison, view: View, added: Added) -> WallDelay | 
     if LEVEL not in whole.names:
         return found
     return replace(found, losses_db=_losses(view, kinds, whole.residual_of(LEVEL)))
+
+
+def of_every_kind(
+    comparison: Comparison, view: View, added: Added, effect: MaterialDelay
+) -> MaterialDelay | None:
+    """Return an effect on waveforms with delays of every kind of obstacle's own, as ranges say.
+
+    What it weakens a receiver may find later, too: delays are what is left beside that, so they are
+    sought in turns. None without obstacles or ranges.
+    """
+    kinds = kinds_crossed(view.scene)
+    walls, delays = crossed(view.scene, kinds), np.zeros(len(kinds))
+    found = replace(effect, delay_scale=1.0, kinds=kinds, delays_m=tuple(delays.tolist()))
+    for _ in range(WALL_TURNS):
+        made = residual_range(comparison, view, common((*added, found), view), RESIDUAL_MEMBERS)
+        if not kinds or made is None:
+            return None
+        delays = delays_of_kinds(walls, made[1] + walls @ delays)
+        found = replace(found, delays_m=tuple(delays.tolist()))
+    return found
 
 
 def delays_of_kinds(walls: Floats, residual_m: Floats) -> Floats:

@@ -12,6 +12,7 @@ from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.search import Objective, plainer, refine, screen
+from bench.discrepancy.fit.walls import of_every_kind
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
 from bench.discrepancy.select.link_mixture import strike
@@ -30,6 +31,7 @@ from bench.discrepancy.settings import (
 )
 from bench.errors import BenchError
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.units import C_M_PER_NS
 
@@ -86,9 +88,17 @@ def _of_library(
         fitted = refine(objective, screen(objective, on_ranges=True))
         if fitted.gain > most:
             fitted = plainer(objective, fitted, RIVAL_NATS / len(search.sharpest.rows))
-        return [fitted.effect]
+        return [fitted.effect, *_by_kind(search, added, fitted.effect)]
     except BenchError:
         return []
+
+
+def _by_kind(search: Search, added: Added, plain: Effect) -> list[Effect]:
+    """Return what obstacles do to waveforms with delays of every kind's own, none of others."""
+    if not (isinstance(plain, MaterialDelay) and search.sharpest.waveform):
+        return []
+    found = of_every_kind(search.comparison, search.sharpest, added, plain)
+    return [found] if found else []
 
 
 def struck_instead(search: Search, beside: Added, added: Added, turn: Round) -> Round | None:

@@ -12,15 +12,9 @@ from bench.errors import BenchError
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_values import as_tuples
-from bench.physics.effects.propagation.material_delay import unlisted
-from bench.physics.materials import excess_m, material, obstacle
 from bench.physics.randomness import Draws
-from bench.physics.scene import Scene
-from bench.physics.slabs import of_metal, slabs
-from bench.physics.units import Floats
+from bench.physics.slabs import crossed
 
-UNLISTED = "unlisted"
-ANY_GHZ = 6.5  # no permittivity of ITU-R P.2040-3, table 3, changes with the frequency
 MOST_M = 4.0
 
 
@@ -70,33 +64,3 @@ class WallDelay(Effect):
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows with nothing in the straight line."""
         return batch.rows.clear()
-
-
-def kinds_crossed(rows: Scene) -> tuple[str, ...]:
-    """Return the kinds of obstacles that these rows pass through, none of metal."""
-    codes = np.unique(rows.kinds[(rows.kinds >= 0) & ~of_metal(rows)])
-    listed = sorted(rows.kind_names[code] for code in codes)
-    return (*listed, *([UNLISTED] if unlisted(rows).any() else []))
-
-
-def crossed(rows: Scene, kinds: tuple[str, ...]) -> Floats:
-    """Return how many usual obstacles of every kind are in the way [n, k].
-
-    One that is twice as thick, or hit aslant so that the way through it delays as much, counts two.
-    """
-    delay_m = slabs(rows, ANY_GHZ)[0]
-    out = np.zeros((len(rows), len(kinds)))
-    for place, kind in enumerate(kinds):
-        if kind == UNLISTED:
-            out[:, place] = unlisted(rows)
-        elif kind in rows.kind_names:
-            here = rows.kinds == rows.kind_names.index(kind)
-            out[:, place] = np.where(here, delay_m, 0.0).sum(axis=1) / _usual_m(kind)
-    return out
-
-
-def _usual_m(kind: str) -> float:
-    """Return what one obstacle of a kind delays by the tables, in metres."""
-    made = obstacle(kind)
-    permittivity = material(made.material).permittivity(ANY_GHZ)
-    return float(excess_m(np.array([made.thickness_m]), permittivity, np.zeros(1))[0])

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import DIFFRACTED, Batch
 from bench.physics.effect import Effect, parameter
-from bench.physics.effects.propagation.material_delay import unlisted
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import of_metal, slabs
+from bench.physics.slabs import of_metal, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
 
 TYPICAL_M = 0.1  # longer around an edge

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
+from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import of_kind, of_metal, slabs
+from bench.physics.slabs import crossed, of_kind, of_metal, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of one wall
@@ -26,7 +27,9 @@ class MaterialDelay(Effect):
     permittivity; kinds and thicknesses from `obstacles` and `obstacle_thickness_m`. Rows without
     line of sight whose obstacles are not listed get `unlisted_walls` brick walls. A wall stands
     between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal: that
-    it blocks, and what goes around, is `Diffraction`'s.
+    it blocks, and what goes around, is `Diffraction`'s. Where `delays_m` say what one obstacle of
+    each of `kinds` delays that is as thick as usual and hit at a right angle, in metres, it delays
+    so: tables name kinds, and neither make nor thickness.
     """
 
     name = "material-delay"
@@ -44,6 +47,12 @@ class MaterialDelay(Effect):
     loss_scale: float = parameter(1, "ratio", 0, 4, "of the slab's loss in dB")
     unlisted_walls: float = parameter(1, "walls", 0, 10, "0.14 m of brick each, where unlisted")
     spill: float = parameter(0, "ratio", 0, 1, "of a wall's loss that every other path has too")
+    kinds: tuple[str, ...] = ()
+    delays_m: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        as_tuples(self, kinds=None, delays_m=len(self.kinds))
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
@@ -73,9 +82,15 @@ class MaterialDelay(Effect):
             np.where(of_kind(batch.rows, "wall"), loss, 0).sum(axis=1) + wall_loss
         )
         alone = np.minimum((loss.sum(axis=1) + wall_loss) * self.loss_scale, 90.0)
-        delay = (delay_m.sum(axis=1) + wall_m) * self.delay_scale / C_M_PER_NS
+        delay = self._delay_m(batch.rows, delay_m.sum(axis=1) + wall_m) / C_M_PER_NS
         common = np.minimum(common * self.loss_scale, alone)
         return batch.louder(-common).direct_changed(alone - common, delay)
+
+    def _delay_m(self, rows: Scene, listed_m: Floats) -> Floats:
+        """Return what obstacles delay each row [n]: `listed_m` by the tables if kinds are not."""
+        if not self.kinds:
+            return listed_m * self.delay_scale
+        return np.asarray(crossed(rows, self.kinds) @ np.array(self.delays_m))
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows with nothing in the straight line."""
@@ -89,8 +104,3 @@ class MaterialDelay(Effect):
         walls = self.unlisted_walls * unlisted(batch.rows)
         loss = loss_db(thick, permittivity, normal, batch.centre_ghz)
         return walls * excess_m(thick, permittivity, normal), walls * loss
-
-
-def unlisted(rows: Scene) -> NDArray[np.bool_]:
-    """Return the rows [n] without line of sight whose obstacles are not listed."""
-    return np.asarray(rows.blocked() & (rows.obstacle_count() == 0))

@@ -43,11 +43,16 @@ def test_a_range_part_asks_for_it(monkeypatch: Any):
     asked: list[bool] = []
     monkeypatch.setattr(install, "screen", lambda _, on_ranges=False: asked.append(on_ranges))
     monkeypatch.setattr(install, "Objective", lambda *_: None)
-    monkeypatch.setattr(install, "refine", lambda *_: SimpleNamespace(effect=MaterialDelay()))
+    monkeypatch.setattr(
+        install, "refine", lambda *_: SimpleNamespace(effect=MaterialDelay(), gain=0.0)
+    )
     monkeypatch.setattr(install, "plainer", lambda _, found, __: found)
     monkeypatch.setattr(install, "named_kinds", lambda *_: {"material-delay": MaterialDelay})
     search = cast(
-        "Any", SimpleNamespace(kinds={}, sharpest=SimpleNamespace(rows=[0]), comparison=None)
+        "Any",
+        SimpleNamespace(
+            kinds={}, sharpest=SimpleNamespace(rows=[0], waveform=False), comparison=None
+        ),
     )
     install._of_library(search, (), "material-delay", cast("Any", None))
     assert asked == [True]

@@ -11,12 +11,14 @@ from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.bootstrap import _exchanged, latent_values
-from bench.discrepancy.fit.walls import delays_of_kinds, wall_delay
+from bench.discrepancy.fit.walls import delays_of_kinds, of_every_kind, wall_delay
 from bench.errors import BenchError
 from bench.physics.base import Base
-from bench.physics.effects.fitted.wall_delay import UNLISTED, WallDelay, crossed, kinds_crossed
+from bench.physics.effects.fitted.wall_delay import WallDelay
+from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
+from bench.physics.slabs import UNLISTED, crossed, kinds_crossed
 
 HIDDEN = WallDelay(("brick", "glass"), (0.1, 0.3), (3.0, 6.0))
 LISTED = ([], ["brick"], ["glass"], ["glass", "glass"], ["metal"])
@@ -88,3 +90,29 @@ def test_links_behind_walls_are_taken_for_one_another_and_for_no_others() -> Non
     behind = codes < 3
     assert all(((codes[rows] < 3) == behind).all() for rows in drawn)
     assert any((codes[rows] != codes).any() for rows in drawn)
+
+
+def test_beside_what_walls_do_to_waveforms_ranges_say_what_each_kind_delays() -> None:
+    """One scale of a tabled thickness would have glass, which is thin there, delay less."""
+    rows = _view(_frame())
+    found = of_every_kind(
+        Resimulation(SIMULATOR, Window()), rows, (), MaterialDelay(delay_scale=4.0)
+    )
+    assert found is not None
+    assert found.kinds == HIDDEN.kinds
+    assert found.delay_scale == 1.0
+    assert found.delays_m == pytest.approx(HIDDEN.delays_m, abs=0.01)
+
+
+def test_a_wall_of_which_ranges_told_delays_so_and_weakens_as_before() -> None:
+    rows = scene(_frame())
+    plain = MaterialDelay()
+    told = MaterialDelay(kinds=HIDDEN.kinds, delays_m=HIDDEN.delays_m)
+    open_way, walls, by_kind = (
+        Simulator(Base(), some, 0).observe(rows, 0, cir=False) for some in ((), (plain,), (told,))
+    )
+    assert by_kind.range_m is not None
+    assert open_way.range_m is not None
+    later = by_kind.range_m - open_way.range_m
+    assert later == pytest.approx(crossed(rows, HIDDEN.kinds) @ HIDDEN.delays_m, abs=1e-3)
+    assert by_kind.rx_power_dbm == pytest.approx(walls.rx_power_dbm)
