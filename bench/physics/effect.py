@@ -246,6 +246,10 @@ class Effect(ABC):
         """Return whether rows may bear the mark, if faintly: then another table's is no news."""
         return bool(cls.by_mark(frame))
 
+    def borne_by(self, frame: pd.DataFrame) -> bool:
+        """Return whether the rows of another table bear the mark of this effect, as it is."""
+        return False
+
     @classmethod
     def fit_values(cls, frame: pd.DataFrame, residual_m: NDArray[np.float64]) -> Effect | None:  # noqa: ARG003
         """Return the effect with values per device (or level, or place) that fit recorded rows.

@@ -8,10 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.table import TableComparison
+from bench.discrepancy.compare.view import Comparison
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import error_m
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed
 from bench.discrepancy.law.material import Material
-from bench.discrepancy.law.settings import LAW_LATTICE, LAW_ON_LATTICE, LAW_ONE_STEP
+from bench.discrepancy.law.settings import (
+    LAW_LATTICE,
+    LAW_ON_LATTICE,
+    LAW_ONE_STEP,
+    LAW_SAME_STEP,
+)
 from bench.discrepancy.law.structures import Fitted
 
 Floats = NDArray[np.float64]
@@ -78,3 +87,13 @@ def _fits(values: Floats, step: float) -> bool:
     """Return whether nearly all values are multiples of a step."""
     off = np.abs(values / step - np.rint(values / step))
     return bool(np.mean(off < LAW_ON_LATTICE[0]) >= LAW_ON_LATTICE[1])
+
+
+def rounds_alike(comparison: Comparison, rows: Material) -> bool:
+    """Return whether the ranges of another simulator's table are rounded as the recorded ones."""
+    if not isinstance(comparison, TableComparison):
+        return False
+    range_m = numeric(comparison.frame, "true_range_m") + error_m(comparison.frame)
+    mine = lattice_m(rows.range_m + rows.residual_m)
+    theirs = lattice_m(range_m[np.isfinite(range_m)])
+    return bool(mine and theirs and abs(theirs - mine) < LAW_SAME_STEP * mine)

@@ -20,6 +20,7 @@ from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
 from bench.discrepancy.law.named_faults import named_fault
 from bench.discrepancy.law.of_scatter import independent, predicts
 from bench.discrepancy.law.own_forms import forms_of_names
+from bench.discrepancy.law.rounding import rounds_alike
 from bench.discrepancy.law.search import Proposal, propose
 from bench.discrepancy.law.settings import (
     LAW_INSTEAD_NATS,
@@ -337,4 +338,5 @@ def gathered(
     frame = pd.concat([view.frame for view in views], ignore_index=True)
     residual = np.concatenate([left for _, left in made])
     rows = material(frame, residual, np.concatenate([view.links for view in views]), like)
-    return replace(rows, rounded=any(type(effect).marked for effect in added))
+    bears = any(type(one).marked for one in added)
+    return replace(rows, rounded=bears or rounds_alike(comparison, rows))

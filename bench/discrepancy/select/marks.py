@@ -56,9 +56,15 @@ def _grids(search: Search, added: Added) -> Added:
     for kind in (one for one in kinds if not _simulated(search, one)):
         seen = Guard().safely(kind.name, with_values, None)
         made = have.get(kind.name) or seen(search.comparison, search.sharpest, (), kind)
-        if made and (kind.name in have or _matters(search, made)):
+        if made and (kind.name in have or (_matters(search, made) and not _borne(search, made))):
             found.append(made)
     return tuple(found)
+
+
+def _borne(search: Search, effect: Effect) -> bool:
+    """Return whether the rows of another simulator's table bear a mark as recorded ones do."""
+    other = search.comparison
+    return isinstance(other, TableComparison) and effect.borne_by(other.frame)
 
 
 def _matters(search: Search, effect: Effect) -> bool:

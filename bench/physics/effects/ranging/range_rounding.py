@@ -23,6 +23,7 @@ LOWEST_ORIGIN = -0.49  # of a step: half a step below is the same point as half 
 LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
+SAME_STEP = 0.1  # by which two steps may differ, of their size, that one firmware prints
 GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
 REFERENCE_M = 10.0  # of even steps, which are the same everywhere
 LEAST_M = 1e-3  # of a range, of which a logarithm is taken
@@ -168,6 +169,17 @@ class RangeRounding(Effect):
         best = max(seen, key=lambda one: one[0], default=(0.0, None))
         own = None if best[0] > EXACT[0] else _by_device(rows, measured, late, links)
         return own or best[1]
+
+    def borne_by(self, frame: pd.DataFrame) -> bool:
+        """Return whether the ranges of another table lie on a grid of about this step."""
+        if "true_range_m" not in frame or not {"range_m", "error_m"} & set(frame):
+            return False
+        true = frame["true_range_m"].to_numpy(np.float64)
+        measured = frame["range_m"] if "range_m" in frame else true + frame["error_m"]
+        rows = frame.assign(range_m=measured)
+        found = self.fit_values(rows, rows["range_m"].to_numpy(np.float64) - true)
+        step_m = found.step_m if isinstance(found, RangeRounding) else np.inf
+        return bool(abs(np.log(step_m / self.step_m)) < SAME_STEP)
 
 
 def _codes(frame: pd.DataFrame) -> NDArray[np.intp]:
