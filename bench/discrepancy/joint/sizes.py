@@ -72,7 +72,7 @@ def sizes_seen(search: Search) -> Intervals:
 
 def on_waveforms(effect: Effect) -> bool:
     """Return whether an effect is one of those that waveforms are fitted with."""
-    return type(effect).stage != "ranging" and type(effect).fitted
+    return type(effect).stage != "ranging" and bool(free_parameters(type(effect)))
 
 
 def reaches(given: Statistics, now: Fit) -> Floats:

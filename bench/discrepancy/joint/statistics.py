@@ -38,6 +38,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
+from bench.physics.effects.propagation.antenna_pattern import waves
 from bench.physics.memory import Memory
 
 Floats = NDArray[np.float64]
@@ -114,9 +115,10 @@ class Statistics:
 
     @cached_property
     def known(self) -> Floats:
-        """All numbers and groups that are known before, standardised over links, [L, q]."""
+        """All numbers, waves of headings and groups known before, standardised, [L, q]."""
         every = self.rows.covariates
-        numbers = [self.of_links(_filled(one)[:, None])[:, 0] for one in every.numbers.values()]
+        known = (*every.numbers.values(), *waves(self.rows.scene))
+        numbers = [self.of_links(_filled(one)[:, None])[:, 0] for one in known]
         groups = [
             self.of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
         ]

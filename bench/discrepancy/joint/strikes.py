@@ -42,6 +42,7 @@ from bench.discrepancy.joint.settings import (
     STRIKE_ALIKE,
     STRIKE_HARD,
     STRIKE_POINTS,
+    STRUCK_FEWEST,
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
@@ -216,8 +217,12 @@ def told_of_both(
     able: NDArray[np.bool_],
     seen: bool,
 ) -> bool:
-    """Return whether what is known tells which links are struck, and which read long [L] too."""
-    return all(told_which(given, which, able, seen) for which in (struck, long))
+    """Return whether what is known tells which links are struck, and which read long [L] too.
+
+    Where too few read long to tell which, those that waveforms find are all there is.
+    """
+    asked = (struck, long) if long.sum() >= STRUCK_FEWEST else (struck,)
+    return all(told_which(given, which, able, seen) for which in asked)
 
 
 def read_long(offset_m: Floats, struck: NDArray[np.bool_]) -> NDArray[np.bool_]:

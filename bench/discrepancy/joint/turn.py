@@ -7,6 +7,7 @@ from functools import partial
 from itertools import product
 
 from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself
@@ -42,6 +43,8 @@ from bench.discrepancy.select.stepwise import (
 from bench.discrepancy.select.verdict import NoMismatch, Verdict
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.pattern_gain import PatternGain
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 
 
 def selected(state: State, journal: Journal) -> Selection:
@@ -95,7 +98,7 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     `struck`: some other links were struck at random.
     """
     kinds = [
-        kind
+        in_waveforms(kind, search)
         for kind in search.kinds.values()
         if kind.stage != "ranging" and not fits_itself(kind) and kind.strikes is None
     ]
@@ -103,6 +106,16 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     rows = compared_rows(search)
     sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries, struck)
     return sets.chosen()
+
+
+def in_waveforms(kind: type[Effect], search: Search) -> type[Effect]:
+    """Return the kind that says of waveforms what an effect does to them: of a pattern its gain.
+
+    What comes from the first path on does not show how late that is.
+    """
+    again = isinstance(search.comparison, Resimulation)
+    able = kind is AntennaPattern and again and not PatternGain.lacking(search.fit.frame.columns)
+    return PatternGain if able else kind
 
 
 def beside_late(search: Search) -> tuple[Search, WaveChoice] | None:

@@ -52,6 +52,7 @@ from bench.discrepancy.settings import (
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.propagation.diffraction import Diffraction
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.specular import in_room
@@ -94,12 +95,14 @@ def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:
 
     What waveforms named and ranges may name too is weighed again with them. Where they do not, it
     stays as waveforms have it, if it bends levels, and the rest is asked again. What only delays
-    all paths is for ranges to say: waveforms begin where a path is seen.
+    all paths is for ranges to say: waveforms begin where a path is seen. A gain over the heading
+    stays anyhow: it delays nothing.
     """
     names = judged_by_sets(ranged)
-    beside = tuple(effect for effect in added if effect.physics not in names)
+    gains = tuple(effect for effect in added if isinstance(effect, PatternGain))
+    beside = tuple(e for e in added if e.physics not in names or e in gains)
     found = chosen_beside(ranged, beside, unlisted)
-    silent = tuple(e for e in added if e.physics in names - set(found.names))
+    silent = tuple(e for e in added if e.physics in names - set(found.names) and e not in gains)
     kept = tuple(effect for effect in silent if _bends_levels(ranged, effect))
     if not kept or found.mistaken:
         return found, beside

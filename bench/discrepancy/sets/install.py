@@ -122,7 +122,7 @@ def rounds_of(
     nuisance = tally(regressed(search.comparison, search.fit, search.discover, beside, focus))
     removable = gain_interval(reference, nuisance, search.seed)
     for effect in added:
-        if effect.physics in choice.names:
+        if effect.physics in choice.names and effect not in beside:
             rest = without(added, effect)
             base = tally(_scores(search, rest))
             others = (_rival(search, rest, one, base) for one in choice.rivals[effect.physics])

@@ -15,6 +15,7 @@ from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.ground_ray import GroundRay
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
+from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.fitted.unnamed import Unnamed
 from bench.physics.effects.fitted.wall_delay import WallDelay
@@ -46,6 +47,7 @@ GIVEN: dict[str, Effect] = {
     "device-delay": DeviceDelay(("a", "b"), (0.4, -0.3)),
     "power-curve": PowerCurve((-90.0, -70.0), (0.1, -0.1)),
     "pattern-curve": PatternCurve((0.0, 120.0, 240.0), (0.1, 0.0, -0.1), (1.0, -1.0, 0.0)),
+    "pattern-gain": PatternGain(1.0, -0.5, 0.3, 0.2, -0.4),
     "ground-ray": GroundRay(size=0.4, level_size=0.3),
     "wall-delay": WallDelay(("brick",), (0.2,), (3.0,)),
     "unnamed": Unnamed("temperature_c", (10.0, 30.0), (0.1, -0.2), 0.05),

@@ -107,6 +107,17 @@ def all_around(turn: Floats) -> bool:
     return bool(len(sectors) >= SECTORS / 2 or gaps.max() <= WIDEST_GAP + 1e-9)
 
 
+def waves(rows: Scene) -> tuple[Floats, ...]:
+    """Return the first two harmonics of `azimuth_deg` [n] each, none where no row has it.
+
+    As a number a heading tells little: the largest lies beside the least.
+    """
+    turn = np.radians(rows.number("azimuth_deg", np.nan))
+    if not np.isfinite(turn).any():
+        return ()
+    return tuple(np.asarray(wave(k * turn)) for k in (1, 2) for wave in (np.cos, np.sin))
+
+
 def heading_rad(rows: Scene) -> Floats:
     """Return `azimuth_deg` or the bearing from rx to tx [n] in radians, NaN where unknown.
 
