@@ -283,6 +283,14 @@ class Effect(ABC):
         """Return whether physics allows what it is said to do to the ranges [n] of these rows."""
         return True
 
+    @classmethod
+    def told_beyond(cls, rows: Scene) -> NDArray[np.float64] | None:  # noqa: ARG003
+        """Return what anything else may do that looks like it: columns [n, k]; None for nothing.
+
+        Beyond these it is told by a form of its own, however much of them its ways can do, too.
+        """
+        return None
+
     def forms(self) -> tuple[Effect, ...]:
         """Return the forms that its mark cannot tell apart, the simplest first."""
         return (self,)

@@ -16,14 +16,12 @@ from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.beside import misplaced, told_law, without_constants
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
-    deformed,
     kept_rows,
     named_kinds,
     of_laws,
     of_library,
     of_one_device,
     of_setup,
-    off_by,
     usual_levels,
 )
 from bench.discrepancy.sets.calibrated import without_calibration
@@ -32,6 +30,7 @@ from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mistaken import mistaken
+from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
 from bench.discrepancy.sets.rivals import beside_a_constant, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
@@ -222,8 +221,8 @@ class Contest:
             able = tuple(one for one in able if one not in wrong or one in left)
 
     def possible(self, causes: Set, name: str) -> bool:
-        """Return whether physics allows what a name of a set does to the ranges."""
-        return self.kinds[name].possible(self.rows.scene, self.shifts(causes)[name])
+        """Return whether physics allows what a name does to the ranges, or its own form is told."""
+        return allowed(self, causes, name) or told_by_form(self, causes, name)
 
     def shifts(self, causes: Set) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""
@@ -296,13 +295,15 @@ class Contest:
     def _beyond_deformed(self, causes: Set) -> Set:
         """Return the set without names that a smooth deformation of the others does as well as.
 
-        Causes have other forms than the library's, and what these leave must not be a name.
+        Causes have other forms than the library's, and what these leave must not be a name - but
+        where others would have to do what physics forbids.
         """
         while len(names := [one for one in causes if one in self.library]) and len(causes) > 1:
             loudest = max(causes, key=lambda one: self.brings(causes, one))
-            gains = {one: self._beyond(causes, one) for one in names if one != loudest}
-            least = min(gains, key=lambda one: gains[one], default=None)
-            if least is None or gains[least] >= NAME_NATS:
+            gains = {one: beyond_others(self, causes, one) for one in names if one != loudest}
+            weak = [o for o in gains if gains[o] < NAME_NATS and others_may(self, causes, o)]
+            least = min(weak, key=lambda one: gains[one], default=None)
+            if least is None:
                 break
             causes = but(causes, least)
         return causes
@@ -334,14 +335,3 @@ class Contest:
             causes = self.physical(self.able)
             causes = self._at_usual_levels(self._beyond_deformed(causes))
         return causes
-
-    def _beyond(self, causes: Set, name: str) -> float:
-        """Return the evidence that a name brings where the others may be deformed."""
-        rest, rows, some = but(causes, name), self.rows, self.known
-        shifts = [(o, m, self.kinds.get(o)) for o, m in self.shifts(rest).items()]
-        bent = {f"{o}, deformed": (self.seen(deformed(m, rows, of)[some]),) for o, m, of in shifts}
-        off = {f"{o}, off": (self.seen(off_by(m, rows, of)[some]),) for o, m, of in shifts}
-        other = self.evidence.with_blocks(self.evidence.blocks | bent | off)
-        other.widest |= dict.fromkeys(off, 1.0)  # no more than a share of what a cause does
-        with_it, without_it = (other.of((*one, *bent, *off)).nats for one in (causes, rest))
-        return (with_it - without_it) / self.crowding

@@ -10,7 +10,11 @@ from numpy.typing import NDArray
 from bench.physics.batch import SPECULAR, Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.propagation.specular import in_room
-from bench.physics.effects.propagation.two_rays import goes_up_and_down, pulling_ways
+from bench.physics.effects.propagation.two_rays import (
+    goes_up_and_down,
+    pulling_ways,
+    smooth_over_geometry,
+)
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
@@ -81,6 +85,11 @@ class GroundBounce(Effect):
     def possible(cls, rows: Scene, shift_m: Floats) -> bool:
         """Return whether ranges go up and down as two rays do, and not by a curve alone."""
         return goes_up_and_down(rows, shift_m) >= LEAST_RIPPLE
+
+    @classmethod
+    def told_beyond(cls, rows: Scene) -> Floats | None:
+        """Return what is smooth over distance and heights: a reflection goes up and down there."""
+        return smooth_over_geometry(rows)
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows inside a known room that have reflections of it already."""

@@ -152,15 +152,24 @@ def _main(columns: Floats) -> Floats:
 def goes_up_and_down(rows: Scene, shift_m: Floats) -> float:
     """Return the share of the variance of shifts [n] that is no smooth curve over the geometry.
 
-    Over the distance and both heights, of second order: two rays meet anew every few centimetres of
-    their excess. 0 without heights.
+    Two rays meet anew every few centimetres of their excess. 0 without heights.
+    """
+    smooth = smooth_over_geometry(rows)
+    if smooth is None:
+        return 0.0
+    left = shift_m - smooth @ np.linalg.lstsq(smooth, shift_m, rcond=None)[0]
+    return float(left.var() / max(float(shift_m.var()), 1e-18))
+
+
+def smooth_over_geometry(rows: Scene) -> Floats | None:
+    """Return smooth curves over the distance and both heights, of second order: columns [n, 10].
+
+    Around one each; None without heights.
     """
     ends = [rows.number(f"{end}_z_m", np.nan) for end in ("tx", "rx")]
     if not all(np.isfinite(end).all() for end in ends):
-        return 0.0
+        return None
     every = [np.log(np.maximum(rows.true_range_m, 1e-3)), *ends]
     every = [(one - one.mean()) / max(float(one.std()), 1e-9) for one in every]
     pairs = [one * other for i, one in enumerate(every) for other in every[i:]]
-    smooth = np.stack([np.ones(len(shift_m)), *every, *pairs], axis=1)
-    left = shift_m - smooth @ np.linalg.lstsq(smooth, shift_m, rcond=None)[0]
-    return float(left.var() / max(float(shift_m.var()), 1e-18))
+    return np.stack([np.ones(len(rows.true_range_m)), *every, *pairs], axis=1)
