@@ -143,6 +143,8 @@ class Effect(ABC):
     `own_form`: what it does hangs on what nobody lists, as surfaces, so a mark by which it is seen
     does not tell its form.
     `jumps`: by it detected first paths jump from row to row, as far as a receiver's detector says.
+    `dies_away`: of what it adds there is never more the later it is, once it has begun.
+    `at_one_delay`: what it adds comes at the same delays in all links.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
     `resembles`: the effect that does the same to many links together, so that where its places are
     not known these two are not told apart, "" without one.
@@ -183,6 +185,8 @@ class Effect(ABC):
     own_curve: ClassVar[bool] = False
     own_form: ClassVar[bool] = False
     jumps: ClassVar[bool] = False
+    dies_away: ClassVar[bool] = False
+    at_one_delay: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""

@@ -61,6 +61,11 @@ class Fit:
         return sum(len(free_parameters(type(effect))) for effect in self.effects)
 
 
+def key_of(effects: Added) -> frozenset[str]:
+    """Return what a set of effects is known by: their names."""
+    return frozenset(effect.name for effect in effects)
+
+
 def fitted(given: Statistics, effects: Added) -> Fit | None:
     """Return a set of effects as they are, None where they cannot be simulated."""
     moments = given.moments(effects)

@@ -18,9 +18,10 @@ from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
+from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
-from bench.discrepancy.joint.polish import Fit, fitted, likeliest, polished
+from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
@@ -76,7 +77,7 @@ class Sets:
         able = [kind for kind in kinds if kind.name not in have]
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
-        self.quiet = Quiet(self.given)
+        self.quiet, self.grain = Quiet(self.given), Grain(self.given)
         self.idle: set[str] = set()
         self._plains: Memory[Fit] = Memory(KEPT)
         self._evidences: Memory[float] = Memory(KEPT)
@@ -119,7 +120,7 @@ class Sets:
         Then there is no doubt that one of the two is there.
         """
         rest = self._without(fit, name)
-        keys = {one.name: _key((*rest.effects, one)) for one in self._counterparts(fit, name)}
+        keys = {one.name: key_of((*rest.effects, one)) for one in self._counterparts(fit, name)}
         alike = {name: fit} | {one: self.fits[key] for one, key in keys.items() if key in self.fits}
         plain = self._plain(rest)
         return any(logged(self.given, made, plain, one) for one, made in alike.items())
@@ -127,13 +128,15 @@ class Sets:
     def _doubted(self, best: Fit) -> tuple[str, ...]:
         """Return the members that bring too little beside something without a form.
 
-        None of what is logged as such.
+        Or that scatter late samples otherwise. None of what is logged as such.
         """
         whole = beside_unformed(self.given, best)
         less = {name: self._plain(self._without(best, name)) for name in best.names}
         less = {n: rest for n, rest in less.items() if not self._logged(best, n)}
         rests = {name: beside_unformed(self.given, one, best) for name, one in less.items()}
-        return tuple(name for name, rest in rests.items() if whole - rest < NAME_NATS)
+        few = {name for name, rest in rests.items() if whole - rest < NAME_NATS}
+        rough = {n for n in less if self.grain.refutes(best.effects, n)}
+        return tuple(name for name in less if name in few | rough)
 
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
         """Return the likeliest set of needed members, and what would do as well as each.
@@ -147,7 +150,7 @@ class Sets:
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self._able() if len(fit.names) == len(best.names)]
             begin = self._likeliest(alike)
-            if _key(begin.effects) == _key(best.effects):
+            if key_of(begin.effects) == key_of(best.effects):
                 break
         return best, rivals
 
@@ -218,15 +221,15 @@ class Sets:
         for fit in sets:
             able = [one for one in self.screen.beside(fit.effects) if one.gained > -NAME_NATS / 2]
             for one in able[:GROWN]:
-                out.setdefault(_key((*fit.effects, one.effect)), (*fit.effects, one.effect))
+                out.setdefault(key_of((*fit.effects, one.effect)), (*fit.effects, one.effect))
         return [effects for key, effects in out.items() if key not in self.fits]
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in (polished(self.given, one, steps) for one in sets) if fit]
         for fit in made:
-            known = self.fits.get(_key(fit.effects))
+            known = self.fits.get(key_of(fit.effects))
             if known is None or fit.nats > known.nats:
-                self.fits[_key(fit.effects)] = fit
+                self.fits[key_of(fit.effects)] = fit
         return made
 
     def _needed(self, fit: Fit) -> Fit:
@@ -294,7 +297,7 @@ class Sets:
         if not rest:
             return self.none
         self._fit([rest], REFITTED)
-        return self.fits.get(_key(rest)) or self.start
+        return self.fits.get(key_of(rest)) or self.start
 
     def _rivals(self, fit: Fit, name: str) -> Added:
         """Return the effects that would do as well in the place of a member, likeliest first."""
@@ -342,7 +345,3 @@ class Sets:
         """Return what may do the same as a member, of the effects that can be tried."""
         effect = next(one for one in fit.effects if one.name == name)
         return tuple(one for one in counterparts(effect) if one.name in self.screen.points)
-
-
-def _key(effects: Added) -> frozenset[str]:
-    return frozenset(effect.name for effect in effects)

@@ -158,3 +158,26 @@ LATE_OWN: Final = 0.1  # squared logarithm that an edge scatters by at least [co
 LATE_RISES_DB: Final = tuple(2.0 * step for step in range(1, 20))
 # of a late detection, that are tried [cost]
 LATE_FRACTIONS: Final = tuple(0.025 * step for step in range(1, 34))  # the same of the peak [cost]
+
+GRAIN_ZONES_NS: Final = (4.0, 14.0, 30.0, 60.0, 112.0)  # behind the first path, in each of which it
+# is asked how samples of a record scatter: the first is behind a pulse [convention]
+GRAIN_FINE_NS: Final = (4.0, 6.0, 9.0, 14.0, 20.0, 30.0, 60.0, 112.0)  # the same of rows, sample by
+# sample: an echo lasts as long as a pulse [convention]
+GRAIN_FEWEST: Final = 8  # samples of a zone: ten pairs of them are no neighbours [derived]
+GRAIN_CREST_NS: Final = 4.0  # about the first path, where its crest is [derived]
+GRAIN_WEAKEST: Final = 1e-4  # of a crest, that a sample counts at least [rounding]
+GRAIN_MEMBERS: Final = 4  # simulated versions of it [cost]
+GRAIN_LEAST: Final = (0.03, 0.15)  # of the logarithm of a ratio, and of decibels: by so much
+# receivers differ, by whole numbers and clipped samples [convention]
+GRAIN_FORM: Final = 0.3  # of what an effect does to it, that is a matter of its form [convention]
+GRAIN_CHANCE: Final = (
+    1e-3  # by chance, that late samples scatter so far from what is right [derived]
+)
+GRAIN_ABOUT: Final = 4  # samples on both sides, over which a profile is smooth [convention]
+GRAIN_ALIKE: Final = 3.0  # samples that a pulse makes alike, which count once [derived]
+PULSE_NS: Final = 2.0  # so long a pulse rises, and falls [derived]
+GROWTH_NS: Final = (14.0, 30.0, 46.0, 62.0, 78.0, 94.0, 110.0)  # stretches of delay, of which later
+# ones must not have more of what dies away: past the build-up of a room [convention]
+GROWN_TIMES: Final = 1.25  # as much, from where on it grew: a decibel [convention]
+GROWN_ERRORS: Final = 5.0  # standard errors, by which it is surely more: of fifteen pairs of
+# stretches, by some thirty links [convention]

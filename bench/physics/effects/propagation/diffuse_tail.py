@@ -39,6 +39,7 @@ class DiffuseTail(Effect):
     number = 13
     stage = "propagation"
     stackable = True
+    dies_away = True
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004); room scaling: "
     source += "Andersen et al., IEEE Antennas Propag. Mag. 49 (2007) 27; distance: Greenstein et "
     source += "al., IEEE Trans. Veh. Technol. 46 (1997) 477"

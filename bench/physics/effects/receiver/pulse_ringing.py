@@ -37,6 +37,8 @@ class PulseRinging(Effect):
     needs = (("cir",),)
     without_cir = False
     with_phases = True
+    dies_away = True
+    at_one_delay = True
     seldom = "again"
 
     ring_db: float = parameter(-60, "dB", -60, 6, "echo over the path itself, in energy", null=-60)
