@@ -37,6 +37,18 @@ def test_a_tone_makes_quiet_samples_alike_as_rice_says():
     assert noise - tone == pytest.approx(0.25, abs=0.04)
 
 
+@pytest.mark.filterwarnings("error")
+def test_rows_that_end_early_say_nothing_and_spoil_nothing() -> None:
+    magnitude = _quiet(np.random.default_rng(2), 0.0)
+    whole = ratio_of(moments_of(magnitude))
+    magnitude[3, 1:], magnitude[4], magnitude[:, -1] = np.nan, np.nan, np.nan
+    made = moments_of(magnitude)
+    assert (made[3:5] == 0).all()
+    assert ratio_of(made) == pytest.approx(whole, abs=0.02)
+    delay = np.tile(np.arange(magnitude.shape[1]) - 5.0, (len(magnitude), 1))
+    assert not quiet_samples(magnitude, delay)[-1] or np.isnan(magnitude[:, -1]).all()
+
+
 def test_the_colour_of_noise_does_not_make_quiet_samples_alike():
     rng = np.random.default_rng(4)
     white = _wave(rng, 0.0, 1.0, 24, rows=4000)
