@@ -223,7 +223,8 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     names = [_struck(state, turn, turn.strike) for turn in rounds if turn.strike]
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))
     held = Checked(state.added, rounds)
-    best = fitting_best(search, held, tuple(one.effect for one in struck), said)
+    likely = set(choice.nats) - set(choice.marked)
+    best = fitting_best(search, held, tuple(one.effect for one in struck), said, likely)
     told = {*choice.marked, *(one.name for one in (*search.logged, *(s.effect for s in struck)))}
     left = partial(journal.kept(locate_left), search, best, len(rounds) + 1)
     said = without_idle(said, rounds, best, told, set(choice.nats), left)

@@ -6,6 +6,7 @@ nothing else has to stand for it, and it is named.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -175,15 +176,19 @@ def _including(added: Added, effect: Effect) -> Added:
     return added if inside else (*added, effect)
 
 
-def idle(held: Checked) -> set[str]:
+def idle(held: Checked, likely: Collection[str] = ()) -> set[str]:
     """Return the names of effects that only their mark speaks for.
 
-    They are stated, but not put into the simulator: they help no link they were not fitted on.
+    They are stated, but not put into the simulator: they help no link they were not fitted on. Of
+    those that a likelihood of links found `likely`, the ones with which these score no better:
+    beside one simulated row a score of twenty figures hardly falls, and is no word against them.
     """
     alone = [turn for turn in held.rounds if turn.added and turn.explanation and not turn.strike]
     gains = {t.added.name: t.explanation.contenders for t in alone if t.added and t.explanation}
     bare = {name for name, every in gains.items() if len(every) == 1}
-    return {name for name in bare if not gains[name][0].gain.likely_above_zero}
+    scores = {name: gains[name][0].gain for name in bare}
+    told = {n for n, one in scores.items() if one.likely_above_zero}
+    return bare - told - {n for n in likely if n in scores and scores[n].value > 0}
 
 
 def _announced(search: Search, held: Checked, added: Added, effect: Effect) -> tuple[Round, ...]:

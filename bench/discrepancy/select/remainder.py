@@ -6,6 +6,8 @@ where held-out links fit better with it.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.confirm import improves
 from bench.discrepancy.select.guard import Guard
@@ -15,12 +17,19 @@ from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Verdict
 
 
-def fitting_best(search: Search, held: Checked, struck: Added, said: tuple[Verdict, ...]) -> Added:
+def fitting_best(
+    search: Search,
+    held: Checked,
+    struck: Added,
+    said: tuple[Verdict, ...],
+    likely: Collection[str] = (),
+) -> Added:
     """Return the effects of the new simulator: what is named, or all that was checked.
 
     All of it with waveforms, where held-out links fit better, beyond doubt, than with the names.
+    `likely`: see `idle`.
     """
-    useless = idle(held)
+    useless = idle(held, likely)
     if not search.fit.waveform:  # ranges bear no marks: only logs may speak alone
         useless &= {effect.name for effect in search.logged}
     names = {name for verdict in said for name in verdict.names}

@@ -15,6 +15,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
+from bench.discrepancy.joint.held_out import likelier_with
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Selection
@@ -23,6 +24,7 @@ from bench.discrepancy.settings import ALL_SPARED
 from bench.physics.effect import Effect
 
 NOT_ADDED = "was not added"
+LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
 Change = Callable[[Added], Served | None]  # what effects do to sealed links
 
 
@@ -34,7 +36,8 @@ def unrefused(
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
     few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
-    here too: what it does to ranges depends on a receiver's detector (see `_untimed`). And so does
+    here too: what it does to ranges depends on a receiver's detector (see `_untimed`). Where their
+    score tells nothing, their likelihood does (see `likelier_with`). And so does
     what has nothing to act on there (no metal stands in any sealed link), of which they tell
     nothing.
     """
@@ -49,10 +52,11 @@ def unrefused(
         return judged[key]
 
     names = {effect.name for effect in _serving(added, change)}
+    names -= {effect.name for effect in _unborne(comparison, sealed, found)}
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    said = _taken_back(found, gone, sealed, _held(found, gone, sealed, change))
+    said = _taken_back(found, gone, sealed, _held(comparison, found, gone, sealed, change))
     stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
     able = tuple(e for e in stay if _better_waves(e, change((e,))))
     apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
@@ -63,7 +67,9 @@ def unrefused(
     return said, tuple(e for e in more if e.name in names)
 
 
-def _held(found: Selection, gone: Added, sealed: View, change: Change) -> set[str]:
+def _held(
+    comparison: Comparison, found: Selection, gone: Added, sealed: View, change: Change
+) -> set[str]:
     """Return the names of refused effects that sealed links leave standing (see `unrefused`)."""
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
     struck = [(e, seen[e.name]) for e in gone if e.name in seen]
@@ -72,6 +78,8 @@ def _held(found: Selection, gone: Added, sealed: View, change: Change) -> set[st
     if sealed.waveform:
         sure = _surely_better(found.verdicts)
         held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
+        unsure = [e for e in gone if _undecided(e, change((e,)))]
+        held |= {e.physics for e in unsure if LIKELIER(comparison, sealed, found.added, e)}
     return held
 
 
@@ -116,6 +124,28 @@ def _better_waves(effect: Effect, found: Served | None) -> bool:
     No more is asked: all other links spoke for it, and held-out ones are few.
     """
     return effect.stage != "ranging" and found is not None and found.waves.value > 0
+
+
+def _unborne(comparison: Comparison, sealed: View, found: Selection) -> Added:
+    """Return effects on waveforms that neither working links' score nor sealed ones speak for.
+
+    They were chosen by a likelihood of working links, so that of sealed ones is asked. Not what
+    bears a mark of its own, is logged, or strikes links.
+    """
+    if not sealed.waveform:
+        return ()
+    named = [v for v in found.verdicts if isinstance(v, LeftOut) and not _bears(v, sealed)]
+    unsure = {n for v in named if not v.gain.likely_above_zero for n in v.names}
+    struck = [turn.strike.effect for turn in found.rounds if turn.strike]
+    unsure -= {e.physics for e in (*found.logged, *struck)}
+    able = (e for e in found.added if e.physics in unsure and e.stage != "ranging")
+    return tuple(e for e in able if not LIKELIER(comparison, sealed, found.added, e))
+
+
+def _undecided(effect: Effect, found: Served | None) -> bool:
+    """Return whether scores of waveforms alone tell nothing of an effect on held-out links."""
+    waves = found.waves if found is not None and effect.stage != "ranging" else None
+    return waves is not None and waves.low < 0 < waves.high
 
 
 def _surely_worse(sealed: View, found: Served | None, strike: Strike) -> bool:

@@ -48,6 +48,13 @@ def test_what_helps_no_link_is_named_but_not_added() -> None:
         assert marks.idle(held) == useless
 
 
+def test_a_score_that_falls_too_little_to_tell_is_no_word_against_what_a_likelihood_found() -> None:
+    for gained, useless in ((0.05, set()), (-0.05, {ROUNDED.name})):
+        held = Checked((NOISE, ROUNDED), (_round(gained), Round(NOTHING, None, None)))
+        assert marks.idle(held) == {ROUNDED.name}
+        assert marks.idle(held, {ROUNDED.name}) == useless
+
+
 def test_what_bears_its_mark_is_not_pruned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stepwise, "pruned", lambda *_: (NOISE,))
     monkeypatch.setattr(Quantisation, "by_mark", classmethod(lambda _, frame: frame))

@@ -44,6 +44,7 @@ from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 
 DELAY, SCALE, LAG = AntennaDelay(), RangeScale(), TimeLag()
 ONE = Estimate(1, 0.5, 1.5)
+UNTOLD, WORSE = Estimate(-0.1, -0.5, 0.4), Estimate(-1, -1.5, -0.5)
 LINKS = np.repeat(np.arange(40), 3)
 
 
@@ -333,6 +334,26 @@ def test_what_strikes_most_links_may_move_the_median_away(
     found = replace(found, added=(LAG,), verdicts=(named(LAG),),
                     rounds=(replace(found.rounds[0], strike=strike),))  # fmt: skip
     rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=False, links=LINKS)
+    made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
+    assert made.added == ()
+    assert bool(made.names) is said
+
+
+@pytest.mark.parametrize(
+    ("score", "likelier", "said"),
+    [(UNTOLD, True, True), (UNTOLD, False, False), (WORSE, True, False)],
+)
+def test_where_scores_of_waveforms_tell_nothing_their_likelihood_does(
+    monkeypatch: pytest.MonkeyPatch, score: Estimate, likelier: bool, said: bool
+) -> None:
+    """A name that working links' score left open needs sealed links' likelihood in any case."""
+    judged = Served(score, False, 0.1, 0.1, score)
+    monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    monkeypatch.setattr(sealed, "LIKELIER", lambda *_: likelier)
+    rings = PulseRinging()
+    name = replace(named(rings), gain=UNTOLD)
+    found = replace(selection(), added=(rings,), verdicts=(name,))
+    rows = SimpleNamespace(frame=pd.DataFrame({"error_m": [0.0]}), waveform=True)
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
