@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from bench.challenge.cases import make_case
-from bench.challenge.families import brickworks_reader, manege_handset, opera_console
+from bench.challenge.families import (
+    brickworks_reader,
+    manege_handset,
+    opera_console,
+    roundhouse_recorder,
+)
 from bench.challenge.families.case import SCHEDULE, turn_of
 
 OF_ITS_OWN = {
@@ -16,6 +21,7 @@ OF_ITS_OWN = {
     "manege": {"mid_x", "pace", "into_s"},
     "opera": {"arm_m", "turn_rad", "into_s"},
     "brickworks": {"gait", "slew_rad", "into_s"},
+    "roundhouse": {"from_r", "go_rad", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -29,6 +35,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (manege_handset.hiss, manege_handset.OF_SIZES, -0.17),
         (opera_console.hiss, opera_console.OF_SIZES, -0.2),
         (brickworks_reader.rustle, brickworks_reader.OF_SIZES, -0.2),
+        (roundhouse_recorder.crackle, roundhouse_recorder.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -47,6 +54,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (manege_handset.pulses, manege_handset.put_off, 0.03),
         (opera_console.struck, opera_console.later, 0.02),
         (brickworks_reader.pulses, brickworks_reader.delayed, 0.02),
+        (roundhouse_recorder.pulses, roundhouse_recorder.held_back, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
