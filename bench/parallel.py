@@ -10,8 +10,9 @@ import multiprocessing
 import os
 import pickle
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from bench.errors import BenchError
 T = TypeVar("T")
 R = TypeVar("R")
 MOST = 16
+AHEAD = 2
 VARIABLE = "BENCH_THREADS"
 
 
@@ -76,6 +78,23 @@ def in_threads(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
         return [work(item) for item in items]
     with ThreadPoolExecutor(count) as pool:
         return list(pool.map(work, items))
+
+
+def a_few_at_once(work: Callable[[T], R], items: Iterable[T]) -> Generator[R, None, None]:
+    """Yield `work` of every item in order, of two at a time where there are threads for it.
+
+    For work that is done in threads of its own for the most part: what is not runs beside the next
+    item's. Memory holds three. Close it when done.
+    """
+    coming: deque[Future[R]] = deque()
+    count = min(AHEAD, threads())
+    with ThreadPoolExecutor(count) as pool:
+        for item in items:
+            coming.append(pool.submit(work, item))
+            if len(coming) > count:
+                yield coming.popleft().result()
+        while coming:
+            yield coming.popleft().result()
 
 
 def each(work: Work, shared: Any, items: Sequence[Any], far: bool = True) -> list[Any]:

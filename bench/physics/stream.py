@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
@@ -15,6 +14,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.files import atomic_path
+from bench.parallel import a_few_at_once
 from bench.physics.memory import keep_freed
 from bench.physics.randomness import BLOCK
 from bench.physics.room_geometry import room_geometry
@@ -31,9 +31,7 @@ if TYPE_CHECKING:
     import pyarrow.parquet as pq
 
 Item = TypeVar("Item")
-Made = TypeVar("Made")
 CHUNK = 16 * BLOCK
-CHUNKS_AT_ONCE = 2
 
 
 @dataclass
@@ -82,7 +80,9 @@ def simulate_to(
         def simulated(chunk: tuple[int, pd.DataFrame]) -> tuple[Floats, pa.Table]:
             return _simulated(simulator, chunk[1], chunk[0] * CHUNK, source)
 
-        for error_m, table in opened.enter_context(closing(at_once(simulated, enumerate(frames)))):
+        for error_m, table in opened.enter_context(
+            closing(a_few_at_once(simulated, enumerate(frames)))
+        ):
             if writer is None:
                 writer = opened.enter_context(_writer(scratch, table.schema))
             writer.write_table(table.cast(writer.schema))
@@ -124,22 +124,6 @@ def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:
         while (item := coming.result()) is not end:
             coming = thread.submit(next, steps, end)
             yield item
-
-
-def at_once(work: Callable[[Item], Made], items: Iterable[Item]) -> Generator[Made, None, None]:
-    """Yield `work` of every item in order, of two at a time in threads. Close it when done.
-
-    Most of a chunk's work runs beside others' in threads of its own; what does not, runs beside the
-    next one's. Memory holds three.
-    """
-    coming: deque[Future[Made]] = deque()
-    with ThreadPoolExecutor(CHUNKS_AT_ONCE) as threads:
-        for item in items:
-            coming.append(threads.submit(work, item))
-            if len(coming) > CHUNKS_AT_ONCE:
-                yield coming.popleft().result()
-        while coming:
-            yield coming.popleft().result()
 
 
 def rechunked(frames: Iterable[pd.DataFrame], rows: int) -> Iterator[pd.DataFrame]:

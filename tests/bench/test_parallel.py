@@ -12,7 +12,7 @@ import pytest
 import torch
 
 import bench
-from bench.parallel import obey, threads
+from bench.parallel import a_few_at_once, obey, threads
 from zoo.none import NoMitigation
 
 ROOT = Path(__file__).parents[2]
@@ -61,6 +61,16 @@ def test_models_are_trained_with_the_threads_asked_for(monkeypatch, tmp_path: Pa
     assert not done.failures
     assert seen
     assert set(seen) == {3}
+
+
+@pytest.mark.parametrize("count", ["1", "2"])
+def test_work_of_a_few_at_once_comes_in_order_and_its_problems_come_through(
+    count: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BENCH_THREADS", count)
+    assert list(a_few_at_once(lambda one: one**2, range(7))) == [0, 1, 4, 9, 16, 25, 36]
+    with pytest.raises(ZeroDivisionError):
+        list(a_few_at_once(lambda one: 1 / (3 - one), range(7)))
 
 
 def test_nothing_else_counts_cores() -> None:

@@ -62,3 +62,4 @@ LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [deri
 LAW_SAME_STEP: Final = 0.1  # by which two steps of one firmware may differ, of them [convention]
 LAW_ONE_STEP: Final = 1.5  # times the smallest gap: wider ones are two steps [derived]
 LAW_SAME_PLACE_M: Final = 0.05  # positions of a device that stands still; and as true ranges say
+SHOWN_RIVALS: Final = 5  # laws that are not excluded, shown to people [convention]

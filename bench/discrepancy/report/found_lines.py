@@ -7,6 +7,7 @@ from typing import Any
 
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
+from bench.discrepancy.law.settings import SHOWN_RIVALS
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.doing import doings
@@ -22,7 +23,6 @@ from bench.discrepancy.select.verdict import (
 )
 
 UNTRIED = "it could not be tried"
-SHOWN_RIVALS = 5
 
 
 def found_lines(diagnosis: Diagnosis) -> list[list[str]]:

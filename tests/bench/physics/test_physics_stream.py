@@ -52,12 +52,6 @@ def test_rechunked_keeps_every_row_in_order() -> None:
     np.testing.assert_array_equal(pd.concat(parts)["true_range_m"], frame["true_range_m"])
 
 
-def test_work_of_two_at_a_time_comes_in_order_and_its_problems_come_through() -> None:
-    assert list(streaming.at_once(lambda one: one**2, range(7))) == [0, 1, 4, 9, 16, 25, 36]
-    with pytest.raises(ZeroDivisionError):
-        list(streaming.at_once(lambda one: 1 / (3 - one), range(7)))
-
-
 def test_rooms_beyond_one_campaign_are_new_rooms(monkeypatch) -> None:
     monkeypatch.setattr(streaming, "ROW_TOTAL", 2000)
     frames = list(streaming.rooms(3000, seed=0))
