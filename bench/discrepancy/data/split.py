@@ -98,7 +98,8 @@ def split_links(
         )
     order = np.random.default_rng(seed).permutation(count)
     wanted = max(1, round(count * (1 - sum(shares))))
-    devices, marks = _devices(frame, codes, count), _marks(frame, codes, count)
+    devices = _devices(frame, codes, count)
+    marks = _marks(frame, codes, devices)
     held = _held_out(order, wanted, devices, marks)
     if count < SHARED_BELOW:
         return _shared(codes, held, count)
@@ -193,12 +194,13 @@ def _in_proportion(order: list[int], share: float, marks: list[Marks]) -> list[i
     return list(dict.fromkeys([*first, *order]))
 
 
-def _marks(frame: pd.DataFrame, codes: NDArray[np.intp], count: int) -> list[Marks]:
+def _marks(
+    frame: pd.DataFrame, codes: NDArray[np.intp], devices: list[tuple[str, str]]
+) -> list[Marks]:
     """Return what marks each link: its devices, its place and what stands in its way."""
-    devices = _devices(frame, codes, count)
     rows = frame.iloc[np.unique(codes, return_index=True)[1]]
-    places = rows["environment"].astype(str) if "environment" in rows else [""] * count
-    cells = rows["obstacles"] if "obstacles" in rows else [()] * count
+    places = rows["environment"].astype(str) if "environment" in rows else [""] * len(devices)
+    cells = rows["obstacles"] if "obstacles" in rows else [()] * len(devices)
     listed = [
         map(str, cell) if isinstance(cell, list | tuple | np.ndarray) else () for cell in cells
     ]

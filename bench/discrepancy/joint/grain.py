@@ -13,6 +13,7 @@ later it is, as of noise that grows.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -21,7 +22,7 @@ from scipy.stats import chi2
 
 from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.joint.quiet import error_of, moments_of, ratio_of
+from bench.discrepancy.joint.quiet import error_of, mean_known, moments_of, ratio_of
 from bench.discrepancy.joint.settings import (
     GRAIN_ABOUT,
     GRAIN_ALIKE,
@@ -77,11 +78,16 @@ class Grain:
             return True
         return kind.dies_away and self.grows(rest)
 
+    @cached_property
+    def _of_recorded(self) -> Figures:
+        """The grain of recorded samples."""
+        assert self.recorded is not None
+        return grain_of(self.recorded, self.given)
+
     @property
     def _chance(self) -> float:
         """Return how far from the right set late samples scatter by chance at most, in nats."""
-        assert self.recorded is not None
-        figures = len(grain_of(self.recorded, self.given)[0])
+        figures = len(self._of_recorded[0])
         return 0.5 * float(chi2.isf(GRAIN_CHANCE, figures)) if figures else 0.0
 
     def _unseen(self, whole: Added, rest: Added) -> bool:
@@ -95,8 +101,7 @@ class Grain:
         And how far from the rest they would, if they scattered as with the set. A share of what the
         set does is a matter of its form.
         """
-        assert self.recorded is not None
-        grain, error = grain_of(self.recorded, self.given)
+        grain, error = self._of_recorded
         (after, sure), (before, other) = self._simulated(whole), self._simulated(rest)
         formed = (GRAIN_FORM * (after - before)) ** 2
         left = (grain - after) ** 2 / (error**2 + sure**2 + formed)
@@ -114,7 +119,7 @@ class Grain:
         levels = levels_of(self.recorded)
         scatter = self.given.of_links(levels).std(axis=0)
         weights = 1 / (scatter**2 / self.given.links + GRAIN_LEAST[1] ** 2)
-        late = np.nanmean(self.recorded[1], axis=0) > PULSE_NS
+        late = mean_known(self.recorded[1], 0) > PULSE_NS
         before = self._profile(rest)
         every = (self._profile(whole), levels.mean(axis=0))
         sharp, seen = (_sharp((one - before)[late]) for one in every)
@@ -156,7 +161,7 @@ def grain_of(samples: Samples, given: Statistics) -> Figures:
     The logarithm of mean squared powers over squared mean powers of a record (`moments_of`), and by
     how many decibels rows scatter, beside the crest of each.
     """
-    magnitude, level, delay = samples[0], levels_of(samples), np.nanmean(samples[1], axis=0)
+    magnitude, level, delay = samples[0], levels_of(samples), mean_known(samples[1], 0)
     within = [_within(magnitude[:, zone], given) for zone in zones_of(delay, GRAIN_ZONES_NS)]
     between = [_between(level[:, zone], given) for zone in zones_of(delay, GRAIN_FINE_NS, 1)]
     figures = np.array([*within, *between]).reshape(-1, 2)
@@ -166,10 +171,10 @@ def grain_of(samples: Samples, given: Statistics) -> Figures:
 
 def levels_of(samples: Samples) -> Floats:
     """Return the decibels of samples [n, K] beside the crest of each row, else at their mean."""
-    magnitude, delay = samples[0], np.nanmean(samples[1], axis=0)
+    magnitude, delay = samples[0], mean_known(samples[1], 0)
     crest = np.fmax.reduce(magnitude[:, np.abs(delay) < GRAIN_CREST_NS], axis=1, keepdims=True)
     levels = 20 * np.log10(np.maximum(magnitude / crest, GRAIN_WEAKEST))
-    return np.where(np.isfinite(levels), levels, np.nanmean(levels, axis=0))
+    return np.where(np.isfinite(levels), levels, mean_known(levels, 0))
 
 
 def zones_of(delay: Floats, edges: Sequence[float], fewest: int = GRAIN_FEWEST) -> list[Mask]:
@@ -207,13 +212,12 @@ def added_of(recorded: Samples, power: Floats, given: Statistics) -> Floats:
 
     Over the row's own late power as simulated: so rows in which noise is most count like others.
     """
-    delay = np.nanmean(recorded[1], axis=0)
+    delay = mean_known(recorded[1], 0)
     known = np.isfinite(recorded[0]) & np.isfinite(power)
     more, usual = (np.where(known, one, 0) for one in (recorded[0] ** 2 - power, power))
     late = usual[:, delay >= GROWTH_NS[0]].mean(axis=1, keepdims=True)
-    zones = zones_of(delay, GROWTH_NS)
-    parts = [more[:, zone].mean(axis=1, keepdims=True) for zone in zones]
-    rows = np.hstack([np.zeros((len(more), 0)), *parts])
+    parts = [more[:, zone].mean(axis=1) for zone in zones_of(delay, GROWTH_NS)]
+    rows = np.stack(parts, axis=1) if parts else np.zeros((len(more), 0))
     return given.of_links(rows / np.maximum(late, np.finfo(float).tiny))
 
 

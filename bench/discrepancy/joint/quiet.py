@@ -114,7 +114,7 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
 
     Those before it, and those from where on the mean power is that of these.
     """
-    power, early = _mean(magnitude**2, 0), early_samples(delay)
+    power, early = mean_known(magnitude**2, 0), early_samples(delay)
     if not early.any():
         return early
     smooth = np.convolve(power, np.full(QUIET_SMOOTH, 1 / QUIET_SMOOTH), "same")
@@ -124,7 +124,7 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
 
 def early_samples(delay: Floats) -> NDArray[np.bool_]:
     """Return which samples [K] of rows with such delays [n, K] lie before the path."""
-    return np.asarray(_mean(delay, 0) < NOISE_BEFORE_NS)
+    return np.asarray(mean_known(delay, 0) < NOISE_BEFORE_NS)
 
 
 def moments_of(magnitude: Floats) -> Floats:
@@ -135,8 +135,8 @@ def moments_of(magnitude: Floats) -> Floats:
     of samples that are no neighbours: it is of noise of any colour.
     """
     power = magnitude**2
-    power = power / _mean(power, 0)
-    power = power / np.maximum(_mean(power, 1), np.finfo(float).tiny)[:, None]
+    power = power / mean_known(power, 0)
+    power = power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None]
     count = _products(np.isfinite(power).astype(np.float64))
     power = np.where(count[:, None] > 0, power, np.nan)  # a row that ends early says nothing
     pairs = _products(np.nan_to_num(power)) / np.maximum(count, 1.0)
@@ -144,7 +144,7 @@ def moments_of(magnitude: Floats) -> Floats:
     return np.stack([squares, pairs], axis=1)
 
 
-def _mean(values: Floats, axis: int) -> Floats:
+def mean_known(values: Floats, axis: int) -> Floats:
     """Return the mean of what is known along an axis, NaN where nothing is."""
     known = np.isfinite(values)
     count = known.sum(axis=axis)

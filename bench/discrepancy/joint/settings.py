@@ -170,9 +170,7 @@ GRAIN_MEMBERS: Final = 4  # simulated versions of it [cost]
 GRAIN_LEAST: Final = (0.03, 0.15)  # of the logarithm of a ratio, and of decibels: by so much
 # receivers differ, by whole numbers and clipped samples [convention]
 GRAIN_FORM: Final = 0.3  # of what an effect does to it, that is a matter of its form [convention]
-GRAIN_CHANCE: Final = (
-    1e-3  # by chance, that late samples scatter so far from what is right [derived]
-)
+GRAIN_CHANCE: Final = 1e-3  # of late samples that scatter so far from what is right [derived]
 GRAIN_ABOUT: Final = 4  # samples on both sides, over which a profile is smooth [convention]
 GRAIN_ALIKE: Final = 3.0  # samples that a pulse makes alike, which count once [derived]
 PULSE_NS: Final = 2.0  # so long a pulse rises, and falls [derived]

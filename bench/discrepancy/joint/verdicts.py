@@ -85,8 +85,8 @@ def without_idle(
     rounds: tuple[Round, ...],
     best: Added,
     sure: Collection[str],
-    waves: Collection[str] = (),
-    left: Callable[[], Located] | None = None,
+    waves: Collection[str],
+    left: Callable[[], Located],
 ) -> tuple[Verdict, ...]:
     """Return verdicts without names that held-out links need neither in score nor in simulator.
 
@@ -105,7 +105,7 @@ def without_idle(
         return stay
     names = " and ".join(one.names[0] for one in idle)
     why = f"looks most like {names}, but held-out links are no better with it"
-    if left is None or not any(one.names for one in stay):
+    if not any(one.names for one in stay):
         return (*stay, _unknown(rounds[0], rounds[-1], why))
     last = replace(rounds[-1], located=left())
     return (*stay, _unknown(last, last, why, best)) if last.located.significant else stay

@@ -15,13 +15,9 @@ from bench.discrepancy.data.observables import error_m
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed
 from bench.discrepancy.law.material import Material
-from bench.discrepancy.law.settings import (
-    LAW_LATTICE,
-    LAW_ON_LATTICE,
-    LAW_ONE_STEP,
-    LAW_SAME_STEP,
-)
+from bench.discrepancy.law.settings import LAW_LATTICE, LAW_ON_LATTICE, LAW_ONE_STEP
 from bench.discrepancy.law.structures import Fitted
+from bench.physics.effects.ranging.range_rounding import SAME_STEP
 
 Floats = NDArray[np.float64]
 _WAYS = {"round": "to the nearest", "floor": "down to a"}
@@ -93,7 +89,9 @@ def rounds_alike(comparison: Comparison, rows: Material) -> bool:
     """Return whether the ranges of another simulator's table are rounded as the recorded ones."""
     if not isinstance(comparison, TableComparison):
         return False
-    range_m = numeric(comparison.frame, "true_range_m") + error_m(comparison.frame)
     mine = lattice_m(rows.range_m + rows.residual_m)
+    if mine is None:
+        return False
+    range_m = numeric(comparison.frame, "true_range_m") + error_m(comparison.frame)
     theirs = lattice_m(range_m[np.isfinite(range_m)])
-    return bool(mine and theirs and abs(theirs - mine) < LAW_SAME_STEP * mine)
+    return theirs is not None and abs(theirs - mine) < SAME_STEP * mine

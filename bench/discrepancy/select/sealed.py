@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from bench.physics.effect import Effect
 NOT_ADDED = "was not added"
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
 Change = Callable[[Added], Served | None]  # what effects do to sealed links
+Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
 
 
 def unrefused(
@@ -37,9 +39,8 @@ def unrefused(
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
     few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
     here too: what it does to ranges depends on a receiver's detector (see `_untimed`). Where their
-    score tells nothing, their likelihood does (see `likelier_with`). And so does
-    what has nothing to act on there (no metal stands in any sealed link), of which they tell
-    nothing.
+    score tells nothing, their likelihood does (see `likelier_with`). And so does what has nothing
+    to act on there (no metal stands in any sealed link), of which they tell nothing.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -51,12 +52,16 @@ def unrefused(
             judged[key] = step(comparison, sealed, some, seed)
         return judged[key]
 
+    @cache
+    def likelier(effect: Effect) -> bool:
+        return LIKELIER(comparison, sealed, found.added, effect)
+
     names = {effect.name for effect in _serving(added, change)}
-    names -= {effect.name for effect in _unborne(comparison, sealed, found)}
+    names -= {effect.name for effect in _unborne(sealed, found, likelier)}
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    said = _taken_back(found, gone, sealed, _held(comparison, found, gone, sealed, change))
+    said = _taken_back(found, gone, sealed, _held(found, gone, sealed, change, likelier))
     stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
     able = tuple(e for e in stay if _better_waves(e, change((e,))))
     apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
@@ -68,7 +73,7 @@ def unrefused(
 
 
 def _held(
-    comparison: Comparison, found: Selection, gone: Added, sealed: View, change: Change
+    found: Selection, gone: Added, sealed: View, change: Change, likelier: Likelier
 ) -> set[str]:
     """Return the names of refused effects that sealed links leave standing (see `unrefused`)."""
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
@@ -79,7 +84,7 @@ def _held(
         sure = _surely_better(found.verdicts)
         held |= {e.physics for e in gone if e.physics in sure and _better_waves(e, change((e,)))}
         unsure = [e for e in gone if _undecided(e, change((e,)))]
-        held |= {e.physics for e in unsure if LIKELIER(comparison, sealed, found.added, e)}
+        held |= {e.physics for e in unsure if likelier(e)}
     return held
 
 
@@ -126,7 +131,7 @@ def _better_waves(effect: Effect, found: Served | None) -> bool:
     return effect.stage != "ranging" and found is not None and found.waves.value > 0
 
 
-def _unborne(comparison: Comparison, sealed: View, found: Selection) -> Added:
+def _unborne(sealed: View, found: Selection, likelier: Likelier) -> Added:
     """Return effects on waveforms that neither working links' score nor sealed ones speak for.
 
     They were chosen by a likelihood of working links, so that of sealed ones is asked. Not what
@@ -139,7 +144,7 @@ def _unborne(comparison: Comparison, sealed: View, found: Selection) -> Added:
     struck = [turn.strike.effect for turn in found.rounds if turn.strike]
     unsure -= {e.physics for e in (*found.logged, *struck)}
     able = (e for e in found.added if e.physics in unsure and e.stage != "ranging")
-    return tuple(e for e in able if not LIKELIER(comparison, sealed, found.added, e))
+    return tuple(e for e in able if not likelier(e))
 
 
 def _undecided(effect: Effect, found: Served | None) -> bool:

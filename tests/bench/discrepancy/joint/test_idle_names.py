@@ -25,46 +25,52 @@ SURE, UNSURE = Estimate(0.5, 0.2, 0.9, "nats"), Estimate(0.04, -1.2, 1.4, "nats"
 TURN = Round(Located((), 0.5, 1.0, 3.0, 1, {}), None, None)
 
 
+def nothing() -> Located:
+    """Return a search that finds nothing left."""
+    return TURN.located
+
+
 def said(gain: Estimate) -> LeftOut:
     return LeftOut(GroundBounce(), (), gain, 1.0, Control("", None))
 
 
 def test_only_a_name_without_any_use_is_taken_back() -> None:
-    (left,) = without_idle((said(UNSURE),), (TURN,), (), ())
+    (left,) = without_idle((said(UNSURE),), (TURN,), (), (), (), nothing)
     assert isinstance(left, Unknown)
     assert "looks most like ground-bounce" in left.note
     for gain, best, sure in (
         (SURE, (), ()), (UNSURE, (GroundBounce(),), ()), (UNSURE, (), ("ground-bounce",)),
     ):  # fmt: skip
-        assert without_idle((said(gain),), (TURN,), best, sure) == (said(gain),)
+        assert without_idle((said(gain),), (TURN,), best, sure, (), nothing) == (said(gain),)
 
 
 def test_scatter_that_was_seen_beside_a_name_goes_with_it() -> None:
     alone = LeftOut(TimestampJitter(), (), SURE, 1.0, Control("", None))
     names = GroundBounce.name, TimestampJitter.name
     for scatter in (alone, Ambiguous((alone, replace(alone, effect=SmallScaleFading())), "")):
-        (left,) = without_idle((said(UNSURE), scatter), (TURN,), (), (), names[:1])
+        (left,) = without_idle((said(UNSURE), scatter), (TURN,), (), (), names[:1], nothing)
         assert isinstance(left, Unknown)
         for sure, waves in (((), names), (names[1:], names[:1])):
-            assert without_idle((said(UNSURE), scatter), (TURN,), (), sure, waves)[0] == scatter
+            both = said(UNSURE), scatter
+            assert without_idle(both, (TURN,), (), sure, waves, nothing)[0] == scatter
         sound = said(SURE), scatter
-        assert without_idle(sound, (TURN,), (), (), names[:1]) == sound
+        assert without_idle(sound, (TURN,), (), (), names[:1], nothing) == sound
 
 
 def test_something_without_a_name_is_beside_names_only_where_the_search_finds_it() -> None:
     sure = LeftOut(AntennaDelay(), (), SURE, 1.0, Control("", None))
     seen = replace(TURN.located, findings=(cast(Finding, SimpleNamespace()),))
     for found, more in ((TURN.located, 0), (seen, 1)):
-        stay = without_idle((said(UNSURE), sure), (TURN,), (), (), left=lambda found=found: found)
+        stay = without_idle((said(UNSURE), sure), (TURN,), (), (), (), lambda found=found: found)
         assert stay[0] == sure
         assert len(stay) == 1 + more
-    (alone,) = without_idle((said(UNSURE),), (TURN,), (), (), left=lambda: TURN.located)
+    (alone,) = without_idle((said(UNSURE),), (TURN,), (), (), (), nothing)
     assert isinstance(alone, Unknown)  # something differed, and nothing else has its name
 
 
 def test_what_is_unknown_already_is_said_once() -> None:
     unknown = Unknown((), SURE)
-    assert without_idle((said(UNSURE), unknown), (TURN,), (), ()) == (unknown,)
+    assert without_idle((said(UNSURE), unknown), (TURN,), (), (), (), nothing) == (unknown,)
 
 
 def test_beside_what_no_effect_explains_scatter_of_ranges_is_not_asked() -> None:
