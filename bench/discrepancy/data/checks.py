@@ -29,16 +29,16 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
     alone would be called physics. Not so where no `waveforms` are compared.
     """
     check_recorded(recorded)
-    if waveforms:
-        _check_reach(recorded)
+    tables = [one for one in (recorded, simulated) if isinstance(one, Recordings)]
+    for table in tables if waveforms else ():
+        _check_reach(table)
     if not isinstance(simulated, Recordings):
         return
     check_figures(simulated.frame, simulated.source)
     _check_copies(recorded, simulated)
-    both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in (recorded, simulated))
+    both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in tables)
     if waveforms and both:
         _check_periods(recorded, simulated)
-        _check_reach(simulated)
 
 
 def _check_reach(table: Recordings) -> None:

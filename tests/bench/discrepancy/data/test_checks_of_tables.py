@@ -55,6 +55,9 @@ def test_waveforms_that_end_after_the_path_are_refused_on_either_side() -> None:
             check_tables(*pair)
         check_tables(*pair, waveforms=False)
     check_tables(long, of_samples("other.parquet", 40))
+    untimed = Recordings(short.frame.drop(columns="sample_period_ns"), short.source)
+    with pytest.raises(BenchError, match=said):
+        check_tables(long, untimed)
 
 
 def test_waveforms_are_compared_as_far_as_both_tables_go() -> None:
