@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,10 @@ from scipy.sparse.csgraph import connected_components
 
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.fit.heard import TIME, WARM, Heard
-from bench.discrepancy.fit.least_squares import incidence, robust
+from bench.discrepancy.fit.least_squares import robust
 from bench.discrepancy.fit.settings import (
     DRIFT_PRIOR_PPM_PER_HOUR,
+    MEAN_PRIOR_M,
     SCALE_SETTLED,
     SLOPE_VALUES,
     WANDER_PASSES,
@@ -129,16 +131,22 @@ def _folds(heard: Heard, fold: Rows) -> Iterator[tuple[Rows, Rows]]:
 
 
 def polynomial(heard: Heard, rows: Rows, over: str) -> DeviceClock:
-    """Return constant offsets, with slopes over time or temperature if asked, of some rows."""
+    """Return constant offsets, with slopes over time or temperature if asked, of some rows.
+
+    Beside a constant of all ranges where that is told from clocks: else they take what it is.
+    """
     count = len(heard.names)
-    per_ppm = heard.per_ppm[rows]
-    pair = incidence(heard.tx[rows], heard.rx[rows], -1.0, count)
-    parts = [pair.multiply(per_ppm[:, None])]
+    offset = heard.design(rows)
+    parts: list[Any] = [offset]
     prior = np.full(count, OFFSET_PRIOR_PPM)
     if over:
-        parts.append(pair.multiply((per_ppm * heard.since(over)[rows])[:, None]))
+        parts.append(offset.multiply(heard.since(over)[rows][:, None]))
         prior = np.concatenate([prior, np.full(count, PRIORS[over])])
-    found = robust(csr_array(hstack(parts)), heard.residual_m[rows], prior).tolist()
+    if heard.with_mean:
+        parts.append(csr_array(np.ones((len(rows), 1))))
+        prior = np.append(prior, MEAN_PRIOR_M)
+    found = robust(csr_array(hstack(parts)), heard.residual_m[rows], prior)
+    found = found[: len(found) - heard.with_mean].tolist()
     offsets, slopes, none = tuple(found[:count]), tuple(found[count:]), (0.0,) * count
     if over == WARM:
         made = DeviceClock(heard.names, offsets, none, heard.reference_s)
@@ -190,11 +198,13 @@ class _Walk:
     def _design(self) -> Floats:
         """Return metres per ppm of every unknown [n, U]: wander at all knots, then offsets.
 
-        Rows lie within a knot's interval, so straight lines between knots are near enough.
+        Last a constant of all ranges, where that is told from clocks. Rows lie within a knot's
+        interval, so straight lines between knots are near enough.
         """
         heard, rows = self.heard, self.rows
         count, devices = int(self.starts[-1]), len(heard.names)
-        out = np.zeros((len(rows), count + devices))
+        out = np.zeros((len(rows), count + devices + heard.with_mean))
+        out[:, count + devices :] = 1.0
         for end, sign in ((heard.tx, 1.0), (heard.rx, -1.0)):
             for device, knots in enumerate(self.knots):
                 mine = np.flatnonzero(end[rows] == device)
@@ -210,7 +220,7 @@ class _Walk:
         Ornstein and Uhlenbeck: w[0] ~ N(0, s^2), w[k+1] ~ N(rho w[k], s^2 (1 - rho^2)).
         """
         count, devices = int(self.starts[-1]), len(self.knots)
-        out = np.zeros((count + devices, count + devices))
+        out = np.diag([0.0] * (count + devices) + [MEAN_PRIOR_M**-2] * self.heard.with_mean)
         total = 0.0
         for start, knots in zip(self.starts[:-1].tolist(), self.knots, strict=True):
             if len(knots):

@@ -7,10 +7,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import lsqr
 
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.fit.least_squares import ends
+from bench.discrepancy.fit.least_squares import ends, incidence
+from bench.discrepancy.fit.settings import MEAN_TOLD_SHARE
 from bench.discrepancy.settings import CLOCK_FOLDS, CLOCK_LINK_FOLDS, CLOCK_STRETCHES
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.units import C_M_PER_NS
@@ -67,6 +70,24 @@ class Heard:
         guess = clock.offset_ppm(self.view.scene)[rows] * self.per_ppm[rows]
         left = np.abs(self.residual_m[rows] - guess)
         return float(np.nanmean(left)) if np.isfinite(left).any() else 0.0
+
+    @cached_property
+    def with_mean(self) -> bool:
+        """Whether a constant of all ranges, which no clock makes, is told from clocks.
+
+        Where roles are swapped or reply times differ. Elsewhere, as where tags always ask and
+        anchors answer, all of it may be the offsets of tags from anchors.
+        """
+        known = np.isfinite(self.residual_m)
+        ones = known.astype(np.float64)
+        design = self.design(np.arange(len(self.links))).multiply(ones[:, None])
+        rest = lsqr(csr_array(design), ones, atol=1e-12)[3]
+        return bool(rest**2 > MEAN_TOLD_SHARE * max(known.sum(), 1))
+
+    def design(self, rows: Rows) -> csr_array:
+        """Return metres per ppm of every device's offset [n, D] in some rows."""
+        pair = incidence(self.tx[rows], self.rx[rows], -1.0, len(self.names))
+        return csr_array(pair.multiply(self.per_ppm[rows][:, None]))
 
     @cached_property
     def stretches(self) -> Rows:

@@ -171,3 +171,25 @@ def test_reply_times_in_another_unit_are_fitted_or_one_line():
     frame, _ = _frame(_waves)
     frame["reply_time_s"] *= 1e6
     assert np.isfinite(_fit(frame).offsets_ppm).all()
+
+
+def _asked(swapped: bool, late_m: float) -> tuple[pd.DataFrame, np.ndarray]:
+    """Return rows of two tags that ask anchors, and if `swapped` each other, all `late_m` long."""
+    rng = np.random.default_rng(3)
+    pairs = [(tag, anchor) for tag in (0, 1) for anchor in (2, 3)] + [(0, 1), (1, 0)] * swapped
+    tx, rx = np.repeat(pairs, 50, axis=0).T
+    ppm = np.array([2.0, 1.0, -1.0, -2.0])[tx] - np.array([2.0, 1.0, -1.0, -2.0])[rx]
+    error = late_m + ppm * C_M_PER_NS * 3e-4 / 2 * 1e3 + rng.normal(0, 0.03, len(tx))
+    link = [f"{a}-{b}" for a, b in zip(tx, rx, strict=True)]
+    frame = pd.DataFrame({"link": link, "tx": [f"n{a}" for a in tx], "rx": [f"n{b}" for b in rx]})
+    return frame.assign(true_range_m=10.0, reply_time_s=3e-4, error_m=error), ppm
+
+
+def test_a_constant_of_all_ranges_is_no_clock_where_roles_are_swapped():
+    frame, truth = _asked(swapped=True, late_m=0.3)
+    assert np.abs(_fit(frame).offset_ppm(scene(frame)) - truth).max() < 0.5
+
+
+def test_where_tags_alone_ask_a_constant_may_be_their_clocks():
+    frame, truth = _asked(swapped=False, late_m=0.0)
+    assert np.abs(_fit(frame).offset_ppm(scene(frame)) - truth).max() < 0.5
