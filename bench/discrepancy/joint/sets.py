@@ -19,6 +19,7 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
+from bench.discrepancy.joint.growth import larger
 from bench.discrepancy.joint.likelihood import evidence, left_free
 from bench.discrepancy.joint.plainer import plainer
 from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
@@ -28,7 +29,6 @@ from bench.discrepancy.joint.settings import (
     BEAM,
     CLASS_NATS,
     CLASS_SHARE,
-    GROWN,
     KEPT,
     LEFT_NATS,
     LEFT_SHARE,
@@ -207,22 +207,9 @@ class Sets:
         for width in BEAM[: MOST - 1]:
             known = max(fit.nats for fit in self.fits.values())
             followed = sorted(beam, key=lambda fit: -fit.nats)[:width]
-            beam = self._fit(self._larger(followed))
+            beam = self._fit(larger(followed, self.fits, self.screen))
             if not beam or max(fit.nats for fit in beam) < known + NAME_NATS:
                 break
-
-    def _larger(self, sets: Sequence[Fit]) -> list[Added]:
-        """Return the likeliest sets with one effect more of each, as far as the screen tells.
-
-        Of each, because what leaves all links far off is not told from what leaves some: of two
-        causes that both are loud either alone is about as likely as whatever widens the scatter.
-        """
-        out: dict[frozenset[str], Added] = {}
-        for fit in sets:
-            able = [one for one in self.screen.beside(fit.effects) if one.gained > -NAME_NATS / 2]
-            for one in able[:GROWN]:
-                out.setdefault(key_of((*fit.effects, one.effect)), (*fit.effects, one.effect))
-        return [effects for key, effects in out.items() if key not in self.fits]
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in (polished(self.given, one, steps) for one in sets) if fit]

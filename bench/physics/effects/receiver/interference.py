@@ -11,7 +11,7 @@ from bench.physics.batch import Batch, altered
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.receiver.noise_floor import NOISE_TOLD_BY
 from bench.physics.randomness import Draws
-from bench.physics.units import amplitude
+from bench.physics.units import Floats, Reals, amplitude
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,15 @@ class NarrowbandInterference(Effect):
         size = np.sqrt(batch.noise_power) * amplitude(np.asarray(level, np.float64))
         size = np.where(self._struck(draws, len(batch)), size, 0)
         turns = self.offset_mhz * 1e-3 * batch.sample_period_ns * np.arange(batch.noise.shape[1])
-        tone = np.exp(2j * np.pi * (turns[None, :] % 1 + draws.uniform(len(batch), 1)))
-        noise = (batch.noise + size[:, None] * tone).astype(np.complex64)
+        started = size * _turned(draws.uniform(len(batch), 1)[:, 0])
+        tone = np.outer(started.astype(np.complex64), _turned(turns % 1).astype(np.complex64))
+        noise = batch.noise + tone
         return altered(batch, noise=noise).steadier(size**2, not self.power_logged)
 
     def _struck(self, draws: Draws, rows: int) -> NDArray[np.bool_]:
         return np.asarray(draws.uniform(rows) < self.share)
+
+
+def _turned(turns: Floats | Reals) -> NDArray[np.complex128]:
+    """Return the unit phasor of an angle in turns."""
+    return np.asarray(np.exp(2j * np.pi * np.asarray(turns, np.float64)))
