@@ -49,6 +49,15 @@ class Simulator:
             raise unknown_name("effect", name, [known.name for known in self.effects])
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
+    @property
+    def of_samples(self) -> bool:
+        """Whether levels hang on samples: on overlapping paths, a tail, or what receivers add.
+
+        Paths alone give the mean of these, not how they scatter.
+        """
+        kinds = [type(effect) for effect in self.effects]
+        return any(kind.dies_away or not kind.without_cir for kind in kinds)
+
     def at_stage(self, stage: str) -> tuple[Effect, ...]:
         """Return its effects of one stage: as listed, those marked `last` behind the others."""
         return at_stage(self.effects, stage)

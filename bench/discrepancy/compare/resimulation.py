@@ -39,7 +39,7 @@ class Resimulation:
         """Return recorded rows beside `members` x `view.rich` simulated versions."""
         simulator = self._cropped(self.with_effects(added), view)
         numbers = range(view.rich * first, view.rich * (first + members))
-        replicas = self.stages.ensemble(simulator, view.scene, numbers, view.waveform)
+        replicas = self.stages.ensemble(simulator, view.scene, numbers, self._samples(view))
         return stack(view.recorded, replicas, view.links)
 
     def single(self, view: View, many: Sequence[Added]) -> list[Ensemble | None]:
@@ -49,7 +49,7 @@ class Resimulation:
         be simulated.
         """
         simulators = [self._cropped(self.with_effects(added), view) for added in many]
-        made = self.stages.variants(simulators, view.scene, 0, view.waveform)
+        made = self.stages.variants(simulators, view.scene, 0, self._samples(view))
         return [None if one is None else _beside(view, one) for one in made]
 
     def outcome(self, view: View, added: Added, number: int) -> Outcome:
@@ -72,6 +72,10 @@ class Resimulation:
     def crowding(self, view: View) -> float:
         """Return that no simulated row stands for two recorded ones."""
         return 1.0
+
+    def _samples(self, view: View) -> bool:
+        """Return whether samples are simulated: where they are compared, or levels hang on them."""
+        return view.waveform or self.simulator.of_samples
 
     def _cropped(self, simulator: Simulator, view: View) -> Simulator:
         """Return the simulator giving just the window that is compared."""
