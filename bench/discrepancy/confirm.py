@@ -22,6 +22,8 @@ from bench.discrepancy.settings import (
     NOTICED_SHARE,
 )
 
+NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
+
 
 @dataclass(frozen=True)
 class Confirmed:
@@ -32,7 +34,8 @@ class Confirmed:
     simulated ones (0.5 = not at all); `ranks_before`, `ranks_after`: deviation of ensemble ranks
     from uniform (Kolmogorov distance, 0 = calibrated). `before` and `after` are the ensembles.
     `median_...`, `high_...`: median and 90th percentile of the same as `mae_...`; `nearer_m`: how
-    much smaller it is after, row by row (positive is better).
+    much smaller it is after, row by row (positive is better). `ranges` and `waves` are the gains
+    of ranges alone and of all but them.
     """
 
     links: int
@@ -52,6 +55,16 @@ class Confirmed:
     high_before_m: Estimate
     high_after_m: Estimate
     nearer_m: Estimate
+    ranges: Estimate = NO_GAIN
+    waves: Estimate = NO_GAIN
+
+    @property
+    def better(self) -> str:
+        """What the score is better in, in words: what is beyond doubt, else what is better."""
+        parts = {"the scatter of ranges": self.ranges, "levels or waveforms": self.waves}
+        sure = [words for words, gained in parts.items() if gained.above_zero]
+        likely = [words for words, gained in parts.items() if gained.value > 0]
+        return " and ".join(sure or likely) or "all observables together"
 
     @property
     def farther(self) -> bool:
@@ -72,7 +85,6 @@ class Confirmed:
 
 
 Pair = tuple[float, float]
-NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
 
 
 @dataclass(frozen=True)
@@ -143,6 +155,12 @@ def _of_waves(before: Tally, after: Tally, seed: int) -> Estimate:
     return gain_interval(before, after, seed, names) if names else NO_GAIN
 
 
+def _of_ranges(before: Tally, after: Tally, seed: int) -> Estimate:
+    """Return the gain of ranges alone; none where none are compared."""
+    both = RANGE in before.names and RANGE in after.names
+    return gain_interval(before, after, seed, (RANGE,)) if both else NO_GAIN
+
+
 def _centred(comparison: Comparison, held: View, added: Added, made: Ensemble) -> Ensemble:
     """Return the ensemble without what only scatters: of so few versions it moves the median."""
     firm = tuple(effect for effect in added if not type(effect).independent)
@@ -206,10 +224,13 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
         )
         for word, misses in zip(("before", "after"), both, strict=True)
     }
+    scores = tally(before), tally(after)
     return Confirmed(
         links=len(np.unique(held.links)),
         rows=len(held.rows),
-        gain=gain_interval(tally(before), tally(after), seed),
+        gain=gain_interval(*scores, seed),
+        ranges=_of_ranges(*scores, seed),
+        waves=_of_waves(*scores, seed),
         mae_before_m=_mae(before, seed),
         mae_after_m=_mae(centred, seed),
         auc_before=separability(before, seed),

@@ -13,7 +13,7 @@ from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE
 
 NOT_ADDED: Final = "Nothing was added to the simulator."
-BY_SCORE: Final = "by its score, in which spreads, levels and waveforms count, too"
+WITHHELD: Final = "was not added"
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 TOLD = (FAULT, LAW)
@@ -32,9 +32,20 @@ def headline(
     `more` is said of what has no name; `withheld` says what was not added, or not whole, and
     why; `changed` is what has it now.
     """
-    said = _found_and_change(verdicts, added, seen, more, changed)
+    said = _found_and_change(verdicts, added, seen, more, _with(changed, verdicts, withheld))
     kept = "".join(f" {name} {words}." for name, words in withheld.items())
     return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
+
+
+def _with(changed: str, verdicts: tuple[Verdict, ...], withheld: Mapping[str, str]) -> str:
+    """Return what has changed, with what it has where something that was named is not in it."""
+    if not withheld:
+        return changed
+    first = [verdict.names[0] for verdict in verdicts if verdict.names]
+    lacks = [name for name, words in withheld.items() if words.startswith(WITHHELD)]
+    has = ", ".join(name for name in first if name not in lacks) or "only what has no name"
+    told = f", not {', '.join(lacks)}" if lacks else ""
+    return f"{changed} has {has}{told}; it"
 
 
 def _found_and_change(
@@ -51,7 +62,7 @@ def _found_and_change(
         why += f", in the median {_medians(seen)}" if _only_median(seen) else ""
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
-    alike = "" if seen.nearer_m.low > 0 else f" {BY_SCORE}, {_alike(seen)}"
+    alike = "" if seen.nearer_m.low > 0 else f" in {seen.better} (by its score), {_alike(seen)}"
     return f"{said}. {changed} fits better{sure}{alike}: {change}."
 
 

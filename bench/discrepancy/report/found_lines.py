@@ -30,9 +30,19 @@ def found_lines(diagnosis: Diagnosis) -> list[list[str]]:
     does, every = doings(diagnosis), diagnosis.selection.verdicts
     names = [describe(verdict, does) for verdict in every if not isinstance(verdict, Unknown)]
     rest = [verdict for verdict in every if isinstance(verdict, Unknown)]
-    if diagnosis.law is None:
-        return [*names, *map(describe, rest)]
-    return [*names, law_lines(diagnosis.law), *map(_explained, rest)]
+    told = describe if diagnosis.law is None else _explained
+    law = [] if diagnosis.law is None else [law_lines(diagnosis.law)]
+    return [*names, *law, *_once(list(map(told, rest)))]
+
+
+def _once(told: list[list[str]]) -> list[list[str]]:
+    """Return lines of each; differences that an earlier one lists too are not listed again."""
+    out: list[list[str]] = []
+    for lines in told:
+        known = {line for earlier in out for line in earlier if line.startswith("- ")}
+        new = [line for line in lines if line not in known]
+        out.append(new if len(new) == len(lines) else [*new, "Of the differences listed above."])
+    return out
 
 
 def _explained(verdict: Unknown) -> list[str]:

@@ -31,7 +31,7 @@ from bench.discrepancy.select.predictive_cells import (
     response_cells,
     typical_size,
 )
-from bench.discrepancy.select.settings import OF_LINKS_DB, OF_LINKS_SHARE
+from bench.discrepancy.select.settings import LIKE_NONE, OF_LINKS_DB, OF_LINKS_SHARE
 from bench.discrepancy.select.within_links import drawn_by_rows, of_links
 from bench.discrepancy.settings import (
     ADEQUACY_ALPHA,
@@ -77,10 +77,20 @@ class Adequacy:
     where: str = ""
     note: str = ""
 
-    def __str__(self) -> str:
+    def against(self, name: str) -> str:
+        """Return in words why an effect may not be named; one that leaves all is no likeness."""
         if self.note:
-            return self.note
-        return f"{self.left:.0%} of its response is left in {self.where} (z = {self.z:.1f})"
+            return f"looks most like {name}, but {self.note}"
+        sure = f"({self.z:.1f} standard errors)"
+        if self.left >= LIKE_NONE:
+            return (
+                f"like none of the known effects: with the nearest, {name}, {self.where} still "
+                f"differs by as much as it changes anything {sure}"
+            )
+        return (
+            f"looks most like {name}, but with it {self.where} still differs, by {self.left:.0%} "
+            f"of the most that it changes {sure}"
+        )
 
 
 def adequacy(
@@ -172,7 +182,12 @@ def brought(whole: Ensemble, rest: Ensemble, wanted: list[tuple[Cell, Floats | N
         return Adequacy(True)
     first = able[0][0]
     what = f"{first.observable} {first.place.where()}"
-    return Adequacy(False, share[0], note=f"of {what} it leaves {share[0]:.0%}")
+    return Adequacy(False, share[0], note=f"it explains {_part(1 - share[0])} of {what}")
+
+
+def _part(share: float) -> str:
+    """Return a share in words, "nothing" where none is left of it."""
+    return f"only {share:.0%}" if share >= 0.005 else "nothing"  # else it would read 0 %
 
 
 def judged(

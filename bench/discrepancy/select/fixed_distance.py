@@ -50,9 +50,8 @@ def follows(comparison: Comparison, view: View, added: Added, effect: Effect) ->
     )  # fmt: skip
     if share is None or share[2] >= FOLLOWING_LEAST:
         return Adequacy(True)
-    where = f"{name} at a fixed distance, of which the error follows {share[0]:.0%}"
-    width = max((share[2] - share[1]) / 4, 1e-9)
-    return Adequacy(False, 1 - share[0], (1 - share[0]) / width, where)
+    why = f"at a fixed distance the error follows only {share[0]:.0%} of what {name} says of it"
+    return Adequacy(False, 1 - share[0], note=why)
 
 
 def following(

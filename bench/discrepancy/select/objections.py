@@ -37,7 +37,7 @@ def objection(search: Search, turn: Round, added: Added, effect: Effect, option:
     if option.effect is effect or name in search.choice.constants_m:  # weighed at usual levels
         return ""
     found = fits(search, swapped_for(added, effect, option.effect), option.effect, turn)
-    return "" if found.adequate else f"looks most like {name}, but {found}"
+    return "" if found.adequate else found.against(name)
 
 
 def loses_by_itself(option: LeftOut) -> bool:

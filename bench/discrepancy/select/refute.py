@@ -40,7 +40,7 @@ class Doubt:
     why: Adequacy
 
     def __str__(self) -> str:
-        return f"looks most like {self.effect.physics}, but {self.why}"
+        return self.why.against(self.effect.physics)
 
 
 @dataclass(frozen=True)

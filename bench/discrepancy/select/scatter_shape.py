@@ -22,6 +22,8 @@ from bench.discrepancy.settings import (
 from bench.physics.effect import Effect
 from bench.physics.units import Floats
 
+OTHER_SHAPE = "recorded ranges scatter in another shape: one-sided, in two humps or with long tails"
+
 
 def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Effect) -> Adequacy:
     """Return whether ranges beside the simulator's mean are distributed as simulated ones are.
@@ -115,7 +117,7 @@ def shape(ensemble: Ensemble) -> Adequacy:
     found = ks_2samp(own, simulated[np.isfinite(simulated)].ravel())
     apart, z = float(found.statistic), float(found.statistic * np.sqrt(max(len(own), 1)))
     fine = bool(found.pvalue > SCATTER_SHAPE_P) or bounded(own, ensemble.links[known])
-    return Adequacy(fine, apart, z, "the distribution of error_m")
+    return Adequacy(fine, apart, z, note="" if fine else OTHER_SHAPE)
 
 
 def bounded(own_m: Floats, links: NDArray[np.intp]) -> bool:

@@ -16,6 +16,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
+from bench.discrepancy.headline import WITHHELD
 from bench.discrepancy.joint.held_out import likelier_with
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
@@ -24,7 +25,6 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdic
 from bench.discrepancy.settings import ALL_SPARED
 from bench.physics.effect import Effect
 
-NOT_ADDED = "was not added"
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
 Change = Callable[[Added], Served | None]  # what effects do to sealed links
 Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
@@ -90,7 +90,7 @@ def _held(
 
 def _how(effect: Effect, apart: tuple[str, ...]) -> str:
     """Return in words how much of an effect the simulator does not have."""
-    return "was added without what it does to ranges" if effect.physics in apart else NOT_ADDED
+    return "was added without what it does to ranges" if effect.physics in apart else WITHHELD
 
 
 def _untimed(

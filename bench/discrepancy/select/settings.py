@@ -13,6 +13,7 @@ KIND_LINKS: Final = 4  # with another number of a kind of obstacle, to say what 
 SEVERAL_ROWS: Final = 2.0  # of a link, in the mean, to say what they have in common [derived]
 OF_LINKS_SHARE: Final = 0.5  # of a mismatch of levels, that rows of a link must have in common
 # for an effect that draws every link anew [convention]
+LIKE_NONE: Final = 0.9  # of the most that an effect changes, which is no likeness if left [conv.]
 OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [convention]
 
 # --- What links have drawn (select/own_draws) ----------------------------------------------------

@@ -109,7 +109,7 @@ def test_an_effect_cuts_down_something_that_it_was_brought_in_for() -> None:
     assert brought(whole, rest, wanted).adequate
     refused = brought(whole, rest, wanted[3:])
     assert not refused.adequate
-    assert "of rx_power_dbm in all rows it leaves" in str(refused)
+    assert "explains nothing of rx_power_dbm in all rows" in refused.note
 
 
 def test_a_small_response_is_within_the_form_of_a_large_one() -> None:
@@ -193,7 +193,7 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
     found = _checked(monkeypatch, (tail, noise), lambda beside, _: len(beside) == 1, missed=False)
     assert found.simulated == found.added == (noise,)
     assert [doubt.effect for doubt in found.doubts] == [tail]
-    assert "looks most like diffuse-tail" in str(found.doubts[0])
+    assert "the nearest, diffuse-tail" in str(found.doubts[0])
 
 
 def test_a_refused_effect_that_links_miss_stays_in_the_simulator_without_its_name(

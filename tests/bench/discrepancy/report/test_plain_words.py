@@ -1,0 +1,56 @@
+"""The first lines of a report contradict nothing, and say nothing twice."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.headline import headline
+from bench.discrepancy.report.found_lines import _once
+from bench.discrepancy.select.adequacy import Adequacy
+from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+
+GAIN, ALIKE, MISS = Estimate(0.1, 0.05, 0.2), Estimate(0.0, -0.1, 0.1), Estimate(0.0364, 0, 1)
+SEEN = SimpleNamespace(
+    serves=True, gain=GAIN, nearer_m=ALIKE, better="the scatter of ranges",
+    mae_before_m=MISS, mae_after_m=MISS, median_before_m=MISS, median_after_m=MISS,
+)  # fmt: skip
+
+
+def named(effect: Effect) -> LeftOut:
+    return LeftOut(effect, (), GAIN, 1.0, Control("", None))
+
+
+def test_the_first_line_says_what_the_table_has_and_has_not_and_what_improved() -> None:
+    both = named(RangeRounding()), named(TimestampJitter())
+    line = headline(both, True, SEEN, "", {"range-rounding": "was not added: worse"}, "The table")  # type: ignore[arg-type]
+    assert (
+        "The table has timestamp-jitter, not range-rounding; it fits better in the scatter" in line
+    )
+    assert (
+        "ranges alike within chance: mean |recorded - simulated| 0.0364 m before and after" in line
+    )
+
+
+def test_what_is_withheld_whole_leaves_what_has_no_name() -> None:
+    why = {"range-rounding": "was not added: worse"}
+    line = headline((named(RangeRounding()),), True, SEEN, "", why, "The table")  # type: ignore[arg-type]
+    assert "The table has only what has no name, not range-rounding; it fits better" in line
+
+
+@pytest.mark.parametrize(("left", "said"), [(1.22, "like none of the known"), (0.2, "by 20% of")])
+def test_what_leaves_as_much_as_it_changes_is_no_likeness(left: float, said: str) -> None:
+    words = Adequacy(False, left, 11.1, "the mean of error_m in all rows").against("range-scale")
+    assert said in words
+    assert "122%" not in words
+    assert ("looks most like range-scale" in words) is (left < 1)
+
+
+def test_differences_are_listed_under_one_heading_alone() -> None:
+    first, again = ["Something:", "- a", "- b"], ["Something more:", "- a", "- b"]
+    assert _once([first, again]) == [first, ["Something more:", "Of the differences listed above."]]
