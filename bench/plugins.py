@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
 from typing import Any, Literal
 
@@ -26,6 +27,7 @@ _SINGULAR: dict[Group, str] = {
     "simulators": "simulator",
     "devices": "device",
 }
+EXAMPLE = "`bench plugin new NAME --kind {}`"
 OUR_DISTRIBUTION = "uwb-bench"
 _MADE: tuple[Group, ...] = ("models", "backends", "datasets", "simulators")
 """Groups whose plug-ins are called without arguments before they are used."""
@@ -56,6 +58,13 @@ class Plugin:
     def make(self) -> Any:
         """Import it and call it where that can be done. Raises BenchError like `load`."""
         loaded = self.load()
+        if needed := _needed(loaded):
+            kind = _SINGULAR[self.group]
+            raise BenchError(
+                f"{self._unavailable}: {self.target} asks for {needed}; expected a {kind}, or a "
+                f"class or function without arguments that gives one (an example: "
+                f"{EXAMPLE.format(kind.replace(' ', ''))})"
+            )
         with foreign(self._unavailable):
             return loaded() if callable(loaded) else loaded
 
@@ -84,6 +93,18 @@ class Plugin:
         except BenchError as error:
             return str(error).partition(f"{self.name!r} is ")[2] or str(error)
         return None
+
+
+def _needed(made: Any) -> str:
+    """Return the arguments that calling it would need, "" where none, or where nobody can tell."""
+    if not callable(made):
+        return ""
+    try:
+        known = signature(made).parameters.values()
+    except (ValueError, TypeError):
+        return ""
+    lone = [one for one in known if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)]
+    return ", ".join(repr(one.name) for one in lone if one.default is one.empty)
 
 
 def source_path(module: str) -> Path:

@@ -43,9 +43,9 @@ def _with(changed: str, verdicts: tuple[Verdict, ...], withheld: Mapping[str, st
         return changed
     first = [verdict.names[0] for verdict in verdicts if verdict.names]
     lacks = [name for name, words in withheld.items() if words.startswith(WITHHELD)]
-    has = ", ".join(name for name in first if name not in lacks) or "only what has no name"
-    told = f", not {', '.join(lacks)}" if lacks else ""
-    return f"{changed} has {has}{told}; it"
+    has = ", ".join(name for name in first if name not in lacks) or "what has no name"
+    told = f", but not {', '.join(lacks)}," if lacks else ""
+    return f"{changed.removesuffix(' with it')} with {has}{told}"
 
 
 def _found_and_change(

@@ -15,6 +15,7 @@ import numpy as np
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.radio import base_of
 from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.sound import tried
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import untimed
 from bench.discrepancy.compare.view import Added, Comparison, without
@@ -168,8 +169,8 @@ def diagnose(
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     with about(recorded.source):
         base = base_of(shown.frame, simulated)
-    other = simulated.frame if isinstance(simulated, Recordings) else None
-    window = shared_window(shown.frame, other)
+    numbers += tried(simulated, base, shown.frame, bool(asked.waveform))
+    window = shared_window(shown.frame, getattr(simulated, "frame", None))
     comparison = compared_with(simulated, window, asked.seed, base)
     inside = covered(comparison, shown)
     doubtful = frame[list(doubtful_columns(measured, asked.measured))].iloc[np.flatnonzero(inside)]

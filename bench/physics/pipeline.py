@@ -6,6 +6,7 @@ simulator's table) and, where beginnings are remembered, how steps are run one a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 
@@ -111,9 +112,22 @@ def _checked(effect: Effect, batch: Batch, draws: Draws) -> Batch:
     except BenchError as problem:  # rows that the effect cannot do, said by itself
         raise EffectError(f"effect {effect.name!r}: {problem}") from problem
     except (Exception, SystemExit) as problem:  # a plug-in must not end the program
-        raise EffectError(f"effect {effect.name!r} failed: {reason(problem)}") from problem
+        raise EffectError(f"effect {effect.name!r} {_failing(problem, len(batch))}") from problem
     if not isinstance(made, Batch):
         raise EffectError(f"effect {effect.name!r} gave {type(made).__name__}, expected a Batch")
+    if made.range_m is not None and np.shape(made.range_m) != (len(batch),):
+        count = np.size(made.range_m)
+        raise EffectError(f"effect {effect.name!r} gave {count} ranges for {len(batch)} rows")
     if made.range_m is not None and not np.isfinite(made.range_m).all():
-        raise EffectError(f"effect {effect.name!r} gave a range that is no number")
+        bad = int((~np.isfinite(made.range_m)).sum())
+        many = f" in {bad} of {len(batch)} rows" if bad < len(batch) else ""
+        raise EffectError(f"effect {effect.name!r} gave a range that is no number{many}")
     return made
+
+
+def _failing(problem: BaseException, rows: int) -> str:
+    """Return how an effect failed, in words; arrays of another length are told by their lengths."""
+    counts = {int(found) for found in re.findall(r"\((\d+),\)", str(problem))} - {rows}
+    if isinstance(problem, ValueError) and "broadcast" in str(problem) and len(counts) == 1:
+        return f"gave {counts.pop()} values for {rows} rows"
+    return f"failed: {reason(problem)}"

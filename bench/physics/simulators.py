@@ -14,6 +14,7 @@ that gives either.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -70,6 +71,14 @@ def read_simulator(which: str | Path | Simulator) -> Simulator:
     """Return a simulator: itself, a TOML file's, or that of a plug-in. Raises BenchError."""
     if isinstance(which, Simulator):
         return which
-    if isinstance(which, Path) or which.endswith(".toml") or Path(which).is_file():
+    which = str(which)
+    toml = which.endswith(".toml") or Path(which).is_file()
+    if toml and not which.endswith(".py"):
         return read_toml(Path(which))
-    return open_simulator(which).simulator
+    if which.endswith(".py"):
+        raise BenchError(
+            f"{which}: a Python file cannot be run as a simulator; expected a .toml of base and "
+            "effects, a simulated table (.parquet, .csv) or the name of a plug-in, which "
+            "`bench plugin new NAME --kind simulator` writes to put the code in"
+        )
+    return replace(open_simulator(which).simulator, name=which)  # as the user knows it

@@ -37,6 +37,11 @@ def from_toml(text: str, where: str = "simulator") -> Simulator:
     """
     try:
         data = tomllib.loads(text)
+        if not data:
+            raise BenchError(
+                "it is empty: expected [base] or [[effects]] of a simulator; leave --simulated out "
+                "to compare with the base simulator alone"
+            )
         return _simulator(data)
     except BenchError as problem:
         raise BenchError(f"{where}: {problem}") from problem

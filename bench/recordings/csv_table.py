@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.recordings.obstacle_names import parse_names
 from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
+from bench.text import one_line
 
-PARQUET_BEGINS = b"PAR1"
+PARQUET_BEGINS, GZIP_BEGINS, ZIP_BEGINS = b"PAR1", b"\x1f\x8b", b"PK\x03\x04"
+FIRST_BYTES = 1024
 IMPORT = "bench data import finds its delimiter and decimal mark"
 _AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
 
@@ -31,7 +33,7 @@ def read_csv(path: Path) -> pd.DataFrame:
     try:
         frame = read_text_table(path)
     except BenchError as problem:
-        if _is_parquet(path):
+        if _no_text(path):
             raise
         raise BenchError(f"{problem}; a log of another form: {IMPORT}") from problem
     return with_lists(frame, path)
@@ -48,8 +50,8 @@ def read_text_table(
     import pyarrow as pa
     from pyarrow import csv
 
-    if _is_parquet(path):
-        raise BenchError(f"{path}: it is Parquet, not CSV: expected a name that ends in .parquet")
+    if words := _no_text(path, encoding):
+        raise BenchError(f"{path}: {words}")
     if delimiter == " ":
         return _spaced(path, decimal, encoding, skip)
     options = csv.ConvertOptions(
@@ -62,8 +64,7 @@ def read_text_table(
     try:
         table = csv.read_csv(path, reading, parsing, options)
     except (pa.ArrowException, OSError, ValueError) as problem:
-        reason = (str(problem).splitlines() or ["unreadable"])[0]
-        raise BenchError(f"{path}: not a CSV table: {reason}") from problem
+        raise BenchError(f"{path}: not a CSV table: {_reason(problem)}") from problem
     frame: pd.DataFrame = table.to_pandas()
     if len(set(frame.columns)) < len(frame.columns):
         twice = frame.columns[frame.columns.duplicated()][0]
@@ -71,13 +72,34 @@ def read_text_table(
     return frame.rename(columns=lambda name: str(name).strip())
 
 
-def _is_parquet(path: Path) -> bool:
-    """Return whether a file begins as Parquet does, whatever its name."""
+def _begins(path: Path) -> bytes:
+    """Return the first bytes of a file, none where it cannot be read: the reader says why."""
     try:
         with path.open("rb") as file:
-            return file.read(len(PARQUET_BEGINS)) == PARQUET_BEGINS
+            return file.read(FIRST_BYTES)
     except OSError:
-        return False  # the reader says why
+        return b""
+
+
+def _no_text(path: Path, encoding: str = "utf-8") -> str:
+    """Return what a file is that is no text although its name says so, in words; else ""."""
+    first = _begins(path)
+    if first.startswith(PARQUET_BEGINS):
+        return "it is Parquet, not CSV: expected a name that ends in .parquet"
+    if first.startswith(GZIP_BEGINS) and path.suffix != ".gz":
+        return "it is compressed with gzip, not CSV: expected a name that ends in .csv.gz"
+    if first.startswith(ZIP_BEGINS):
+        return "it is a zip archive or a spreadsheet (.xlsx), not CSV: unpack it, or save it as CSV"
+    wide = encoding.lower().replace("_", "-").startswith(("utf-16", "utf-32"))
+    if b"\0" in first and not wide and path.suffix != ".gz":
+        return "it is no text (it holds zero bytes), so no CSV; UTF-16 is read by bench data import"
+    return ""
+
+
+def _reason(problem: Exception) -> str:
+    """Return why a table could not be read, in one line without bytes that are no text."""
+    said = one_line((str(problem).splitlines() or ["unreadable"])[0])
+    return said if "\ufffd" not in said else f"{said.partition(': ')[0]}: it holds bytes of no text"
 
 
 def _spaced(path: Path, decimal: str, encoding: str, skip: int) -> pd.DataFrame:
@@ -85,8 +107,7 @@ def _spaced(path: Path, decimal: str, encoding: str, skip: int) -> pd.DataFrame:
     try:
         return pd.read_csv(path, sep=r"\s+", decimal=decimal, encoding=encoding, skiprows=skip)
     except (OSError, ValueError) as problem:
-        reason = (str(problem).splitlines() or ["unreadable"])[0]
-        raise BenchError(f"{path}: not a table of columns: {reason}") from problem
+        raise BenchError(f"{path}: not a table of columns: {_reason(problem)}") from problem
 
 
 def with_lists(frame: pd.DataFrame, path: Path) -> pd.DataFrame:

@@ -11,12 +11,13 @@ import pandas as pd
 import pytest
 
 import bench
+from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.rooms import Rooms
 from bench.physics.simulator import Simulator
-from bench.physics.simulators import SimulatorPlugin, open_simulator
+from bench.physics.simulators import SimulatorPlugin, open_simulator, read_simulator
 from bench.plugins import Plugin, plugins
 
 MINE = Simulator(Base(), (TimestampJitter(),), 3, "mine")
@@ -178,7 +179,7 @@ def test_one_protocol_serves_diagnose_and_simulate(
     assert open_simulator(name).simulator in (MINE, Rooms().simulator)
     assert bench.simulate(name, warm).rows == len(warm)
     asked = {"paths_only": True, "observe": ("error_m",)}
-    assert bench.diagnose(warm, name, **asked).simulated == open_simulator(name).simulator.name
+    assert bench.diagnose(warm, name, **asked).simulated == name
 
 
 def test_rows_of_a_simulators_own_are_simulated_at(halls: None) -> None:
@@ -197,3 +198,16 @@ def test_what_is_no_simulator_is_said_wherever_it_is_asked_for(
     for call in (bench.simulate, lambda name, rows: bench.diagnose(rows, name)):
         with pytest.raises(bench.BenchError, match=words):
             call(name, warm)
+
+
+def needy(frame: pd.DataFrame) -> Simulator:
+    """Asks for what nobody gives a simulator."""
+    return MINE
+
+
+def test_what_asks_for_arguments_and_what_is_a_python_file_is_told_what_to_do() -> None:
+    plugin = Plugin("simulators", "needy", f"{__name__}:needy", "mine")
+    with pytest.raises(BenchError, match="needy asks for 'frame'; expected a simulator, or a cl"):
+        plugin.make()
+    with pytest.raises(BenchError, match=r"sim\.py: a Python file cannot be run .*kind simulator"):
+        read_simulator("sim.py")

@@ -30,3 +30,4 @@ MIX_DIGITS: Final = (
 )
 PAIRS_SHARE: Final = 0.75  # of links that are pairs of their own, at least, or it is said
 # [convention]
+SOUND_ROWS: Final = 200  # of the recorded ones, that a simulator is tried on first [cost]

@@ -188,7 +188,15 @@ class Stages:
     def _blamed(
         self, simulator: Simulator, rows: Scene, replicate: int, cir: bool, problem: Exception
     ) -> BenchError:
-        """Return an error that names the first row that fails on its own, and why."""
+        """Return an error that names the first row that fails on its own, and why.
+
+        No row where every one fails: the fault is the simulator's then.
+        """
+        reason = f"{problem}".splitlines()[0] if f"{problem}" else type(problem).__name__
+        said = f"simulator {simulator.name!r} fails on"
+        ones = [rows.slice(at, at + 1) for at in {0, len(rows) // 2, len(rows) - 1}]
+        if len(ones) > 1 and all(self._fails(simulator, one, replicate, cir) for one in ones):
+            return BenchError(f"{said} any of the {len(rows)} rows it was given: {reason}")
         low, high = 0, len(rows)
         while high - low > 1:
             middle = (low + high) // 2
@@ -196,9 +204,8 @@ class Stages:
             low, high = (
                 (low, middle) if self._fails(simulator, part, replicate, cir) else (middle, high)
             )
-        reason = f"{problem}".splitlines()[0] if f"{problem}" else type(problem).__name__
         return BenchError(
-            f"simulator {simulator.name!r} fails on row {low} of the {len(rows)} it was given "
+            f"{said} row {low} of the {len(rows)} it was given "
             f"(true range {rows.true_range_m[low]:.4g} m): {reason}"
         )
 

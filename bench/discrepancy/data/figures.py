@@ -16,6 +16,7 @@ from bench.discrepancy.data.settings import (
     LONGEST_REPLY_S,
     LOUDEST_DBM,
     TEMPERATURES_C,
+    WILD,
 )
 from bench.errors import BenchError
 from bench.recordings.clean import LEVEL_COLUMNS
@@ -36,6 +37,7 @@ def check_figures(frame: pd.DataFrame, source: str) -> None:
     _check_levels(frame, source)
     _check_largest(frame, source)
     _check_medians(frame, source)
+    _check_single(frame, source)
     _check_magnitudes(frame, source)
 
 
@@ -78,6 +80,20 @@ def _check_medians(frame: pd.DataFrame, source: str) -> None:
         if not low <= middle <= high:
             raise BenchError(
                 f"{source}: the median of {name} is {middle:.4g} {unit}: expected {expected}"
+            )
+
+
+def _check_single(frame: pd.DataFrame, source: str) -> None:
+    """Raise where a single row is a thousand times beyond what a column's median may be."""
+    for name, ((low, high), unit, expected) in MEDIANS.items():
+        values = numeric(frame, name)
+        wild = np.flatnonzero(np.abs(values) > WILD * max(-low, high))
+        if len(wild):
+            rows = f"{len(wild)} row{'s' if len(wild) > 1 else ''}"
+            raise BenchError(
+                f"{source}: {name} is {values[wild[0]]:.4g} {unit} at row {wild[0]} ({rows} like "
+                f"it): no instrument reads that; expected {expected}; drop these rows, or leave "
+                "the cells empty"
             )
 
 

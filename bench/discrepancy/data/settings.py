@@ -10,6 +10,7 @@ UNIT_MISTAKE: Final = 300.0  # [derived] measured / true: mistakes of units are 
 SAME_PERIOD: Final = 0.05  # of a sample period, up to which two tables have the same [convention]
 SAMPLE_PERIOD_NS: Final = (0.2, 5.0)  # [source] receivers sample at 0.2 to 5 GS/s
 LOUDEST_DBM: Final = 10.0  # [source] UWB is sent at -14 dBm: what is received is far below
+WILD: Final = 1000.0  # [derived] times the limits of a median: a row that no instrument reads
 LARGEST_FIGURE: Final = 1e30  # [derived] of any instrument, in any unit: squares stay finite
 SMALLEST_SPREAD: Final = 1e-30  # [derived] that of no instrument in any unit: squares stay above 0
 LONGEST_REPLY_S: Final = 0.5  # [derived] replies take 0.2 to 200 ms: ppm of more are 75 m each

@@ -187,7 +187,8 @@ def brought(whole: Ensemble, rest: Ensemble, wanted: list[tuple[Cell, Floats | N
 
 def _part(share: float) -> str:
     """Return a share in words, "nothing" where none is left of it."""
-    return f"only {share:.0%}" if share >= 0.005 else "nothing"  # else it would read 0 %
+    words = f"{max(share, 0.0):.0%}"
+    return "nothing" if words == "0%" else f"only {words}"
 
 
 def judged(

@@ -29,6 +29,7 @@ def test_seed_of_rooms_can_be_set() -> None:
     ("text", "message"),
     [
         ("x =", "not TOML"),
+        ("", "it is empty: expected .base. or"),
         ("sed = 3", "unknown key 'sed'; did you mean 'seed'"),
         ("seed = -1", "seed = -1, expected a whole number"),
         ("seed = true", "expected a whole number"),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -79,3 +80,23 @@ def test_parquet_of_another_name_and_dates_say_what_is_expected(tmp_path: Path) 
     dates.to_csv(tmp_path / "dates.csv", index=False)
     with pytest.raises(BenchError, match=r"'time_s' holds dates \(the first: 2026-.*seconds"):
         read_recordings(tmp_path / "dates.csv")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (gzip.compress(b"range_m,true_range_m\n5.1,5.0\n"), "compressed with gzip.*in .csv.gz"),
+        (b"PK\x03\x04 and so on", "a zip archive or a spreadsheet"),
+        (b"\x7fELF\0\0\xff\xfe,\xf3", "no text"),
+        (b"a,b\n\xff\xfe\xf3\x1b[31m\n\xff,\xf1,\xf2,3\n", "bytes of no text|not a CSV"),
+    ],
+)
+def test_of_a_file_that_is_no_text_no_byte_is_shown(
+    tmp_path: Path, content: bytes, said: str
+) -> None:
+    path = tmp_path / "t.csv"
+    path.write_bytes(content)
+    with pytest.raises(BenchError, match=said) as caught:
+        read_recordings(path)
+    assert str(caught.value).isascii()
+    assert str(caught.value).isprintable()

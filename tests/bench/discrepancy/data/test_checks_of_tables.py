@@ -124,3 +124,12 @@ def test_an_end_without_names_is_refused_and_names_may_be_numbers() -> None:
         check_tables(Recordings(made.assign(rx=np.nan), "r.parquet"), Simulator(Base()))
     some = Recordings(made.assign(rx=[np.nan, "a"] * 20), "r.parquet")
     check_tables(some, Simulator(Base()))
+
+
+def test_a_figure_that_no_instrument_reads_is_refused_in_a_single_row() -> None:
+    made = table("r.parquet", 1.0, cir=False)
+    wild = made.frame.assign(reply_time_s=[1e19, *[0.001] * 37, 1e19, np.nan])
+    said = r"r\.parquet: reply_time_s is 1e\+19 s at row 0 \(2 rows like it\): no instrument"
+    with pytest.raises(BenchError, match=said):
+        check_tables(Recordings(wild, "r.parquet"), Simulator(Base()))
+    check_tables(Recordings(wild.assign(reply_time_s=0.001), "r.parquet"), Simulator(Base()))

@@ -28,9 +28,12 @@ def named(effect: Effect) -> LeftOut:
 
 def test_the_first_line_says_what_the_table_has_and_has_not_and_what_improved() -> None:
     both = named(RangeRounding()), named(TimestampJitter())
-    line = headline(both, True, SEEN, "", {"range-rounding": "was not added: worse"}, "The table")  # type: ignore[arg-type]
+    line = headline(
+        both, True, SEEN, "", {"range-rounding": "was not added: worse"}, "The table with it"
+    )  # type: ignore[arg-type]
     assert (
-        "The table has timestamp-jitter, not range-rounding; it fits better in the scatter" in line
+        "The table with timestamp-jitter, but not range-rounding, fits better in the scatter"
+        in line
     )
     assert (
         "ranges alike within chance: mean |recorded - simulated| 0.0364 m before and after" in line
@@ -39,8 +42,8 @@ def test_the_first_line_says_what_the_table_has_and_has_not_and_what_improved() 
 
 def test_what_is_withheld_whole_leaves_what_has_no_name() -> None:
     why = {"range-rounding": "was not added: worse"}
-    line = headline((named(RangeRounding()),), True, SEEN, "", why, "The table")  # type: ignore[arg-type]
-    assert "The table has only what has no name, not range-rounding; it fits better" in line
+    line = headline((named(RangeRounding()),), True, SEEN, "", why, "The table with it")  # type: ignore[arg-type]
+    assert "The table with what has no name, but not range-rounding, fits better" in line
 
 
 @pytest.mark.parametrize(("left", "said"), [(1.22, "like none of the known"), (0.2, "by 20% of")])
