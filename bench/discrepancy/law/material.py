@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import Covariates, covariates
 from bench.discrepancy.law.settings import (
+    LAW_FLOOR_M,
     LAW_HALF_TURN,
     LAW_KNOWN_SHARE,
     LAW_LONGEST_NAME,
@@ -84,7 +85,8 @@ class Material:
 
     `range_m` [n] is the simulated range; `ends` maps tx and rx to positions [n, 3], where known;
     `devices` maps them to names [n]; `axes` are those that positions have. `rounded`: the simulated
-    ranges are rounded as the recorded ones are.
+    ranges are rounded as the recorded ones are. `rise_m` [n]: how much higher rx stands than tx,
+    where true ranges may be distances on the floor (see `_rise`).
     """
 
     residual_m: Floats
@@ -97,6 +99,7 @@ class Material:
     ends: dict[str, Floats]
     axes: str = "xyz"
     rounded: bool = False
+    rise_m: Floats | None = None
 
     def take(self, rows: NDArray[np.intp]) -> Material:
         """Return some rows, some of them perhaps several times."""
@@ -111,6 +114,7 @@ class Material:
             {end: places[rows] for end, places in self.ends.items()},
             self.axes,
             self.rounded,
+            None if self.rise_m is None else self.rise_m[rows],
         )
 
 
@@ -142,6 +146,7 @@ def material(
         names,
         _positions(frame, true),
         "".join(a for a in _AXES if f"tx_{a}_m" in frame and f"rx_{a}_m" in frame),
+        rise_m=_rise(frame, true),
     )
 
 
@@ -289,6 +294,26 @@ def _positions(frame: pd.DataFrame, true_m: Floats) -> dict[str, Floats]:
     between = np.linalg.norm(ends["tx"] - ends["rx"], axis=1)
     agree = float(np.median(np.abs(between - true_m))) < LAW_SAME_PLACE_M
     return ends if agree else {}
+
+
+def _rise(frame: pd.DataFrame, true_m: Floats) -> Floats | None:
+    """Return how much higher rx stands than tx [n], None where true ranges have it in them.
+
+    Where places on the floor are known, true ranges must be their distances in every row; where
+    only heights are, ranges alone can tell.
+    """
+    ends = {axis: (f"rx_{axis}_m", f"tx_{axis}_m") for axis in _AXES}
+    gap_m = {
+        axis: numeric(frame, one) - numeric(frame, two)
+        for axis, (one, two) in ends.items()
+        if {one, two} <= set(frame.columns)
+    }
+    if "z" not in gap_m or not np.isfinite(gap_m["z"]).all() or not gap_m["z"].any():
+        return None
+    if not {"x", "y"} <= set(gap_m):
+        return gap_m["z"]
+    off_m = np.abs(np.hypot(gap_m["x"], gap_m["y"]) - true_m)
+    return gap_m["z"] if float(np.nan_to_num(off_m, nan=np.inf).max()) <= LAW_FLOOR_M else None
 
 
 def base_values(of: Column) -> Floats:

@@ -37,6 +37,7 @@ _FORM = {
     "rounding": "a coarse register or print-out",
     "position": "a plan that is wrong, or an anchor that was moved",
     "swap": "two labels exchanged",
+    "floor": "a survey in two dimensions",
     "unit": "a unit",
 }
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
 from bench.discrepancy.law.faults import faults, of_a_rate
+from bench.discrepancy.law.floor import floors
 from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, unmoved
@@ -94,7 +95,8 @@ def ranking(given: Material) -> Ranking:
     if len(given.residual_m) < LAW_FEWEST_ROWS:
         return Ranking((), 0.0, 1.0)
     laws: list[Structure] = [
-        *promising(given, float(len(given.residual_m))), *faults(given), *roundings(given)
+        *promising(given, float(len(given.residual_m))), *faults(given), *floors(given),
+        *roundings(given),
     ]  # fmt: skip
     fits = [(law, law.fitted(given)) for law in laws]
     none = unmoved(given.residual_m).likelihood
