@@ -38,3 +38,13 @@ def test_a_view_that_all_links_would_leave_keeps_them() -> None:
     seen = view(frame, np.array([0, 1, 1]), np.arange(3), Window())
     assert len(seen.leaving(np.array([1])).rows) == 1
     assert seen.leaving(np.array([0, 1])) is seen
+
+
+def test_a_figure_in_whole_samples_that_matching_moved_tells_no_row_apart() -> None:
+    rng = np.random.default_rng(1)
+    versions = rng.integers(0, 3, (3, 80, 1)) * 1.0016
+    versions[1:] += rng.normal(0, 0.01, versions[1:].shape)
+    made = Ensemble(("rise_time_ns",), ("ns",), versions, np.repeat(np.arange(16), 5))
+    assert abs(separability(made, 0) - 0.5) < 0.15
+    versions[0] += 2 * 1.0016  # a pulse that is longer is seen all the same
+    assert separability(made, 0) > 0.9
