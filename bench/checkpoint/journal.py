@@ -59,6 +59,11 @@ class Kept(Journal):
         """True where an earlier search left something."""
         return self._folder.exists()
 
+    @property
+    def steps(self) -> int:
+        """How many steps of an earlier search are kept."""
+        return len(list(self._folder.glob("[0-9]*-*.json")))
+
     def know(self, kinds: Mapping[str, type[Effect]]) -> None:
         """Take the library of effects whose names the results may hold."""
         self._kinds = {kind.name: kind for kind in kinds.values()}

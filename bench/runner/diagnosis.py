@@ -138,7 +138,10 @@ def _kept(out: Path, mark: str, watch: Observer) -> Kept:
     """Return what an earlier run left in the folder, and say so where there is something."""
     kept = Kept(out, mark)
     if kept.started:
-        watch.note(f"resuming after round {kept.finished}")
+        watch.note(
+            f"resuming: {kept.steps} finished steps of an earlier run are kept and not done again "
+            f"(whole rounds: {kept.finished})"
+        )
     return kept
 
 

@@ -15,15 +15,16 @@ from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
-from bench.physics.units import Floats
+from bench.physics.units import C_M_PER_NS, Floats
 
 
 def doings(diagnosis: Diagnosis) -> dict[str, str]:
     """Return in words what every added effect does to ranges of the working rows, by its name.
 
-    Not of those that draw at random, row by row or link by link, nor of those that do nothing.
+    Of those that draw at random the jitter alone; not of those that do nothing.
     """
     if diagnosis.evidence is None:
         return {}
@@ -33,6 +34,9 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
     for one in diagnosis.added:
         if isinstance(one, DeviceClock) and said.get(one.physics):
             said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
+        if isinstance(one, TimestampJitter):
+            spread_m = one.jitter_samples * base.sample_period_ns * C_M_PER_NS
+            said[one.physics] = f"ranges scatter by {spread_m:.3g} m (one standard deviation)"
     return {name: words for name, words in said.items() if words}
 
 

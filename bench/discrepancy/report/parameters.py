@@ -5,6 +5,7 @@ Every value stands in the report's last table and in diagnosis.json.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 
@@ -12,6 +13,8 @@ from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.fit.estimate import PURE, ParameterEstimate
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Verdict
 from bench.discrepancy.settings import SHOWN_VALUES
+
+KNOT = re.compile(r"\[-?[\d.]+(e[-+]?\d+)? \w+\]$")  # a value of a curve, at -80 dBm or 30 deg
 
 
 def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
@@ -42,6 +45,8 @@ def _rest(
     name: str, values: Sequence[ParameterEstimate], first: Sequence[ParameterEstimate]
 ) -> str:
     left = [one for one in values if one not in first]
+    if all(KNOT.search(one.name) for one in values):  # of a curve: that it crosses zero is no news
+        return f"and {len(left)} more values of {name} along the curve"
     none = sum(not one.determined or one.low <= 0 <= one.high for one in left)
     told = f"of which {none} may be zero" if none else "none of them zero"
     return f"and {len(left)} more values of {name}, {told}"

@@ -14,6 +14,7 @@ from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.power_curve import PowerCurve
+from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -35,7 +36,12 @@ def test_a_delay_and_a_scale_are_said_in_metres() -> None:
 
 
 def test_what_draws_at_random_or_does_nothing_is_not_said() -> None:
-    assert said(TimestampJitter(jitter_samples=0.2), RangeScale(scale=0.0)) == {}
+    assert said(BlockedPath(), RangeScale(scale=0.0)) == {}
+
+
+def test_jitter_in_samples_is_said_in_metres() -> None:
+    made = said(TimestampJitter(jitter_samples=0.0605))
+    assert made == {"timestamp-jitter": "ranges scatter by 0.0182 m (one standard deviation)"}
 
 
 def test_where_it_acts_in_part_of_the_rows_alone_is_said() -> None:

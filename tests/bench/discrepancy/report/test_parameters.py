@@ -68,3 +68,8 @@ def test_the_values_shown_stay_in_the_order_of_their_levels() -> None:
 def test_a_screen_beside_a_report_names_what_was_skipped_in_one_line() -> None:
     assert skipped_line({}) == ""
     assert skipped_line({"b": "needs los", "a": "needs cir"}).endswith("says why): a, b")
+
+
+def test_of_a_curve_that_crosses_zero_nobody_asks_how_many_values_may_be_zero() -> None:
+    knots = [ParameterEstimate(f"bias_m[{30 * i} deg]", 0.1 * i, 0.0, 1.0, "m") for i in range(9)]
+    assert parameter_lines(knots)[-1].endswith("more values of bias_m along the curve")
