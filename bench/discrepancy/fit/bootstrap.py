@@ -1,7 +1,7 @@
 """Intervals of values per device and per level: they are estimated again on resampled links.
 
 Basic bootstrap over links (Efron and Tibshirani 1993) around the estimate, Student's t for the
-few links there are.
+few links there are. Where values are many, of every device, links stay and their errors are drawn.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.headings import HEADINGS_DEG, curve_over
 from bench.discrepancy.fit.heard import WARM, Heard
 from bench.discrepancy.fit.least_squares import ends
+from bench.discrepancy.fit.leverage import Errors, device_columns, errors_of
 from bench.discrepancy.fit.per_device import KNOTS_DBM, curve_at_knots, delay_told, delays_of
 from bench.discrepancy.fit.walls import delays_of_kinds
 from bench.discrepancy.settings import (
@@ -167,7 +168,7 @@ def latent_intervals(
 ) -> tuple[ParameterEstimate, ...]:
     """Return the values an effect holds with 90 % intervals, none where it holds none.
 
-    Half of the variance is that of links drawn again, half that of what all links scatter by: the
+    Half of the variance is that of links as they are, half that of what all links scatter by: the
     few links that tell of one level or heading may lie close by chance. Of all that it acts on:
     behind a wall links differ as walls do, in the open they do not.
     """
@@ -177,23 +178,61 @@ def latent_intervals(
     if found is None or made is None or whole is None:
         return ()
     names, unit, values = found
-    residual, every = made[1], np.arange(len(made[1]))
-    centre = values(every, residual, True)
-    links = np.unique(view.links)
-    own = np.stack([values(rows, residual, False) for rows in _resampled(view.links, links)])
-    moved = np.abs(made[1] - whole[1]) > MOVED_M
-    acts = np.isin(links, view.links[moved])
-    left = [whole[1][rows] for rows in _exchanged(view.links, links, acts)]
-    all_alike = np.stack([values(every, one, False) for one in left])
-    wide = float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(len(links) - 1, 1)))
-    wide *= np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
-    spread = np.sqrt((_spread(own) ** 2 + _spread(all_alike) ** 2) / 2)
-    half = LEAST_HALF + wide * spread * np.sqrt(len(links) / max(len(links) - 1, 1))
+    columns = device_columns(view, effect)
+    if columns is None:
+        spread = _drawn_again(view, values, made[1], whole[1])
+    else:
+        errors = errors_of(whole[1], view.links, columns)
+        spread = _of_devices(view, values, made[1] - whole[1], errors)
+    centre = values(np.arange(len(made[1])), made[1], True)
     return tuple(
         ParameterEstimate(name, float(v), float(v - h), float(v + h), unit)
-        for name, v, h in zip(names, centre, half, strict=True)
+        for name, v, h in zip(names, centre, LEAST_HALF + spread, strict=True)
         if np.isfinite(v) and np.isfinite(h)
     )
+
+
+def _drawn_again(view: View, values: Values, before: Floats, left: Floats) -> Floats:
+    """Return half the width of every interval, of links drawn again.
+
+    `before` and `left`: residual ranges [n] without and with the effect.
+    """
+    links, every = np.unique(view.links), np.arange(len(before))
+    own = np.stack([values(rows, before, False) for rows in _resampled(view.links, links)])
+    acts = np.isin(links, view.links[np.abs(before - left) > MOVED_M])
+    drawn = [left[rows] for rows in _exchanged(view.links, links, acts)]
+    alike = np.stack([values(every, one, False) for one in drawn])
+    wide = _student(len(links) - 1) * np.sqrt(1 + 1 / (RESIDUAL_MEMBERS * view.rich))
+    return np.asarray(
+        _mean_spread(own, alike) * wide * np.sqrt(len(links) / max(len(links) - 1, 1))
+    )
+
+
+def _of_devices(view: View, values: Values, fitted_m: Floats, errors: Errors) -> Floats:
+    """Return the same of many values: rows stay, and the errors of links are drawn (Wu 1986).
+
+    Links drawn again leave devices few of their links or none, and values scatter more than they
+    do; each keeps its own errors instead, with either sign, or those of another link. What
+    simulated rows scatter by is in these. `fitted_m` [n] is what the values do.
+    """
+    links, every = np.unique(view.links), np.arange(len(fitted_m))
+    code = np.searchsorted(links, view.links)
+    telling = links[errors.own] if errors.own.any() else links
+    others = [errors.left_m[rows] for rows in _taken(view.links, ((links, telling),))]
+    signs = np.random.default_rng(2).choice([-1.0, 1.0], (VALUE_DRAWS, len(links)))
+    own = np.where(errors.own[code], signs[:, code] * errors.left_m, others)
+    drawn = [[values(every, fitted_m + e, False) for e in some] for some in (own, others)]
+    return _mean_spread(*map(np.stack, drawn)) * _student(errors.free)
+
+
+def _student(freedom: int) -> float:
+    """Return how many standard deviations half an interval is."""
+    return float(student.ppf((1 + INTERVAL_LEVEL) / 2, max(freedom, 1)))
+
+
+def _mean_spread(one: Floats, other: Floats) -> Floats:
+    """Return the root mean of two variances of every value, over draws [draws, k] each."""
+    return np.asarray(np.sqrt((_spread(one) ** 2 + _spread(other) ** 2) / 2))
 
 
 def _spread(draws: Floats) -> Floats:
@@ -220,14 +259,22 @@ def _exchanged(codes: Rows, links: Rows, acts: NDArray[np.bool_]) -> list[Rows]:
     `VALUE_DRAWS` times: what a link keeps stays with it, whichever link it falls to. Links that an
     effect `acts` on, [L], are taken for one another, and so are those that it leaves as they are.
     """
-    rng = np.random.default_rng(1)
-    rows = {link: np.flatnonzero(codes == link) for link in links}
     alike = [pool for pool in (links[acts], links[~acts]) if len(pool)]
+    return _taken(codes, [(pool, pool) for pool in alike])
+
+
+def _taken(codes: Rows, pools: Sequence[tuple[Rows, Rows]]) -> list[Rows]:
+    """Return the same for links that take those of others: pairs of both.
+
+    Each row once, before one comes again: the mean of a link is no surer, and no less sure, then.
+    """
+    rng = np.random.default_rng(1)
+    rows = {link: np.flatnonzero(codes == link) for link in np.unique(codes)}
     out = []
     for _ in range(VALUE_DRAWS):
         taken = np.empty(len(codes), np.intp)
-        for pool in alike:
-            for link, other in zip(pool, rng.choice(pool, len(pool)), strict=True):
-                taken[rows[link]] = rng.choice(rows[other], len(rows[link]))
+        for pool, some in pools:
+            for link, other in zip(pool, rng.choice(some, len(pool)), strict=True):
+                taken[rows[link]] = np.resize(rng.permutation(rows[other]), len(rows[link]))
         out.append(taken)
     return out

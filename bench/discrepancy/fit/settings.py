@@ -26,3 +26,5 @@ SCALE_SETTLED: Final = 0.02  # relative change of the scatter that ends the pass
 BEYOND_CURVE_DB: Final = 1.0  # above the largest level of a DW1000's curve, and
 BEYOND_CURVE_SHARE: Final = 0.02  # the share of rows logged there, from which on levels are taken
 # as they are logged [source: APS011, fig. 5; RECORDED: of 75 819 rows none is above it]
+MOST_LEVERAGE: Final = 0.9  # of a link: more, and a fit follows it, so what it leaves of it tells
+# nothing of its errors [convention]
