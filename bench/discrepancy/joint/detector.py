@@ -19,6 +19,7 @@ from bench.discrepancy.joint.settings import (
     CENTRE_SAMPLES,
     DEAF_TIMES,
     EDGE_AT,
+    EDGE_EARLY_NS,
     EDGE_OF_NOISE,
     EDGE_OF_PEAK,
     EDGE_PARTS,
@@ -82,17 +83,31 @@ def learned(versions: Sequence[Heard]) -> Detector:
     return min((USUAL, *TIMED), key=lambda one: _off_ns(one, versions))
 
 
-def as_deaf(told: Detector, versions: Sequence[Heard]) -> tuple[Detector, ...]:
+def as_deaf(told: Detector, versions: Sequence[Heard], recorded: Heard) -> tuple[Detector, ...]:
     """Return the deafest detectors, by noise and by peak, that find the same in simulated rows.
 
-    How deaf one is shows only by what it passes over: no more can be said of it.
+    How deaf one is shows only by what it passes over. But none is deafer than the one that made the
+    recorded indices: where these lie before what it would find, it found that path.
     """
     by_noise = [replace(told, of_noise=told.of_noise * times) for times in DEAF_TIMES]
     by_peak = [replace(told, of_peak=told.of_peak * times) for times in DEAF_TIMES]
     by_peak = [one for one in by_peak if one.of_peak < 1]
     least = _off_ns(told, versions) + EDGE_SPARE_NS
-    able = ([one for one in way if _off_ns(one, versions) <= least] for way in (by_noise, by_peak))
-    return tuple(way[-1] for way in able if way)
+    early = _passed_ns(told, recorded) + EDGE_EARLY_NS
+
+    def able(one: Detector) -> bool:
+        return _off_ns(one, versions) <= least and _passed_ns(one, recorded) <= early
+
+    ways = [list(filter(able, way)) for way in (by_noise, by_peak)]
+    return tuple(way[-1] for way in ways if way)
+
+
+def _passed_ns(detector: Detector, heard: Heard) -> float:
+    """Return how long before the edges of a detector the indices of rows lie in the mean, in ns.
+
+    Another path counts `EDGE_WRONG_NS`.
+    """
+    return float(np.nanmean(np.clip(detector.edges_ns(heard), 0.0, EDGE_WRONG_NS)))
 
 
 def _off_ns(detector: Detector, versions: Sequence[Heard]) -> float:

@@ -25,6 +25,7 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.detector import USUAL, Detector, Heard, as_deaf, learned
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
+    CLASS_NATS,
     LATE_ERRORS,
     LATE_FRACTIONS,
     LATE_LEAST_M,
@@ -60,10 +61,12 @@ class Late:
         return likelihood(self.range_m - self.index_m) - likelihood(self.range_m)
 
     @property
-    def share(self) -> float:
-        """How many times the index the range moves by, as is likeliest."""
-        fits = [likelihood(self.range_m - share * self.index_m) for share in LATE_SHARES]
-        return float(LATE_SHARES[int(np.argmax(fits))])
+    def follows(self) -> bool:
+        """Whether ranges move about as far as the index, for all that is known (20 to 1)."""
+        shares = np.asarray(LATE_SHARES)
+        fits = np.array([likelihood(self.range_m - share * self.index_m) for share in shares])
+        near = (shares >= 1 / LATE_TIMES) & (shares <= LATE_TIMES)
+        return bool(fits[near].max() >= fits.max() - CLASS_NATS)
 
     @property
     def later(self) -> float:
@@ -76,10 +79,15 @@ class Late:
         return float(seen.sum() / np.sqrt(np.sum(np.maximum(own**2, LATE_OWN))))
 
     @property
+    def moved(self) -> bool:
+        """Whether first paths were found at another place, later or sooner."""
+        follow = self.follows and self.nats >= NAME_NATS
+        return abs(self.later) >= LATE_ERRORS and follow
+
+    @property
     def found(self) -> bool:
         """Whether first paths were found late."""
-        near = 1 / LATE_TIMES <= self.share <= LATE_TIMES
-        return self.later >= LATE_ERRORS and near and self.nats >= NAME_NATS
+        return self.moved and self.later > 0
 
 
 def likelihood(left_m: Floats) -> float:
@@ -181,7 +189,7 @@ def _is_late(search: Search, rows: View) -> bool:
     if seen is None or not _late(seen):
         return False
     told = learned(seen.versions)
-    return all(_late(seen, one) for one in (told, *as_deaf(told, seen.versions)))
+    return all(_late(seen, one) for one in (told, *as_deaf(told, seen.versions, seen.recorded)))
 
 
 def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
@@ -222,3 +230,13 @@ def holds(search: Search, late: LateDetection, choice: WaveChoice) -> bool:
     if choice.unlisted:
         return False
     return _late(seen_beside(search, compared_rows(search), without(choice.added, late)))
+
+
+def moved(search: Search, choice: WaveChoice) -> bool:
+    """Return whether first paths are found elsewhere than beside a set, and ranges follow.
+
+    Then what is off in ranges lies in where a path is found, and is no delay, clock or scale.
+    """
+    seen = seen_beside(search, compared_rows(search), choice.added)
+    found = seen.late_by() if seen else None
+    return found is not None and found.moved

@@ -144,6 +144,8 @@ DEAF_TIMES: Final = tuple(1.25**step for step in range(1, 10))  # deafer, that i
 EDGE_WRONG_NS: Final = 3.0  # from where on an edge is another path: a pulse lasts 2 ns [derived]
 EDGE_SPARE_NS: Final = 0.005  # on the mean, by which deafer detectors may differ in simulated rows:
 # one edge in 600 is another path [convention]
+EDGE_EARLY_NS: Final = 0.03  # on the mean, by which a recorded index may lie before what a deafer
+# detector finds: one in 100 is of noise [convention]
 LATE_MEMBERS: Final = 4  # simulated versions whose edges are found [cost]
 LATE_SIZES_M: Final = tuple(1e-3 * 10 ** (0.1 * step) for step in range(41))
 # scatters of links that are tried, up to 10 m [cost]

@@ -13,7 +13,7 @@ from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.late import found_late, holds, with_late
+from bench.discrepancy.joint.late import found_late, holds, moved, with_late
 from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
@@ -70,7 +70,8 @@ def selected(state: State, journal: Journal) -> Selection:
     state = replace(state, added=choice.added)
     rounds = safely("rounds", kept(rounds_of), ())(search, choice, located)
     state = replace(state, rounds=(*state.rounds, *(rounds or (Round(located, None, None),))))
-    state = with_range_part(state, journal, choice.unlisted)
+    elsewhere = safely("places of first paths", kept(moved), False)(search, choice)
+    state = with_range_part(state, journal, choice.unlisted or elsewhere)
     if state.search.choice.mistaken:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
     state = safely("scatter", with_scatter, state)(state, journal, choice)

@@ -59,8 +59,15 @@ def test_a_weak_path_is_passed_over_by_a_detector_that_simulated_rows_do_not_exc
     plain = found(pulses(0.6)[0], hard_of_hearing())
     weak = found(pulses(0.2)[0], hard_of_hearing())
     assert np.median(USUAL.edges_ns(weak)) < -5
-    deaf = as_deaf(learned([plain]), [plain])
+    deaf = as_deaf(learned([plain]), [plain], weak)
     assert any(abs(np.median(one.edges_ns(weak))) < 1 for one in deaf)
+
+
+def test_no_detector_is_deafer_than_recorded_indices_show() -> None:
+    alone = found(pulses(3.0)[0], hard_of_hearing())
+    heard = found(pulses(0.4)[0], hard_of_hearing())
+    deaf = as_deaf(learned([alone]), [alone], heard)
+    assert all(abs(np.median(one.edges_ns(heard))) < 1 for one in deaf)
 
 
 def hard_of_hearing() -> Detector:

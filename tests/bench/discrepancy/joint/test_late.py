@@ -13,7 +13,7 @@ from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.late import Late, found_late, holds
+from bench.discrepancy.joint.late import Late, found_late, holds, moved
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
@@ -67,6 +67,20 @@ def test_it_is_none_where_waveforms_show_what_no_effect_explains() -> None:
     search = searched((LATE,))
     assert holds(search, LATE, WaveChoice((LATE,)))
     assert not holds(search, LATE, WaveChoice((LATE,), unexplained=True))
+
+
+def test_first_paths_found_elsewhere_are_seen_unless_a_set_has_that() -> None:
+    search = searched((LATE,))
+    assert moved(search, WaveChoice())
+    assert not moved(search, WaveChoice((LATE,)))
+    assert not moved(searched((AntennaDelay(delay_ns=0.5),)), WaveChoice())
+
+
+def test_a_share_is_wrong_only_where_ranges_exclude_it() -> None:
+    rng = np.random.default_rng(1)
+    index, noise = np.maximum(rng.normal(0, 0.1, 60), 0), rng.normal(0, 0.1, (2, 60))
+    assert Late(index, 0.6 * index + noise[0], noise[1]).follows
+    assert not Late(index, 0.6 * index + 0.02 * noise[0], noise[1]).follows
 
 
 def test_ranges_must_follow_the_index_by_as_much() -> None:
