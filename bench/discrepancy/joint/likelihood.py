@@ -8,7 +8,7 @@ it, every statistic by its own factors (a discrepancy allowance: Kennedy and O'H
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,6 +175,14 @@ def integrated(flat: Floats, columns: Floats) -> float:
 
     By Laplace's approximation at the likeliest factors, links weighed by how far they are off.
     """
+    freedom, (factors, inner) = TAIL + flat.shape[1], _likeliest(flat, columns)
+    left = flat - columns @ factors
+    nats = -0.5 * float(freedom * np.log1p((left**2).sum(axis=1) / TAIL).sum())
+    return nats - 0.5 * float(factors @ factors) - 0.5 * float(np.linalg.slogdet(inner)[1])
+
+
+def _likeliest(flat: Floats, columns: Floats) -> tuple[Floats, Floats]:
+    """Return the likeliest normal factors [k] of columns, and the curvature there [k, k]."""
     freedom, count = TAIL + flat.shape[1], columns.shape[2]
     left, factors, inner = flat, np.zeros(count), np.eye(count)
     for _ in range(WEIGHINGS if count else 0):
@@ -183,8 +191,18 @@ def integrated(flat: Floats, columns: Floats) -> float:
         inner = heavy.T @ columns.reshape(-1, count) + np.eye(count)
         factors = np.linalg.solve(inner, heavy.T @ flat.ravel())
         left = flat - columns @ factors
-    nats = -0.5 * float(freedom * np.log1p((left**2).sum(axis=1) / TAIL).sum())
-    return nats - 0.5 * float(factors @ factors) - 0.5 * float(np.linalg.slogdet(inner)[1])
+    return factors, inner
+
+
+def without_own(given: Statistics, moments: Moments, responses: Responses) -> Moments:
+    """Return statistics less what devices or kinds have of their own, where that is likelier."""
+    if moments.own is None or not moments.own.size:
+        return moments
+    matrices, _ = whitener(given, moments, responses)
+    flat, own = white(matrices, moments.left), own_columns(matrices, moments)
+    if integrated(flat, own) <= integrated(flat, own[..., :0]):
+        return moments
+    return replace(moments, left=moments.left - moments.own @ _likeliest(flat, own)[0])
 
 
 def own_columns(matrices: Floats, moments: Moments) -> Floats:

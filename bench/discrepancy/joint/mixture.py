@@ -18,8 +18,8 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between, free_parameters
 from bench.discrepancy.joint.chance import highest
-from bench.discrepancy.joint.likelihood import link_nats, white, whitener
-from bench.discrepancy.joint.polish import polished
+from bench.discrepancy.joint.likelihood import link_nats, white, whitener, without_own
+from bench.discrepancy.joint.polish import fitted, polished
 from bench.discrepancy.joint.settings import (
     CALM_FEWEST,
     CALM_SHARE,
@@ -75,7 +75,7 @@ class Mixture:
         self.free = [p for p in free_parameters(kind) if p.name != kind.strikes[0]]
         inert = kind().inert(Base().paths(given.rows.scene))
         self.inert = np.bincount(given.code, inert) == given.count
-        self.bare = given.needed(beside)
+        self.bare = in_place(given, beside)
         self.spared = link_nats(given, self.bare, ())
         self.tried: list[Mixed] = []
         self.begun = self._at({p.name: p.default for p in self.free})
@@ -115,7 +115,11 @@ class Mixture:
         """Return the statistics where every link is struck, None where there are none."""
         assert self.kind.strikes is not None
         effect = valued(self.kind, {**values, self.kind.strikes[0]: 1.0})
-        return self.given.moments((*self.beside, effect))
+        made, bare = self.given.moments((*self.beside, effect)), self.bare
+        if made is None:
+            return None
+        left = bare.left + bare.mean - made.mean
+        return replace(made, left=left, uneven=bare.uneven)
 
     def _more(self, moments: Moments, bare: Moments, spared: Floats) -> Floats:
         """Return how much likelier every link [L] is if struck, in nats."""
@@ -145,6 +149,21 @@ def mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
     nats = (spared + each).sum(axis=1)
     share = SHARES[nats.argmax()]
     return Mixed(values, nats, np.asarray(more + np.log(share) - np.log1p(-share)))
+
+
+def in_place(given: Statistics, effects: Added) -> Moments:
+    """Return the statistics beside effects, less what kinds of walls have of their own of these.
+
+    Or devices of a noise floor; links may have more or less of it, too, where that is likelier. A
+    wall of another make strikes no link at random. Raises BenchError where nothing is simulated.
+    """
+    varied = any(type(one).by_kind or type(one).by_device for one in effects)
+    fit = fitted(given, effects) if varied else None
+    if fit is None:
+        return given.needed(effects)
+    able = (replace(fit.moments, uneven=one) for one in (None, fit.moments.uneven))
+    less = (without_own(given, one, ()) for one in able)
+    return max(less, key=lambda one: float(link_nats(given, one, ()).sum()))
 
 
 @dataclass(frozen=True)

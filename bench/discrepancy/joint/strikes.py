@@ -27,7 +27,7 @@ from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import link_nats
-from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_turns, worth
+from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_place, in_turns, worth
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
     CLASS_NATS,
@@ -136,7 +136,7 @@ def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
 
 def _common(given: Statistics, added: Added) -> float:
     """Return how likely all links are beside effects that strike none, in nats paid for."""
-    return given.worth(link_nats(given, given.needed(added), ()).sum(), added)
+    return given.worth(link_nats(given, in_place(given, added), ()).sum(), added)
 
 
 def _found(given: Statistics, bases: Sequence[Added], kind: type[Effect]) -> Found | None:

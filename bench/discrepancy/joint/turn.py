@@ -241,4 +241,4 @@ def _struck(state: State, turn: Round, found: Strike) -> Verdict:
     said = struck_out(search, turn, found, state.added)
     if found.effect in every:
         return with_untried(search, every, (said,))[0]
-    return with_unlisted(search, said)
+    return with_unlisted(search, said, state.added)

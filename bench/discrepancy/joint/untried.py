@@ -20,13 +20,14 @@ from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.unlisted import with_obstacles
+from bench.discrepancy.select.unlisted import needing, with_obstacles
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
+from bench.physics.slabs import unlisted
 from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
@@ -72,8 +73,8 @@ def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Eff
     return Ambiguous(options, separating(options))
 
 
-def with_unlisted(search: Search, said: Verdict) -> Verdict:
-    """Return the verdict on what struck links, with what obstacles do that nobody listed.
+def with_unlisted(search: Search, said: Verdict, added: Added = ()) -> Verdict:
+    """Return the verdict on what struck links beside `added`, with what unlisted obstacles do.
 
     An obstructed path is what these do to a link that they stand in the way of. In a table that is
     what a blocked path does, too: of the rays round what stands there the table has none.
@@ -81,12 +82,22 @@ def with_unlisted(search: Search, said: Verdict) -> Verdict:
     fitted = _options(said)
     known = {type(one.effect) for one in fitted}
     if ObstructedPath in known:
-        return with_obstacles(search, fitted, said)
+        return with_obstacles(search, fitted, said, tried_alike(search, added))
     again = isinstance(search.comparison, Resimulation)
     if BlockedPath not in known or again or ObstructedPath.name not in search.kinds:
         return said
     options = (*fitted, not_tried(fitted[0], ObstructedPath(), NO_RAYS))
     return Ambiguous(options, separating(options))
+
+
+def tried_alike(search: Search, added: Added) -> list[type[Effect]]:
+    """Return the effects of obstacles that were tried with the same one in every way.
+
+    A table that tells which ways are clear, and not what stands in the others, has walls of any
+    make in some of these: they strike links as by chance.
+    """
+    kinds = needing(kind for kind in search.kinds.values() if kind not in map(type, added))
+    return kinds if kinds and unlisted(search.fit.scene).any() else []
 
 
 def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:

@@ -8,10 +8,13 @@ says what stands where, walls and edges could not be tried and are not excluded.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import WALLS_M
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 
 OBSTACLES = "obstacles"
@@ -28,15 +31,21 @@ def with_walls(search: Search, said: Verdict) -> Verdict:
     return with_obstacles(search, (said,), said)
 
 
-def with_obstacles(search: Search, fitted: tuple[LeftOut, ...], said: Verdict) -> Verdict:
+def with_obstacles(
+    search: Search, fitted: tuple[LeftOut, ...], said: Verdict, alike: Sequence[type[Effect]] = ()
+) -> Verdict:
     """Return a verdict of effects that were fitted, with those that need obstacles listed.
 
-    As it is where these were tried.
+    As it is where these were tried; `alike`: as if the same stood in every way, which is no trial.
     """
-    able = search.untried.values()
-    kinds = [kind for kind in able if any(OBSTACLES in way for way in kind.needs)]
+    kinds = [*needing(search.untried.values()), *alike]
     options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said
+
+
+def needing(kinds: Iterable[type[Effect]]) -> list[type[Effect]]:
+    """Return those of some effects that go by what stands in the way."""
+    return [kind for kind in kinds if any(OBSTACLES in way for way in kind.needs)]
 
 
 def _short(said: LeftOut) -> bool:

@@ -11,9 +11,11 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.likelihood import misfits
+from bench.discrepancy.joint.likelihood import link_nats, misfits
+from bench.discrepancy.joint.mixture import in_place
 from bench.discrepancy.joint.polish import polished
 from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.base import Base
 from bench.physics.effects.propagation.diffraction import Diffraction
@@ -68,6 +70,17 @@ def test_walls_of_two_kinds_are_of_one_name_though_no_one_scale_is_right():
     assert (left**2).mean() < 1 < (of_uniform**2).mean()
     sets = Sets(given.comparison, given.rows, given.rows, (MaterialDelay, Diffraction, PathLoss))
     assert [effect.name for effect in sets.chosen().named] == ["material-delay"]
+
+
+def test_links_are_asked_whether_they_were_struck_beside_what_their_kind_of_wall_does():
+    given = statistics()
+    fit = polished(given, (MaterialDelay(),))
+    assert fit is not None
+    made = given.needed(fit.effects), in_place(given, fit.effects)
+    whole, less = (link_nats(given, one, ()) for one in made)
+    through = given.kinds.any(axis=1)
+    assert (less - whole)[through].sum() > 10 * NAME_NATS
+    assert np.abs((less - whole)[~through]).max() < 0.1
 
 
 def test_what_metal_does_is_left_to_diffraction():
