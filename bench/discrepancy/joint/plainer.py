@@ -13,8 +13,10 @@ from dataclasses import replace
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.polish import Fit, fitted
+from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.pattern_gain import PatternGain
 
 
 def plainer(given: Statistics, fit: Fit, evidence: Callable[[Fit], float]) -> Fit:
@@ -27,6 +29,21 @@ def plainer(given: Statistics, fit: Fit, evidence: Callable[[Fit], float]) -> Fi
             if made and evidence(made) > evidence(best):
                 best = made
     return best
+
+
+def flat_gain(given: Statistics, fit: Fit, rest: Fit, evidence: Callable[[Fit], float]) -> bool:
+    """Return whether what a set has beside its `rest` is a gain over the heading but for its waves.
+
+    Its mean alone is so many decibels everywhere, which no table tells, and no pattern. Waves must
+    bring what a name must, also as a share of what the gain does.
+    """
+    gains = [e for e in fit.effects if isinstance(e, PatternGain) and e.name not in rest.names]
+    if not gains:
+        return False
+    flat = PatternGain(mean_db=gains[0].mean_db)
+    made = fitted(given, _with(fit.effects, fit.effects.index(gains[0]), flat))
+    least = max(NAME_NATS, NAME_SHARE * (evidence(fit) - evidence(rest)))
+    return made is not None and evidence(fit) - evidence(made) < least
 
 
 def _with(effects: Added, place: int, other: Effect) -> Added:

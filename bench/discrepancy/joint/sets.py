@@ -21,7 +21,7 @@ from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
 from bench.discrepancy.joint.likelihood import evidence, left_free
-from bench.discrepancy.joint.plainer import plainer
+from bench.discrepancy.joint.plainer import flat_gain, plainer
 from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.screen import Screen
@@ -267,6 +267,8 @@ class Sets:
 
     def _own(self, fit: Fit, rest: Fit) -> bool:
         """Return whether a set does more than its rest and a level, and links agree on that."""
+        if flat_gain(self.given, fit, rest, self.evidence):
+            return False
         return brings_its_own(self.given, self._plain(fit), self._plain(rest), self.struck)
 
     def _by_chance(self, fit: Fit, name: str) -> float:
@@ -296,6 +298,7 @@ class Sets:
         near = [one for one in made if self.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]
         able = [one for one in (*near, *same) if not self._told(fit, one)]
+        able = [one for one in able if not flat_gain(self.given, one, rest, self.evidence)]
         best = {one.names[-1]: one.effects[-1] for one in sorted(able, key=self.evidence)}
         return tuple(best[one] for one in reversed(best) if one != name)
 

@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 from test_joint_sets import compared, recordings
 
+from bench.discrepancy.joint.likelihood import evidence
+from bench.discrepancy.joint.plainer import flat_gain
+from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.strikes import told_of_both
 from bench.physics.base import Base
+from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern, heading_rad
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -35,6 +39,24 @@ def test_a_gain_is_found_at_any_phase_and_is_no_shadowing(phase_deg: float) -> N
     turn = heading_rad(rows.scene)
     wanted = -2.0 * np.cos(turn - np.radians(phase_deg))
     np.testing.assert_allclose(found.added[0].gain_db(turn), wanted, atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "flat"), [(PathLoss(offset_db=5.0), True), (AntennaPattern(gain_db=2.0), False)]
+)
+def test_a_mean_gain_without_waves_is_no_pattern(hidden: Effect, flat: bool) -> None:
+    frame = recordings().assign(azimuth_deg=HEADINGS)
+    made = Simulator(Base(), (hidden,), 5, "test").observe(scene(frame), 5, 77).table(frame)
+    given = Statistics(*compared(made.assign(azimuth_deg=HEADINGS)))
+    fit, none = polished(given, (PatternGain(),)), fitted(given, ())
+    assert fit is not None
+    assert none is not None
+
+    def worth(of: Fit) -> float:
+        return evidence(given, of.moments, of.responses, of.parameters)
+
+    assert flat_gain(given, fit, none, worth) is flat
+    assert not flat_gain(given, fit, fit, worth)
 
 
 def test_waves_of_a_heading_are_known() -> None:
