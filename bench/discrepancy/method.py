@@ -1,8 +1,7 @@
 """The method, in the order of a page.
 
 split -> compare -> (locate -> explain -> order -> add -> fit again -> prune) -> verdicts ->
-confirm. Every step is a function of the module it is imported from; `kept(step)` is the same step,
-its result remembered where a journal is kept, so that a diagnosis that was stopped goes on.
+confirm. Each step is a function; `kept(step)` is the same, remembered in a journal for a next run.
 """
 
 from __future__ import annotations
@@ -35,6 +34,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.evidence import Evidence, evidence
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation, library, offered
+from bench.discrepancy.select.circle import Circle
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.elsewhere import elsewhere_too
@@ -211,7 +211,7 @@ def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Record
     """Return the options with what they leave open decided; without waveforms no CIR is seen."""
     if asked.waveform is not None:
         return asked if asked.waveform else replace(asked, hide=(*asked.hide, *CIR_COLUMNS))
-    both = [recorded, *([simulated] if isinstance(simulated, Recordings) else [])]
+    both = [table for table in (recorded, simulated) if isinstance(table, Recordings)]
     shown = [hidden(table.frame, asked.hide) for table in both]
     return replace(asked, waveform=all(map(has_waveforms, shown)))
 
@@ -246,7 +246,7 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
 
     Where a column was set aside by mistake, nothing but that is said.
     """
-    state, journal = with_logs(State(search)), journal or Journal()
+    state, journal, circle = with_logs(State(search)), journal or Journal(), Circle()
     if search.fit.waveform:
         return waves.selected(state, journal)
     if spoilt := state.guard.safely("recorder", spoilt_ranges, None)(state):
@@ -256,7 +256,7 @@ def select_effects(search: Search, journal: Journal | None = None) -> Selection:
         state = one_round(state, turn, journal)
         if state.search.choice.mistaken:
             return Selection((), (), (), mistaken=state.search.choice.mistaken)
-        if state.finished:
+        if state.finished or circle.closed_by(state):
             break
     return concluded(state, journal)
 

@@ -84,8 +84,8 @@ class Adequacy:
         sure = f"({self.z:.1f} standard errors)"
         if self.left >= LIKE_NONE:
             return (
-                f"like none of the known effects: with the nearest, {name}, {self.where} still "
-                f"differs by as much as it changes anything {sure}"
+                f"like none of the known effects: the nearest, {name}, leaves {self.where} off by "
+                f"as much as it changes anything there {sure}"
             )
         return (
             f"looks most like {name}, but with it {self.where} still differs, by {self.left:.0%} "

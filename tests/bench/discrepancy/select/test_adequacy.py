@@ -193,7 +193,7 @@ def test_the_worst_name_is_taken_back_and_the_rest_asked_again(
     found = _checked(monkeypatch, (tail, noise), lambda beside, _: len(beside) == 1, missed=False)
     assert found.simulated == found.added == (noise,)
     assert [doubt.effect for doubt in found.doubts] == [tail]
-    assert "the nearest, diffuse-tail" in str(found.doubts[0])
+    assert "the nearest, diffuse-tail, leaves" in str(found.doubts[0])
 
 
 def test_a_refused_effect_that_links_miss_stays_in_the_simulator_without_its_name(
