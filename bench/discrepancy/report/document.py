@@ -111,7 +111,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     lines += ["## Pictures", ""]
     for name, caption in figures:
         lines += [f"![{caption}]({name})", f"*{caption}.*", ""]
-    lines += value_table(diagnosis.selection.verdicts)
+    lines += value_table(diagnosis.selection.verdicts, diagnosis.simulator is not None)
     lines += _method_lines(diagnosis)
     return "\n".join(map(named, lines)) + "\n"  # names of devices may hold line ends
 

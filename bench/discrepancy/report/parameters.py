@@ -52,13 +52,23 @@ def _rest(
     return f"and {len(left)} more values of {name}, {told}"
 
 
-def value_table(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return every parameter of everything named, for the end of the report."""
+AS_WRITTEN = (
+    "`simulator.toml` holds the values of the last fit of all effects together; those above were "
+    "fitted once more for their intervals, with other random draws, so their last digits differ."
+)
+
+
+def value_table(verdicts: Sequence[Verdict], written: bool = False) -> list[str]:
+    """Return every parameter of everything named, for the end of the report.
+
+    `written`: a new simulator has them, too.
+    """
     named = [one for one in verdicts if isinstance(one, LeftOut)]
     named += [option for one in verdicts if isinstance(one, Ambiguous) for option in one.options]
     lines = [f"- {one.names[0]}: {parameter}" for one in named for parameter in one.parameters]
     seen = [line for one in verdicts if isinstance(one, NoMismatch) for line in _shifts(one)]
-    out = ["## Every value (90 % intervals)", "", *lines, ""] if lines else []
+    more = [AS_WRITTEN, ""] if written else []
+    out = ["## Every value (90 % intervals)", "", *lines, "", *more] if lines else []
     return out + (["## Smallest shifts of all rows that would show", "", *seen, ""] if seen else [])
 
 

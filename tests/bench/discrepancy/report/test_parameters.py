@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.report.parameters import (
     detectable_line,
@@ -10,8 +11,9 @@ from bench.discrepancy.report.parameters import (
     skipped_lines,
     value_table,
 )
-from bench.discrepancy.select.verdict import NoMismatch
+from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch
 from bench.discrepancy.settings import SHOWN_VALUES
+from bench.physics.effects.ranging.range_scale import RangeScale
 
 
 def delay(device: str, value_ns: float, half_ns: float = 0.1) -> ParameterEstimate:
@@ -73,3 +75,12 @@ def test_a_screen_beside_a_report_names_what_was_skipped_in_one_line() -> None:
 def test_of_a_curve_that_crosses_zero_nobody_asks_how_many_values_may_be_zero() -> None:
     knots = [ParameterEstimate(f"bias_m[{30 * i} deg]", 0.1 * i, 0.0, 1.0, "m") for i in range(9)]
     assert parameter_lines(knots)[-1].endswith("more values of bias_m along the curve")
+
+
+def test_a_report_says_why_the_last_digits_of_a_simulator_are_others() -> None:
+    one = LeftOut(
+        RangeScale(), (ParameterEstimate("scale", 0.1, 0.0, 0.2, "m/m"),), Estimate(1, 1, 1), 1.0,
+        Control("", None),
+    )  # fmt: skip
+    assert "other random draws" in " ".join(value_table((one,), written=True))
+    assert "other random draws" not in " ".join(value_table((one,)))
