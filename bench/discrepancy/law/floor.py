@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed
 from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.law.structures import Fitted
 
 Floats = NDArray[np.float64]
@@ -47,6 +48,10 @@ class Floor:
 
 
 def floors(given: Material) -> Iterator[Floor]:
-    """Yield the fault where heights are known that the truth may lack (see `Material.rise_m`)."""
-    if given.rise_m is not None:
-        yield Floor()
+    """Yield the fault where heights are known that the truth may lack (see `Material.rise_m`).
+
+    Not where they hardly lengthen the way: what does nearly nothing would pass for a small law.
+    """
+    made = Floor()
+    if float(np.median(made.shift_m(given, ()))) > LAW_SAME_PLACE_M:
+        yield made

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.law.floor import floors
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.search import propose
@@ -53,3 +56,10 @@ def test_a_truth_with_heights_or_places_that_are_not_its_own_has_no_such_fault()
     assert of(made, LINKS < 60).rise_m is None
     assert propose(of(made, LINKS < 60), 0) is None
     assert propose(of(rows(False, False), LINKS < 60), 0) is None
+
+
+def test_heights_that_hardly_matter_are_no_fault() -> None:
+    made = of(rows(True, True), LINKS < 60)
+    assert made.rise_m is not None
+    assert len(list(floors(made))) == 1
+    assert not list(floors(replace(made, rise_m=made.rise_m / 20)))
