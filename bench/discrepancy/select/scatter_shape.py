@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,13 @@ from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.row_scatter import about_links
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.select.settings import BOUNDED_P, FEWEST_SHAPED, NO_SCATTER_SHARE, SHAPE_Z
+from bench.discrepancy.select.settings import (
+    BOUNDED_P,
+    FEWEST_SHAPED,
+    NO_SCATTER_SHARE,
+    OVERDONE_P,
+    SHAPE_Z,
+)
 from bench.discrepancy.select.within_links import components, drawn_by_rows
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
@@ -40,6 +48,8 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
     )
     if steady(whole, rest):
         return Adequacy(False, 1.0, note="rows of one link scatter no more than simulated ones")
+    if overdone(whole, rest):
+        return Adequacy(False, 1.0, note="rows of one link scatter far less than with it")
     return shape(whole)
 
 
@@ -50,39 +60,69 @@ def steady(whole: Ensemble, rest: Ensemble) -> bool:
     which a few simulated ranges far off leave as they are, at 5 % together; False where no link
     has several rows, or an effect moves all rows of a link alike.
     """
-    from scipy.stats import f
+    seen = _within(whole, rest)
+    if seen is None:
+        return False
+    return not min(_chances(rest, seen, "greater")) <= STEADY_P / 2
 
+
+def overdone(whole: Ensemble, rest: Ensemble) -> bool:
+    """Return whether ranges of one link surely scatter less than in `whole`, more so than `rest`.
+
+    By both tests of `steady`. A scatter as wide as offsets that links keep is such: a score of
+    single rows does not tell these from those.
+    """
+    seen = _within(whole, rest)
+    return seen is not None and max(_chances(whole, seen, "less")) <= OVERDONE_P
+
+
+def _within(whole: Ensemble, rest: Ensemble) -> NDArray[np.bool_] | None:
+    """Return the rows [n] that tell how ranges of one link scatter, None without or where unmoved.
+
+    Those of links of several, known in all versions.
+    """
     change = whole.simulated_of(RANGE) - rest.simulated_of(RANGE)
     if not drawn_by_rows(change, whole.links):
-        return False
-    values = rest.versions_of(RANGE)
+        return None
     code = np.unique(rest.links, return_inverse=True)[1]
-    several = (np.bincount(code)[code] > 1) & np.isfinite(values).all(axis=0)
-    free = int(several.sum()) - len(np.unique(code[several]))
-    if free < 1:
-        return False
+    known = [np.isfinite(one.versions_of(RANGE)).all(axis=0) for one in (whole, rest)]
+    several = (np.bincount(code)[code] > 1) & known[0] & known[1]
+    return several if int(several.sum()) > len(np.unique(code[several])) else None
+
+
+def _chances(
+    made: Ensemble, rows: NDArray[np.bool_], side: Literal["greater", "less"]
+) -> tuple[float, float]:
+    """Return the chances that ranges of one link scatter as much more or less than simulated ones.
+
+    Of variances, then of ranks; over some rows [n].
+    """
+    from scipy.stats import f
+
+    values = made.versions_of(RANGE)[:, rows]
+    code = np.unique(made.links[rows], return_inverse=True)[1]
+    free = int(rows.sum()) - len(np.unique(code))
     beside = values - values[1:].mean(axis=0)
-    within = np.array([components(one[several], code[several])[1] for one in beside])
+    within = np.array([components(one, code)[1] for one in beside])
     m = len(within) - 1
     simulated = max(float(within[1:].mean()) * m / max(m - 1, 1), LEAST_SCATTER_M**2)
-    recorded = float(within[0]) * m / (m + 1)
-    wider = f.sf(recorded / simulated, free, free * max(m - 1, 1)) <= STEADY_P / 2
-    return not wider and not _mostly_wider(beside[:, several], code[several])
+    law = f(free, free * max(m - 1, 1))
+    far = float(within[0]) * m / (m + 1) / simulated
+    return float(law.sf(far) if side == "greater" else law.cdf(far)), _ranked(beside, code, side)
 
 
-def _mostly_wider(beside: Floats, code: NDArray[np.intp]) -> bool:
-    """Return whether recorded deviations from links rank above simulated ones [1 + m, n].
+def _ranked(beside: Floats, code: NDArray[np.intp], side: Literal["greater", "less"]) -> float:
+    """Return the chance that deviations from links rank as far above or below simulated ones.
 
-    `beside` the mean of the simulated ones, to which these are nearer than a new one is.
+    Of values [1 + m, n] beside the mean of the simulated ones, to which these are nearer than a
+    new one is.
     """
     from scipy.stats import mannwhitneyu
 
     away = about_links(beside, code)
     m = len(away) - 1
     recorded, simulated = away[0] * np.sqrt(m / (m + 1)), away[1:] * np.sqrt(m / max(m - 1, 1))
-    return bool(
-        mannwhitneyu(recorded, simulated.ravel(), alternative="greater").pvalue <= STEADY_P / 2
-    )
+    return float(mannwhitneyu(recorded, simulated.ravel(), alternative=side).pvalue)
 
 
 def alike(recorded_m: Floats, simulated_m: Floats) -> bool:

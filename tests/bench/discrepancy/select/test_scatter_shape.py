@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select.scatter_shape import bounded, shape, steady
+from bench.discrepancy.select.scatter_shape import bounded, overdone, shape, steady
 from bench.discrepancy.select.within_links import rows_off
 
 LINKS = np.repeat(np.arange(60), 5)
@@ -69,6 +69,15 @@ def test_where_rows_of_a_link_scatter_as_simulated_nothing_scatters_them() -> No
         rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.1))
         assert steady(whole, rest) == told
     assert not steady(rest, rest)  # what draws nothing for rows is not asked
+
+
+def test_a_jitter_as_wide_as_offsets_that_links_keep_is_overdone() -> None:
+    rng = np.random.default_rng(6)
+    for jitter_m, told in ((0.0, True), (0.1, False)):
+        error_m = rng.normal(0, np.hypot(0.03, jitter_m), 300) + rng.normal(0, 0.1, 60)[LINKS]
+        rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.1))
+        assert overdone(whole, rest) == told
+    assert not overdone(rest, rest)  # nor is what draws nothing for rows
 
 
 def test_a_few_simulated_ranges_far_off_hide_no_wider_rows() -> None:
