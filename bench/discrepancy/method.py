@@ -38,17 +38,16 @@ from bench.discrepancy.select.circle import Circle
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.last_round import last_round
+from bench.discrepancy.select.last_round import last_round, unexplained
 from bench.discrepancy.select.level_slope import with_absorption, with_slope
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
 from bench.discrepancy.select.range_word import spoilt_ranges
 from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
-from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.scatter_size import with_sizes
 from bench.discrepancy.select.sealed import unrefused
-from bench.discrepancy.select.second_level import beyond_geometry, calmed
+from bench.discrepancy.select.second_level import beyond_geometry
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -288,20 +287,15 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
         again = safely("fitting again", kept(polished), added)  # by what was not struck
         return replace(state, search=search, added=again(search.comparison, search.fit, added))
     if best is None:
-        located = safely("levels left", kept(calmed), located)(search, added, located, turn)
-        if not located.significant:
-            return last_round(state, located, journal)
-        scatter = safely("scatter alone", kept(scatter_alone), None)
-        found = scatter(search, added, explanation, located)
-        last = struck_round(located, explanation, found) if found else None
-        return state.after(last or Round(located, explanation, None), finished=True)
+        return unexplained(state, located, explanation, turn, journal)
     return _with_best(state, located, explanation, best, journal)
 
 
 def _located(state: State, turn: int, journal: Journal) -> tuple[State, Located]:
     """Return what differs; an effect that this contradicts is taken out first."""
     located = journal.kept(locate_left)(state.search, state.added, turn)
-    refuted = contradicted(state.search, state.added, located)
+    sized = with_sizes(state.search, state.added)  # not as wide as links' own offsets make it
+    refuted = contradicted(state.search, sized, located)
     if refuted is None:
         return state, located
     search, added = state.search.without(refuted), without(state.added, refuted)

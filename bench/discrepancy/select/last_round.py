@@ -1,12 +1,18 @@
-"""The round in which nothing stands out any more, among thousands of places that were searched."""
+"""The round in which nothing stands out any more, or nothing explains what does."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bench.checkpoint.journal import Journal
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.marks import seen_first
-from bench.discrepancy.select.scatter_alone import scatter_beside
+from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside
+from bench.discrepancy.select.second_level import calmed
 from bench.discrepancy.select.state import Round, State
+from bench.discrepancy.select.stepwise import struck_round
 from bench.discrepancy.sets import turn as sets
 
 
@@ -28,3 +34,34 @@ def last_round(state: State, located: Located, journal: Journal) -> State:
             return state
         last = None if state.search.choice.others else last
     return state.after(last or Round(located, None, None), finished=True)
+
+
+def unexplained(
+    state: State, located: Located, explanation: Explanation, turn: int, journal: Journal
+) -> State:
+    """Return the state after a round in which no effect gains enough: mostly the finished one.
+
+    What stands out may be no more than other forms of the causes do to levels, or scatter alone.
+    Beside causes that are named, scatter of rows is asked in any case.
+    """
+    kept, safely = journal.kept, state.guard.safely
+    search, added = state.search, state.added
+    located = safely("levels left", kept(calmed), located)(search, added, located, turn)
+    if not located.significant:
+        return last_round(state, located, journal)
+    alone = safely("scatter alone", kept(scatter_alone), None)
+    found = alone(search, added, explanation, located)
+    if found:
+        return state.after(struck_round(located, explanation, found), finished=True)
+    beside = safely("scatter beside", kept(scatter_beside), None)
+    scatter = beside(search, added, located) if added else None
+    if scatter:
+        state, located = state.after(scatter), _but_scatter(located)
+    return state.after(Round(located, explanation, None), finished=True)
+
+
+def _but_scatter(located: Located) -> Located:
+    """Return what stands out without how far ranges lie from their link."""
+    scattered = {(RANGE, "spread"), (RANGE, "rows")}
+    rest = [f for f in located.findings if (f.cell.observable, f.cell.moment) not in scattered]
+    return replace(located, findings=tuple(rest))

@@ -24,6 +24,7 @@ from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.scatter_size import beside_simulated, extras, sized, variances
+from bench.discrepancy.select.settings import FEWEST_SEVERAL, TOUCHED_M
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
@@ -146,13 +147,33 @@ def _nats(values: Floats, narrow: float, wide: float) -> Floats:
 
 
 def _kept_by_links(search: Search, added: Added) -> float:
-    """Return the variance between links beyond the simulated one, in square metres."""
+    """Return the variance between links beyond the simulated one, in square metres.
+
+    Of links to which the causes do nothing, where there are enough: elsewhere their own forms
+    leave offsets, as of walls no two of a kind are alike.
+    """
     assert search.work is not None
     made = versions(search.comparison, search.work, added)
-    code = np.unique(made.links, return_inverse=True)[1]
+    values, code = made.versions_of(RANGE), np.unique(made.links, return_inverse=True)[1]
+    calm = _untouched(search, added, code)
+    if len(np.unique(code[calm])) >= FEWEST_SEVERAL:
+        values, code = values[:, calm], np.unique(code[calm], return_inverse=True)[1]
     count = np.bincount(code)
-    means = np.stack([np.bincount(code, one) / count for one in made.versions_of(RANGE)])
-    inner = [np.nanmean(part**2) for part in (within(made)[0], within(made)[1])]
+    means = np.stack([np.bincount(code, one) / count for one in values])
+    inner = [np.nanmean(part**2) for part in within(_range_only(values, code))]
     own = float(np.mean(1 / count))
     between = np.var(means[0]) - inner[0] * own
     return float(between - (np.var(means[1:], axis=1).mean() - inner[1] * own))
+
+
+def _untouched(search: Search, added: Added, code: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return the rows [n] of links no row of which effects move by a millimetre, of `code` [n]."""
+    assert search.work is not None
+    whole, none = (
+        search.comparison.ensemble(search.work, some, SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(
+            RANGE
+        )
+        for some in (added, ())
+    )
+    moved = np.abs((whole - none).mean(axis=0)) > TOUCHED_M
+    return np.asarray(np.bincount(code, moved)[code] == 0, np.bool_)
