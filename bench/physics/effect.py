@@ -295,6 +295,11 @@ class Effect(ABC):
         """
         return None
 
+    @classmethod
+    def like(cls, rows: Scene, shift_m: NDArray[np.float64]) -> dict[str, float]:  # noqa: ARG003
+        """Return values with which it does about so much to ranges [n], in metres; or none."""
+        return {}
+
     def forms(self) -> tuple[Effect, ...]:
         """Return the forms that its mark cannot tell apart, the simplest first."""
         return (self,)

@@ -15,12 +15,13 @@ from bench.discrepancy.select.candidates import Explanation, equivalents, nearly
 from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.left_by_names import left_by_names
 from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.one_device import left_at_device
-from bench.discrepancy.select.own_scatter import OF_SCATTER, left_by_causes
+from bench.discrepancy.select.own_scatter import OF_SCATTER
 from bench.discrepancy.select.per_obstacle import told_by_obstacles
 from bench.discrepancy.select.refute import Doubt
 from bench.discrepancy.select.scatter_size import told_by_rows
@@ -81,7 +82,7 @@ def verdicts(
     least = _form_leaves(search, added)
     worth = unexplained and removable.above_zero and removable.value > least
     worth = worth or (not added and not last.strike and real(search, last))
-    worth = worth and not left_by_causes(search, added, last.located.findings)
+    worth = worth and not left_by_names(search, added, last)
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         seen = _marked(search, _named(search, rounds, added, whole or added, share))
         return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))

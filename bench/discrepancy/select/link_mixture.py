@@ -135,11 +135,12 @@ def strike(
     added: Added,
     rival: Added,
     kinds: Mapping[str, type[Effect]],
+    lead: float = 0.0,
 ) -> Strike | None:
     """Return the effect of `kinds` that strikes links of `view`, None without evidence for one.
 
     `added` are the effects so far; `rival` those with the best that all links share, which must
-    not explain the offsets as well.
+    explain the offsets worse by `lead` nats.
     """
     able = [kind for kind in kinds.values() if strikable(kind, view)]
     if not able or RANGE not in view.recorded.names:
@@ -148,7 +149,7 @@ def strike(
     if not found:
         return None
     best, nats = max(found, key=lambda one: one[0].evidence.value)
-    behind = rival != added and _plain(offsets(comparison, view, rival, able[0])).nats > nats
+    behind = rival != added and _plain(offsets(comparison, view, rival, able[0])).nats > nats - lead
     return None if behind else best
 
 

@@ -67,6 +67,13 @@ def with_ranges(search: Search, found: Located) -> Located:
     return replace(ranges if ranges.significant else found, detectable=least)
 
 
+def ranges_left(search: Search, added: Added) -> Located:
+    """Search for what effects leave of ranges alone, in all rows that are searched."""
+    rows = search.searched
+    made = search.comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
+    return _located(search, rows, kept(made, (RANGE,)), 0, FAMILY_WISE)
+
+
 def _located(
     search: Search, seen: View, ensemble: Ensemble, turn: int, family_wise: float
 ) -> Located:

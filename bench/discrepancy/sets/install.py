@@ -11,7 +11,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
-from bench.discrepancy.fit.search import Objective, plainer, refine, screen
+from bench.discrepancy.fit.search import Fitted, Objective, plainer, refine, screen, valued
 from bench.discrepancy.fit.walls import of_every_kind
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
@@ -25,6 +25,7 @@ from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     FIT_MEMBERS,
+    LEAD_NATS,
     LONGEST_DELAY_NS,
     SCORE_FIRST,
     SCORE_MEMBERS,
@@ -85,12 +86,22 @@ def _of_library(
         objective = Objective(kind, search.comparison, search.sharpest, added, base)
         if not kind.fitted:
             return []
-        fitted = refine(objective, screen(objective, on_ranges=True))
+        fitted = refine(objective, _begun(search, objective, name))
         if fitted.gain > most:
             fitted = plainer(objective, fitted, RIVAL_NATS / len(search.sharpest.rows))
         return [fitted.effect, *_by_kind(search, added, fitted.effect)]
     except BenchError:
         return []
+
+
+def _begun(search: Search, objective: Objective, name: str) -> Fitted:
+    """Return where the fit of a library form begins: also with about what the set has it do."""
+    begun, shift_m = screen(objective, on_ranges=True), search.choice.shifts_m.get(name)
+    if shift_m is None or len(shift_m) != len(objective.view.rows):
+        return begun
+    like = objective.kind.like(objective.view.scene, shift_m)
+    gained = objective(like) if like else begun.gain
+    return Fitted(valued(objective.kind, like), gained, 1) if gained > begun.gain else begun
 
 
 def _by_kind(search: Search, added: Added, plain: Effect) -> list[Effect]:
@@ -104,11 +115,12 @@ def _by_kind(search: Search, added: Added, plain: Effect) -> list[Effect]:
 def struck_instead(search: Search, beside: Added, added: Added, turn: Round) -> Round | None:
     """Return a round in which links were struck at random, where that says more than the names.
 
+    By 3 nats: names say which links are off, and what strikes at random may be any of them.
     `turn` is the first round of the names.
     """
     if search.work is None or turn.explanation is None:
         return None
-    found = strike(search.comparison, search.work, beside, added, search.kinds)
+    found = strike(search.comparison, search.work, beside, added, search.kinds, LEAD_NATS)
     return struck_round(turn.located, turn.explanation, found) if found else None
 
 

@@ -65,6 +65,20 @@ class TemperatureDrift(Effect):
         per_degree = float(np.std(shift_m) / np.std(warm))
         return abs(float(np.mean(shift_m))) < FARTHEST_C * per_degree
 
+    @classmethod
+    def like(cls, rows: Scene, shift_m: NDArray[np.float64]) -> dict[str, float]:
+        """Return the slope and the reference of a line over the temperature, where it is known.
+
+        Both together: where it is cold, no slope about the default reference does any good.
+        """
+        warm = known_mostly(rows.number("temperature_c", np.nan))
+        if warm is None or not np.ptp(warm) or not np.ptp(shift_m):
+            return {}
+        slope, mean_m = np.polyfit(warm - warm.mean(), shift_m, 1)
+        line = {"slope_mm_per_c": 1000 * slope, "reference_c": warm.mean() - mean_m / slope}
+        known = {item.name: item for item in cls.parameters()}
+        return {o: float(np.clip(v, known[o].low, known[o].high)) for o, v in line.items()}
+
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by slope x degrees over the reference."""
         return batch.longer(self.slope_mm_per_c / 1000 * self._warmer(batch))

@@ -39,6 +39,7 @@ def test_a_wall_that_only_delays_is_where_the_search_begins():
 
 def test_a_range_part_asks_for_it(monkeypatch: Any):
     from bench.discrepancy.sets import install
+    from bench.discrepancy.sets.choice import Choice
 
     asked: list[bool] = []
     monkeypatch.setattr(install, "screen", lambda _, on_ranges=False: asked.append(on_ranges))
@@ -51,7 +52,10 @@ def test_a_range_part_asks_for_it(monkeypatch: Any):
     search = cast(
         "Any",
         SimpleNamespace(
-            kinds={}, sharpest=SimpleNamespace(rows=[0], waveform=False), comparison=None
+            kinds={},
+            sharpest=SimpleNamespace(rows=[0], waveform=False),
+            comparison=None,
+            choice=Choice(),
         ),
     )
     install._of_library(search, (), "material-delay", cast("Any", None))

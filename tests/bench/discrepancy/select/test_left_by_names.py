@@ -1,0 +1,51 @@
+"""What is found beside named effects, but not beside the set they are of, is a form of theirs."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bench.discrepancy.select import left_by_names as module
+from bench.discrepancy.sets.choice import Choice
+from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+
+NAMED = (RangeScale(scale=0.002),)
+SHIFT = {"range-scale": np.ones(6)}
+
+
+@pytest.mark.parametrize(
+    ("choice", "observable", "found", "of_form"),
+    [
+        (Choice(("range-scale",), shifts_m=SHIFT), "error_m", False, True),
+        (Choice(("range-scale",), shifts_m=SHIFT), "error_m", True, False),
+        (Choice(("range-scale",), shifts_m=SHIFT), "rx_power_dbm", False, False),
+        (Choice(("range-scale",), ("a law",), shifts_m=SHIFT), "error_m", False, False),
+        (Choice(("time-lag",), shifts_m=SHIFT), "error_m", False, False),
+        (Choice(), "error_m", False, False),
+    ],
+)
+def test_a_form_is_nothing_without_a_name(
+    monkeypatch: pytest.MonkeyPatch, choice: Choice, observable: str, found: bool, of_form: bool
+) -> None:
+    beside = []
+
+    def left(search: SimpleNamespace, added: tuple[object, ...]) -> SimpleNamespace:
+        beside.append((search.comparison.shift_m.tolist(), added))
+        return SimpleNamespace(significant=found)
+
+    monkeypatch.setattr(module, "ranges_left", left)
+    monkeypatch.setattr(
+        module, "replace", lambda _, comparison: SimpleNamespace(comparison=comparison)
+    )
+    jitter = TimestampJitter()
+    search = SimpleNamespace(
+        choice=choice, work=SimpleNamespace(rows=np.arange(6)), comparison=None, kinds={}
+    )
+    cell = SimpleNamespace(observable=observable, moment="mean")
+    last = SimpleNamespace(located=SimpleNamespace(findings=(SimpleNamespace(cell=cell),)))
+    said = module.left_by_names(search, (*NAMED, jitter), last)  # type: ignore[arg-type]
+    assert said is of_form
+    assert all(one == ([1.0] * 6, (jitter,)) for one in beside)
