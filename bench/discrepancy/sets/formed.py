@@ -42,14 +42,15 @@ if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
 
 Floats = NDArray[np.float64]
+IN_THE_WAY = ("obstacles", "los")
 
 
 @dataclass(frozen=True)
 class Formed:
     """A law with its free constant fitted: `parts` [n, 1] of its shape, what it `pays` in nats.
 
-    `over` are the columns that it is about, "" for devices and categories; `offset`: whether a
-    constant stands beside it; `times` [n, k]: see `times_of`.
+    `over` are the columns that it is about, "" for devices and most categories (see `_gate`);
+    `offset`: whether a constant stands beside it; `times` [n, k]: see `times_of`.
     """
 
     name: str
@@ -168,9 +169,14 @@ def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
     pays = bool(law.shape.free) * log(rows) / 2 + log(max(law.choices, 1))
     factor = every.factors[law.by]
     over = {column.text for column in [over_what(every, law.at)] if law.at >= 0}
-    over |= {"" if factor.group else factor.text} if law.by else set()
+    over |= {_gate(factor.text) if factor.group else factor.text} if law.by else set()
     name = f"{law.form}: {law.expression}"
     return Formed(name, parts, pays, frozenset(over), law.offset, times_of(every, law, free))
+
+
+def _gate(text: str) -> str:
+    """Return the column by which a law is only behind something, "" where it is of other rows."""
+    return next((one for one in IN_THE_WAY if text.startswith(f"({one} ")), "")
 
 
 def _bends(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
@@ -207,11 +213,14 @@ def _mostly(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
 def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:
     """Return whether a law is about anything else than some names of a set.
 
-    A law beside a constant is no other cause than a name that does nothing but a constant.
+    A law beside a constant is no other cause than a name that does nothing but a constant, nor is
+    one that acts only behind what a name is about, however it goes on there.
     """
     kinds = [contest.kinds[one] for one in names]
     columns = frozenset(column for kind in kinds for column in about(kind))
-    if law.over <= columns or _within(contest, names, law.parts[0]):
+    if law.over <= columns or law.over & columns & {*IN_THE_WAY}:
+        return False
+    if _within(contest, names, law.parts[0]):
         return False
     return not (law.offset and _constant(contest, best, names))
 
