@@ -21,7 +21,7 @@ from bench.discrepancy.select.predictive_cells import fresh_ensemble, kept, plac
 from bench.discrepancy.select.scatter_shape import scatters_alike
 from bench.discrepancy.select.second_level import calmed
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import locate_left, loses, margin, scored
+from bench.discrepancy.select.stepwise import calm_for, locate_left, loses, margin, scored
 from bench.discrepancy.settings import (
     ADEQUACY_RIVALS,
     ADEQUACY_TOUCHED,
@@ -236,6 +236,7 @@ def fits(search: Search, added: Added, effect: Effect, turn: Round | None = None
     """
     wanted = tuple(finding.cell for finding in turn.located.findings) if turn else ()
     try:
+        search = calm_for(search, added, effect)
         wrong = _idle(search, added, effect)
         if wrong:
             return _instead(search, added, effect, wrong)

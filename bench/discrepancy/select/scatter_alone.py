@@ -24,9 +24,8 @@ from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.scatter_size import beside_simulated, extras, sized, variances
-from bench.discrepancy.select.settings import FEWEST_SEVERAL, TOUCHED_M
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.select.stepwise import several_links, untouched, versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     FORM_SHARE,
@@ -154,26 +153,12 @@ def _kept_by_links(search: Search, added: Added) -> float:
     """
     assert search.work is not None
     made = versions(search.comparison, search.work, added)
+    calm = untouched(search.comparison, search.work, added)
+    made = made.rows(calm) if several_links(made.links[calm]) else made
     values, code = made.versions_of(RANGE), np.unique(made.links, return_inverse=True)[1]
-    calm = _untouched(search, added, code)
-    if len(np.unique(code[calm])) >= FEWEST_SEVERAL:
-        values, code = values[:, calm], np.unique(code[calm], return_inverse=True)[1]
     count = np.bincount(code)
     means = np.stack([np.bincount(code, one) / count for one in values])
-    inner = [np.nanmean(part**2) for part in within(_range_only(values, code))]
+    inner = [np.nanmean(part**2) for part in within(made)]
     own = float(np.mean(1 / count))
     between = np.var(means[0]) - inner[0] * own
     return float(between - (np.var(means[1:], axis=1).mean() - inner[1] * own))
-
-
-def _untouched(search: Search, added: Added, code: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Return the rows [n] of links no row of which effects move by a millimetre, of `code` [n]."""
-    assert search.work is not None
-    whole, none = (
-        search.comparison.ensemble(search.work, some, SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(
-            RANGE
-        )
-        for some in (added, ())
-    )
-    moved = np.abs((whole - none).mean(axis=0)) > TOUCHED_M
-    return np.asarray(np.bincount(code, moved)[code] == 0, np.bool_)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import reuse
@@ -20,6 +21,7 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.own_draws import beside_similar, beyond_own_draws, within_links
 from bench.discrepancy.select.predictive_cells import kept
+from bench.discrepancy.select.settings import FEWEST_SEVERAL, TOUCHED_M
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.within_links import of_links, within
 from bench.discrepancy.settings import (
@@ -120,14 +122,51 @@ def contradicted(search: Search, added: Added, located: Located) -> Effect | Non
     Scatter that is independent from row to row leaves no offsets that links keep; where such
     offsets are found after all, it only stood in for something else, unless rows of one link
     scatter as it makes them: both are there then. One search in twenty finds offsets by chance, so
-    a doubtful one needs a witness: that rows of all links have some in common.
+    a doubtful one needs a witness: that rows of all links have some in common. Beside other causes
+    the links count to which these do nothing: elsewhere their own forms leave such offsets.
     """
     effect = next((e for e in added if type(e).independent), None)
     cells = [f for f in located.findings if (f.cell.moment, f.cell.observable) == ("link", RANGE)]
     if effect is None or not cells or _scatters_inside(search, added, effect):
         return None
-    sure = min(f.p for f in cells) <= SURE_P
-    return effect if sure or _kept_by_links(search, without(added, effect)) else None
+    rest = without(added, effect)
+    calm = untouched(search.comparison, search.searched, rest)
+    asked = calm if rest and several_links(search.searched.links[calm]) else np.ones_like(calm)
+    sure = bool(asked.all()) and min(f.p for f in cells) <= SURE_P
+    return effect if sure or _kept_by_links(search, rest, asked) else None
+
+
+def untouched(comparison: Comparison, view: View, added: Added) -> NDArray[np.bool_]:
+    """Return the rows [n] of links no row of which effects move by a millimetre."""
+    whole, none = (
+        comparison.ensemble(view, some, SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(RANGE)
+        for some in (added, ())
+    )
+    moved = np.abs((whole - none).mean(axis=0)) > TOUCHED_M
+    code = np.unique(view.links, return_inverse=True)[1]
+    return np.asarray(np.bincount(code, moved)[code] == 0, np.bool_)
+
+
+def calm_for(search: Search, added: Added, effect: Effect) -> Search:
+    """Return the search on the links to which causes beside an independent scatter do nothing.
+
+    As it is for other effects, and where such links are few. Elsewhere other forms of the causes
+    leave offsets of links, which are no scatter.
+    """
+    rest, rows = without(added, effect), search.work
+    if not type(effect).independent or type(effect).marked or not rest or rows is None:
+        return search
+    calm = untouched(search.comparison, rows, rest)
+    if calm.all() or not several_links(rows.links[calm]):
+        return search
+    touched = np.unique(rows.links[~calm])
+    views = search.discover.leaving(touched), search.fit.leaving(touched), rows.leaving(touched)
+    return replace(search, discover=views[0], fit=views[1], work=views[2])
+
+
+def several_links(links: NDArray[np.intp]) -> bool:
+    """Return whether rows [n] are of links enough to say what these have in common."""
+    return len(np.unique(links)) >= FEWEST_SEVERAL
 
 
 def _scatters_inside(search: Search, added: Added, effect: Effect) -> bool:
@@ -143,10 +182,13 @@ def _scatters_inside(search: Search, added: Added, effect: Effect) -> bool:
     return most > least and seen - least > SCATTER_OF_LINKS * (most - least)
 
 
-def _kept_by_links(search: Search, rest: Added) -> bool:
-    """Return whether rows of a link have part of a mismatch of ranges in common, at 5 %."""
-    seen = search.searched
-    share, error = of_links(versions(search.comparison, seen, rest), RANGE)
+def _kept_by_links(search: Search, rest: Added, asked: NDArray[np.bool_]) -> bool:
+    """Return whether the `asked` rows [n] of a link have part of a mismatch of ranges in common.
+
+    At 5 %.
+    """
+    made = versions(search.comparison, search.searched, rest).rows(asked)
+    share, error = of_links(made, RANGE)
     return share > ONE_SIDED_95 * error
 
 
