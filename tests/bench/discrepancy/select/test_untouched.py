@@ -46,7 +46,8 @@ def test_links_without_walls_are_untouched_by_these() -> None:
 def test_scatter_alone_is_judged_on_them() -> None:
     asked = search(0.0)
     calm = calm_for(asked, (WALLS, JITTER), JITTER)
-    assert calm.searched.frame["los"].all() and len(calm.searched.frame) == (~WALLED).sum()
+    assert calm.searched.frame["los"].all()
+    assert len(calm.searched.frame) == (~WALLED).sum()
     assert calm_for(asked, (WALLS, JITTER), WALLS) is asked
     assert calm_for(asked, (AntennaDelay(), JITTER), JITTER) is asked  # it acts on all links
     assert calm_for(asked, (JITTER,), JITTER) is asked
