@@ -69,3 +69,5 @@ SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a cen
 LEAST_SHARE: Final = 0.01  # of belief, that a set is asked for what else a name may do [cost]
 CONSTANT_M: Final = 1e-9  # by which a column of one value may differ from row to row [rounding]
 OWN_SHARE: Final = 0.1  # of what a value of an effect does, that no others of it do [convention]
+NAMED_STRUCK: Final = 0.9  # of the links on which names act that are struck, and
+NAMED_STRUCK_P: Final = 1e-4  # the chance of that, for what strikes to be the names' [convention]

@@ -11,6 +11,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import calm_for, untouched
+from bench.discrepancy.sets.install import strikes_the_named
 from bench.physics.base import Base
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -51,3 +52,15 @@ def test_scatter_alone_is_judged_on_them() -> None:
     assert calm_for(asked, (WALLS, JITTER), WALLS) is asked
     assert calm_for(asked, (AntennaDelay(), JITTER), JITTER) is asked  # it acts on all links
     assert calm_for(asked, (JITTER,), JITTER) is asked
+
+
+def test_a_strike_of_just_the_walled_links_is_the_walls() -> None:
+    asked, rng = search(0.0), np.random.default_rng(2)
+    walled = np.unique(asked.searched.links[WALLED])
+    every = np.unique(asked.searched.links)
+    rows = asked.searched
+    assert strikes_the_named(asked, rows, (WALLS,), walled)
+    assert strikes_the_named(asked, rows, (WALLS,), np.append(walled, every[:3]))
+    assert not strikes_the_named(asked, rows, (WALLS,), walled[:20])  # half of them: at random
+    assert not strikes_the_named(asked, rows, (WALLS,), rng.choice(every, 40, replace=False))
+    assert not strikes_the_named(asked, rows, (AntennaDelay(),), every)  # it acts on all links
