@@ -21,6 +21,7 @@ from bench.discrepancy.settings import (
     LEAST_NOTICED_M,
     NOTICED_SHARE,
 )
+from bench.physics.effect import Effect
 
 NO_GAIN: Final = Estimate(0.0, 0.0, 0.0, "nats")
 
@@ -162,8 +163,11 @@ def _of_ranges(before: Tally, after: Tally, seed: int) -> Estimate:
 
 
 def _centred(comparison: Comparison, held: View, added: Added, made: Ensemble) -> Ensemble:
-    """Return the ensemble without what only scatters: of so few versions it moves the median."""
-    firm = tuple(effect for effect in added if not type(effect).independent)
+    """Return the ensemble without what only scatters: of so few versions it moves the median.
+
+    Nor with what rounds: where both sides lie on one grid, they differ by whole steps.
+    """
+    firm = tuple(effect for effect in added if not _only_scatters(effect))
     return _of(comparison, held, added, made, firm)
 
 
@@ -175,8 +179,13 @@ def _typical(comparison: Comparison, held: View, added: Added, centred: Ensemble
     """
     if held.waveform or all(type(effect).strikes is None for effect in added):
         return centred
-    firm = tuple(e for e in added if type(e).strikes is None and not type(e).independent)
+    firm = tuple(e for e in added if type(e).strikes is None and not _only_scatters(e))
     return _of(comparison, held, added, centred, firm)
+
+
+def _only_scatters(effect: Effect) -> bool:
+    """Return whether an effect moves every range by itself, and none of them for long."""
+    return type(effect).independent or type(effect).marked
 
 
 def _of(comparison: Comparison, held: View, added: Added, made: Ensemble, some: Added) -> Ensemble:
