@@ -19,7 +19,7 @@ from bench.physics.simulator import Simulator
 LATEST = (
     "ferry", "stacks", "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery",
     "belfry", "cowshed", "fairground", "garage", "cannery", "vineyard", "crag",
-    "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", *KEPT,
+    "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -124,7 +124,9 @@ ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstru
               "ground-bounce", "diffraction", "material-delay")  # fmt: skip
 
 
-@pytest.mark.parametrize("family", ["hangar", "manege", "opera", "brickworks", "roundhouse"])
+@pytest.mark.parametrize(
+    "family", ["hangar", "manege", "opera", "brickworks", "roundhouse", "printworks"]
+)
 @pytest.mark.parametrize("name", ON_THE_WAY)
 def test_what_is_on_the_way_leaves_the_noise_as_large_as_it_was(family: str, name: str) -> None:
     """No echo repeats the noise, fading does not scale it, and a loss leaves all of it."""
@@ -135,7 +137,9 @@ def test_what_is_on_the_way_leaves_the_noise_as_large_as_it_was(family: str, nam
     assert made.recorded["noise_std"].equals(made.clean["noise_std"])
 
 
-@pytest.mark.parametrize("family", ["hangar", "manege", "opera", "brickworks", "roundhouse"])
+@pytest.mark.parametrize(
+    "family", ["hangar", "manege", "opera", "brickworks", "roundhouse", "printworks"]
+)
 @pytest.mark.parametrize("name", ["timestamp-jitter", "obstructed-path"])
 def test_the_truth_draws_chances_anew(family: str, name: str) -> None:
     made = _tables(family, (name,), "CIR")
@@ -149,7 +153,7 @@ def test_the_truth_draws_chances_anew(family: str, name: str) -> None:
 MOST_ROWS = {
     "glasshouse": 9, "quarry": 10, "brewery": 9, "signalbox": 10, "foundry": 13, "garage": 14,
     "cannery": 12, "vineyard": 11, "crag": 9, "chairlift": 10, "atrium": 9, "hangar": 9,
-    "manege": 10, "opera": 12, "brickworks": 11, "roundhouse": 10,
+    "manege": 10, "opera": 12, "brickworks": 11, "roundhouse": 10, "printworks": 12,
 }  # fmt: skip
 
 
@@ -163,7 +167,7 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     links = {"quarry": 104, "brewery": 104, "tannery": 108, "signalbox": 102}
     links |= {"foundry": 102, "garage": 105, "cannery": 96, "vineyard": 110, "crag": 108}
     links |= {"chairlift": 104, "atrium": 100, "hangar": 105, "manege": 109, "opera": 101}
-    links |= {"brickworks": 102, "roundhouse": 106}
+    links |= {"brickworks": 102, "roundhouse": 106, "printworks": 103}
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -478,6 +482,7 @@ ROWS_OF = {
     "opera": ("Cue", "longer_in"),
     "brickworks": ("Push", "further_in"),
     "roundhouse": ("Shunt", "lengthens_in"),
+    "printworks": ("Sheet", "lengthens_in"),
 }
 
 
@@ -771,6 +776,9 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("roundhouse", "neighbours-multiplied", 0.05),
         ("roundhouse", "late-part-still-a-spectrum", 0.05),
         ("roundhouse", "scatter-shown-for-sizes", 0.05),
+        ("printworks", "parts-added-for-sizes", 0.05),
+        ("printworks", "pulse-matched-once-more", 0.05),
+        ("printworks", "kept-until-they-differ", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(

@@ -12,6 +12,7 @@ from bench.challenge.families import (
     brickworks_reader,
     manege_handset,
     opera_console,
+    printworks_console,
     roundhouse_recorder,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
@@ -22,6 +23,7 @@ OF_ITS_OWN = {
     "opera": {"arm_m", "turn_rad", "into_s"},
     "brickworks": {"gait", "slew_rad", "into_s"},
     "roundhouse": {"from_r", "go_rad", "into_s"},
+    "printworks": {"aim", "bend", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -36,6 +38,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (opera_console.hiss, opera_console.OF_SIZES, -0.2),
         (brickworks_reader.rustle, brickworks_reader.OF_SIZES, -0.2),
         (roundhouse_recorder.crackle, roundhouse_recorder.OF_SIZES, -0.2),
+        (printworks_console.rush, printworks_console.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -55,6 +58,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (opera_console.struck, opera_console.later, 0.02),
         (brickworks_reader.pulses, brickworks_reader.delayed, 0.02),
         (roundhouse_recorder.pulses, roundhouse_recorder.held_back, 0.02),
+        (printworks_console.pulses, printworks_console.postponed, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
