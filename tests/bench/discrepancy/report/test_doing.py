@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.report.doing import doings, in_words, meanwhile
+from bench.discrepancy.report.doing import beyond_published, doings, in_words, meanwhile
 from bench.discrepancy.report.evidence import Evidence
 from bench.physics.base import Base
 from bench.physics.effect import Effect
@@ -73,3 +73,8 @@ def test_how_far_clocks_go_while_they_are_heard_is_said() -> None:
 def test_a_level_that_a_receiver_logs_too_low_is_stated_as_both() -> None:
     curve = PowerCurve(levels_dbm=(-91.0, -85.0), bias_m=(0.08, 0.05))
     assert list(curve.values()) == ["bias_m[-91 dBm]", "bias_m[-85 dBm, logged -86.2]"]
+
+
+def test_a_bias_over_levels_far_beyond_the_published_one_is_remarked() -> None:
+    assert beyond_published(np.linspace(-0.11, 0.08, 50)) == ""
+    assert "late" in beyond_published(np.linspace(0.0, 0.45, 50))
