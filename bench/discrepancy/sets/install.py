@@ -123,19 +123,20 @@ def struck_instead(search: Search, beside: Added, added: Added, turn: Round) -> 
     if search.work is None or turn.explanation is None:
         return None
     found = strike(search.comparison, search.work, beside, added, search.kinds, LEAD_NATS)
-    if found is None or strikes_the_named(search, search.work, added, found.struck):
+    rows = search.work
+    if found is None or any(strikes_the_named(search, rows, one, found.struck) for one in added):
         return None
     return struck_round(turn.located, turn.explanation, found)
 
 
-def strikes_the_named(search: Search, rows: View, added: Added, struck: NDArray[np.intp]) -> bool:
-    """Return whether nearly all links on which effects act are `struck`, which chance would not do.
+def strikes_the_named(search: Search, rows: View, effect: Effect, struck: NDArray[np.intp]) -> bool:
+    """Return whether nearly all links on which an effect acts are `struck`, unlike by chance.
 
     Of so many struck ones among all (hypergeometric). A wall delays every link behind it.
     """
     from scipy.stats import hypergeom
 
-    acting = np.unique(rows.links[~untouched(search.comparison, rows, added)])
+    acting = np.unique(rows.links[~untouched(search.comparison, rows, (effect,))])
     every, both = np.unique(rows.links), np.intersect1d(acting, struck)
     if len(both) < NAMED_STRUCK * len(acting):
         return False

@@ -59,8 +59,8 @@ def test_a_strike_of_just_the_walled_links_is_the_walls() -> None:
     walled = np.unique(asked.searched.links[WALLED])
     every = np.unique(asked.searched.links)
     rows = asked.searched
-    assert strikes_the_named(asked, rows, (WALLS,), walled)
-    assert strikes_the_named(asked, rows, (WALLS,), np.append(walled, every[:3]))
-    assert not strikes_the_named(asked, rows, (WALLS,), walled[:20])  # half of them: at random
-    assert not strikes_the_named(asked, rows, (WALLS,), rng.choice(every, 40, replace=False))
-    assert not strikes_the_named(asked, rows, (AntennaDelay(),), every)  # it acts on all links
+    assert strikes_the_named(asked, rows, WALLS, walled)
+    assert strikes_the_named(asked, rows, WALLS, np.append(walled, every[:3]))
+    assert not strikes_the_named(asked, rows, WALLS, walled[:20])  # half of them: at random
+    assert not strikes_the_named(asked, rows, WALLS, rng.choice(every, 40, replace=False))
+    assert not strikes_the_named(asked, rows, AntennaDelay(), every)  # it acts on all links
