@@ -52,6 +52,7 @@ from bench.discrepancy.data.observables import (
     observe,
 )
 from bench.discrepancy.data.split import Rows, link_codes
+from bench.discrepancy.data.two_samples import two_samples
 from bench.discrepancy.settings import (
     KEPT_MATCHES,
     KEPT_PATH_REPLICATES,
@@ -338,13 +339,11 @@ class TableComparison:
 
         A two-sample Kolmogorov-Smirnov test over link means: the MIX, not the physics.
         """
-        from scipy.stats import ks_2samp
-
         out = {}
         for name in shared(view.frame, self.frame, NUMBERS).names:
             left = link_means(numeric(view.frame, name), view.links)
             right = link_means(numeric(self.frame, name), self.links)
             shift = (left.mean() - right.mean()) / max(float(left.std()), LEAST_STD)
-            apart = ks_2samp(left.round(MIX_DIGITS), right.round(MIX_DIGITS))
-            out[name] = float(shift), float(apart.pvalue)
+            chance = two_samples(left.round(MIX_DIGITS), right.round(MIX_DIGITS))[1]
+            out[name] = float(shift), chance
         return out

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.two_samples import two_samples
 from bench.discrepancy.locate.row_scatter import about_links
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.settings import (
@@ -130,7 +131,7 @@ def alike(recorded_m: Floats, simulated_m: Floats) -> bool:
 
     Where simulated rows hardly scatter theirs is none: then whether recorded ones are normal.
     """
-    from scipy.stats import ks_2samp, kstest
+    from scipy.stats import kstest
 
     if np.var(simulated_m) < NO_SCATTER_SHARE * np.var(recorded_m):
         normal = kstest(recorded_m / np.std(recorded_m), "norm")
@@ -138,13 +139,11 @@ def alike(recorded_m: Floats, simulated_m: Floats) -> bool:
     own, other = (
         one / max(float(np.std(one)), LEAST_SCATTER_M) for one in (recorded_m, simulated_m)
     )
-    return bool(ks_2samp(own, other).pvalue > SCATTER_SHAPE_P)
+    return two_samples(own, other)[1] > SCATTER_SHAPE_P
 
 
 def shape(ensemble: Ensemble) -> Adequacy:
     """Return whether recorded and simulated ranges scatter alike around the ensemble's mean."""
-    from scipy.stats import ks_2samp
-
     versions = ensemble.versions_of(RANGE)
     m = len(versions) - 1
     if m < 2:
@@ -154,9 +153,9 @@ def shape(ensemble: Ensemble) -> Adequacy:
     simulated = (versions[1:] - middle) * np.sqrt((m + 1) / (m - 1))  # as far as a new one is
     known = np.isfinite(recorded)
     own = recorded[known]
-    found = ks_2samp(own, simulated[np.isfinite(simulated)].ravel())
-    apart, z = float(found.statistic), float(found.statistic * np.sqrt(max(len(own), 1)))
-    fine = bool(found.pvalue > SCATTER_SHAPE_P) or bounded(own, ensemble.links[known])
+    apart, chance = two_samples(own, simulated[np.isfinite(simulated)].ravel())
+    z = float(apart * np.sqrt(max(len(own), 1)))
+    fine = chance > SCATTER_SHAPE_P or bounded(own, ensemble.links[known])
     return Adequacy(fine, apart, z, note="" if fine else OTHER_SHAPE)
 
 
