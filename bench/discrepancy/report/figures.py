@@ -12,12 +12,14 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.select.settings import RANK_BINS
 from bench.discrepancy.settings import (
     FEW_POINTS,
     FIGURE_BINS,
     FIGURE_CENTRE,
     FIGURE_MORE,
     LEAST_SCATTER_M,
+    ONE_SIDED_95,
 )
 from bench.files import atomic_path
 from bench.text import unmarked
@@ -199,14 +201,26 @@ def _mark(axes: Axes, value: float, place: float, name: str) -> None:
 
 
 def ranks_figure(axes: Axes, diagnosis: Diagnosis) -> None:
-    """Histogram of ensemble ranks, before and after."""
+    """Histogram of ensemble ranks, before and after, with what chance makes of even ones."""
+    half = 0.0
     for ensemble, colour, label in _stages(diagnosis):
         name = "error_m" if "error_m" in ensemble.names else ensemble.names[0]
         ranks = ensemble.ranks()[:, ensemble.names.index(name)]
         kept = ranks[np.isfinite(ranks)]
-        axes.hist(kept, bins=12, range=(0, 1), density=True, histtype="step", color=colour,
+        axes.hist(kept, bins=RANK_BINS, range=(0, 1), density=True, histtype="step", color=colour,
                   label=label)  # fmt: skip
+        half = chance_of_ranks(len(np.unique(ensemble.links)))
+    axes.axhspan(max(0.0, 1 - half), 1 + half, color=RECORDED, alpha=0.12, lw=0,
+                 label="nine in ten by chance, rows of a link alike")  # fmt: skip
     axes.axhline(1, color=RECORDED, lw=0.8)
     axes.set_xlabel("rank of the recorded error among simulated ones (0..1)")
     axes.set_ylabel("density")
     axes.legend()
+
+
+def chance_of_ranks(links: int) -> float:
+    """Return how far nine in ten densities of even ranks are from one at most, each link one draw.
+
+    Rows of a link that are not alike stay nearer.
+    """
+    return float(ONE_SIDED_95 * np.sqrt((RANK_BINS - 1) / max(links, 1)))

@@ -119,6 +119,7 @@ OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coar
 # --- What names leave at one device (select/one_device) -------------------------------------------
 DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhere [four tables]
 
-# --- What is said of a bias over levels (report/doing) --------------------------------------------
+# --- What is said and shown (report) --------------------------------------------------------------
 MOST_PUBLISHED_M: Final = 0.25  # from weak to strong, of a DW1000 at 64 MHz: -0.11 to 0.08 m, a
 # third more for other makes [source: APS011, table 2; convention]
+RANK_BINS: Final = 12  # of the picture of ranks [convention]
