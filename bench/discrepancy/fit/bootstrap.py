@@ -152,7 +152,8 @@ def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
 
 def _offsets(view: View, residual_m: Floats, rows: Rows, over: str) -> Floats:
     """Return clock offsets in ppm, their mean taken out; they go by `over` besides."""
-    found = np.array(polynomial(Heard.of(view, residual_m), rows, over).offsets_ppm)
+    heard = Heard.of(view, residual_m)
+    found = np.array(polynomial(heard, rows, over, heard.with_mean).offsets_ppm)
     return np.asarray(found - found.mean())
 
 

@@ -70,7 +70,7 @@ def device_clock(view: View, residual_m: Floats) -> DeviceClock:
     curved = walking(heard, every) if _values(heard.time_s) >= 2 * CLOCK_STRETCHES else None
     if curved and _wander_helps(heard, Wander(curved.spread_ppm, curved.settle_s), linear):
         return curved
-    return polynomial(heard, every, linear)
+    return polynomial(heard, every, linear, heard.with_mean)
 
 
 def _values(values: Floats) -> int:
@@ -130,10 +130,11 @@ def _folds(heard: Heard, fold: Rows) -> Iterator[tuple[Rows, Rows]]:
             yield kept, held
 
 
-def polynomial(heard: Heard, rows: Rows, over: str) -> DeviceClock:
+def polynomial(heard: Heard, rows: Rows, over: str, beside_mean: bool = False) -> DeviceClock:
     """Return constant offsets, with slopes over time or temperature if asked, of some rows.
 
-    Beside a constant of all ranges where that is told from clocks: else they take what it is.
+    `beside_mean`: beside a constant of all ranges, where that is told from clocks. Not where forms
+    are compared on rows left out: of crystals that wander it takes what they have in common.
     """
     count = len(heard.names)
     offset = heard.design(rows)
@@ -142,11 +143,11 @@ def polynomial(heard: Heard, rows: Rows, over: str) -> DeviceClock:
     if over:
         parts.append(offset.multiply(heard.since(over)[rows][:, None]))
         prior = np.concatenate([prior, np.full(count, PRIORS[over])])
-    if heard.with_mean:
+    if beside_mean:
         parts.append(csr_array(np.ones((len(rows), 1))))
         prior = np.append(prior, MEAN_PRIOR_M)
     found = robust(csr_array(hstack(parts)), heard.residual_m[rows], prior)
-    found = found[: len(found) - heard.with_mean].tolist()
+    found = found[: len(found) - beside_mean].tolist()
     offsets, slopes, none = tuple(found[:count]), tuple(found[count:]), (0.0,) * count
     if over == WARM:
         made = DeviceClock(heard.names, offsets, none, heard.reference_s)
@@ -198,13 +199,11 @@ class _Walk:
     def _design(self) -> Floats:
         """Return metres per ppm of every unknown [n, U]: wander at all knots, then offsets.
 
-        Last a constant of all ranges, where that is told from clocks. Rows lie within a knot's
-        interval, so straight lines between knots are near enough.
+        Rows lie within a knot's interval, so straight lines between knots are near enough.
         """
         heard, rows = self.heard, self.rows
         count, devices = int(self.starts[-1]), len(heard.names)
-        out = np.zeros((len(rows), count + devices + heard.with_mean))
-        out[:, count + devices :] = 1.0
+        out = np.zeros((len(rows), count + devices))
         for end, sign in ((heard.tx, 1.0), (heard.rx, -1.0)):
             for device, knots in enumerate(self.knots):
                 mine = np.flatnonzero(end[rows] == device)
@@ -220,7 +219,7 @@ class _Walk:
         Ornstein and Uhlenbeck: w[0] ~ N(0, s^2), w[k+1] ~ N(rho w[k], s^2 (1 - rho^2)).
         """
         count, devices = int(self.starts[-1]), len(self.knots)
-        out = np.diag([0.0] * (count + devices) + [MEAN_PRIOR_M**-2] * self.heard.with_mean)
+        out = np.zeros((count + devices, count + devices))
         total = 0.0
         for start, knots in zip(self.starts[:-1].tolist(), self.knots, strict=True):
             if len(knots):

@@ -9,7 +9,8 @@ import pytest
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.fit.clocks import device_clock
+from bench.discrepancy.fit.clocks import STEADY, device_clock, polynomial
+from bench.discrepancy.fit.heard import Heard
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_clock import DeviceClock
@@ -193,3 +194,17 @@ def test_a_constant_of_all_ranges_is_no_clock_where_roles_are_swapped():
 def test_where_tags_alone_ask_a_constant_may_be_their_clocks():
     frame, truth = _asked(swapped=False, late_m=0.0)
     assert np.abs(_fit(frame).offset_ppm(scene(frame)) - truth).max() < 0.5
+
+
+def test_forms_of_clocks_are_compared_without_a_constant():
+    """Of crystals that wander from pair to pair it would take what they have in common."""
+    for swapped in (True, False):
+        frame, truth = _asked(swapped, late_m=0.3)
+        seen = _view(frame)
+        heard = Heard.of(seen, seen.recorded.column("error_m"))
+        assert heard.with_mean == swapped
+        every = np.arange(len(frame))
+        plain, beside = (polynomial(heard, every, STEADY, one) for one in (False, heard.with_mean))
+        off = [np.abs(one.offset_ppm(seen.scene) - truth).max() for one in (plain, beside)]
+        assert off[0] > 2.0
+        assert (off[1] < 0.5) == swapped
