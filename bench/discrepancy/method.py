@@ -294,8 +294,9 @@ def one_round(state: State, turn: int, journal: Journal) -> State:
 def _located(state: State, turn: int, journal: Journal) -> tuple[State, Located]:
     """Return what differs; an effect that this contradicts is taken out first."""
     located = journal.kept(locate_left)(state.search, state.added, turn)
-    sized = with_sizes(state.search, state.added)  # not as wide as links' own offsets make it
-    refuted = contradicted(state.search, sized, located)
+    # A scatter is judged as wide as rows say it is, not as what links keep makes it.
+    sized = state.guard.safely("size of scatter", with_sizes, state.added)
+    refuted = contradicted(state.search, sized(state.search, state.added), located)
     if refuted is None:
         return state, located
     search, added = state.search.without(refuted), without(state.added, refuted)

@@ -12,13 +12,9 @@ WARM_PRIOR_PPM_PER_C: Final = 0.3  # typical slope of a crystal's offset over te
 # some ppm over tens of degrees [source: Vig 1992, AT-cut quartz]
 SLOPE_VALUES: Final = 3  # different times or temperatures, from which on a slope is asked for
 # [convention]
-MEAN_TOLD_SHARE: Final = (
-    0.2  # of a constant's squares that no clocks make, from which on clocks are
-)
-# fitted beside one [convention]
-MEAN_PRIOR_M: Final = (
-    1.0  # such a constant is rarely more [source: APS014, delays before calibration]
-)
+MEAN_TOLD_SHARE: Final = 0.2  # of the squares of a constant that no clocks make, from which on
+# clocks are fitted beside one [convention]
+MEAN_PRIOR_M: Final = 1.0  # such a constant is rarely more [source: APS014, before calibration]
 DRIFT_PRIOR_PPM_PER_HOUR: Final = 0.5  # [source] indoors crystals drift by tenths of a ppm an hour
 WANDER_SPREADS_PPM: Final = (0.01, 0.03, 0.1, 0.3, 1.0)  # tried by marginal likelihood [cost]
 WANDER_PASSES: Final = 20  # [cost]

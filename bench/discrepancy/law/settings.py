@@ -60,8 +60,6 @@ LAW_LATTICE: Final = (0.002, 1.0)  # m: steps of a rounding that is looked for [
 LAW_ON_LATTICE: Final = (0.02, 0.98)  # of a step, and of the rows, to be on a lattice [convention]
 LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [derived]
 LAW_ONE_STEP: Final = 1.5  # times the smallest gap: wider ones are two steps [derived]
-LAW_FLOOR_M: Final = (
-    0.006  # that true ranges are off distances of places, both in whole cm [derived]
-)
+LAW_FLOOR_M: Final = 0.006  # that true ranges are off distances of places, in whole cm [derived]
 LAW_SAME_PLACE_M: Final = 0.05  # positions of a device that stands still; and as true ranges say
 SHOWN_RIVALS: Final = 5  # laws that are not excluded, shown to people [convention]

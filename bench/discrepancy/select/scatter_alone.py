@@ -25,7 +25,7 @@ from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.scatter_size import beside_simulated, extras, sized, variances
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import several_links, untouched, versions
+from bench.discrepancy.select.stepwise import calm_rows, versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     FORM_SHARE,
@@ -152,9 +152,8 @@ def _kept_by_links(search: Search, added: Added) -> float:
     leave offsets, as of walls no two of a kind are alike.
     """
     assert search.work is not None
-    made = versions(search.comparison, search.work, added)
-    calm = untouched(search.comparison, search.work, added)
-    made = made.rows(calm) if several_links(made.links[calm]) else made
+    calm = calm_rows(search.comparison, search.work, added)
+    made = versions(search.comparison, search.work, added).rows(calm)
     values, code = made.versions_of(RANGE), np.unique(made.links, return_inverse=True)[1]
     count = np.bincount(code)
     means = np.stack([np.bincount(code, one) / count for one in values])

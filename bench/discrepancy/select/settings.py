@@ -26,7 +26,6 @@ NO_SCATTER_SHARE: Final = (
 )
 FEWEST_SHAPED: Final = 50  # rows, for a kurtosis within 0.7 of its own [convention]
 SHAPE_Z: Final = 3.0  # of shorter tails than normal, and below which a skew is none [convention]
-TOUCHED_M: Final = 1e-3  # by which effects move a range at least, where they act [convention]
 OVERDONE_P: Final = 1e-3  # chance of rows of links that scatter as much less than with a jitter, by
 # variances and by ranks, below which there is none of that size [convention]
 BOUNDED_P: Final = 0.01  # of equal widths in all links, that a bounded scatter must have [conv.]

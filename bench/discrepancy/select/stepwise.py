@@ -21,13 +21,14 @@ from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
 from bench.discrepancy.select.own_draws import beside_similar, beyond_own_draws, within_links
 from bench.discrepancy.select.predictive_cells import kept
-from bench.discrepancy.select.settings import FEWEST_SEVERAL, TOUCHED_M
+from bench.discrepancy.select.settings import FEWEST_SEVERAL
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.within_links import of_links, within
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     FEW_VERSIONS,
     MARGIN_NATS,
+    MOVED_M,
     ONE_SIDED_95,
     REMOVED_SHARE,
     SCATTER_MARGIN_NATS,
@@ -130,8 +131,7 @@ def contradicted(search: Search, added: Added, located: Located) -> Effect | Non
     if effect is None or not cells or _scatters_inside(search, added, effect):
         return None
     rest = without(added, effect)
-    calm = untouched(search.comparison, search.searched, rest)
-    asked = calm if rest and several_links(search.searched.links[calm]) else np.ones_like(calm)
+    asked = calm_rows(search.comparison, search.searched, rest)
     sure = bool(asked.all()) and min(f.p for f in cells) <= SURE_P
     return effect if sure or _kept_by_links(search, rest, asked) else None
 
@@ -142,9 +142,16 @@ def untouched(comparison: Comparison, view: View, added: Added) -> NDArray[np.bo
         comparison.ensemble(view, some, SEARCH_MEMBERS, SEARCH_FIRST).simulated_of(RANGE)
         for some in (added, ())
     )
-    moved = np.abs((whole - none).mean(axis=0)) > TOUCHED_M
+    moved = np.abs((whole - none).mean(axis=0)) > MOVED_M
     code = np.unique(view.links, return_inverse=True)[1]
     return np.asarray(np.bincount(code, moved)[code] == 0, np.bool_)
+
+
+def calm_rows(comparison: Comparison, view: View, added: Added) -> NDArray[np.bool_]:
+    """Return the rows [n] of `untouched` links, all of them where such links are few."""
+    calm = untouched(comparison, view, added)
+    few = len(np.unique(view.links[calm])) < FEWEST_SEVERAL
+    return np.ones_like(calm) if few else calm
 
 
 def calm_for(search: Search, added: Added, effect: Effect) -> Search:
@@ -156,17 +163,12 @@ def calm_for(search: Search, added: Added, effect: Effect) -> Search:
     rest, rows = without(added, effect), search.work
     if not type(effect).independent or type(effect).marked or not rest or rows is None:
         return search
-    calm = untouched(search.comparison, rows, rest)
-    if calm.all() or not several_links(rows.links[calm]):
+    calm = calm_rows(search.comparison, rows, rest)
+    if calm.all():
         return search
     touched = np.unique(rows.links[~calm])
     views = search.discover.leaving(touched), search.fit.leaving(touched), rows.leaving(touched)
     return replace(search, discover=views[0], fit=views[1], work=views[2])
-
-
-def several_links(links: NDArray[np.intp]) -> bool:
-    """Return whether rows [n] are of links enough to say what these have in common."""
-    return len(np.unique(links)) >= FEWEST_SEVERAL
 
 
 def _scatters_inside(search: Search, added: Added, effect: Effect) -> bool:
