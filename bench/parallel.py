@@ -9,14 +9,18 @@ from __future__ import annotations
 import multiprocessing
 import os
 import pickle
+import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from threading import Lock, Thread
+from types import ModuleType
 from typing import Any, TypeVar, cast
 
 from bench.errors import BenchError
@@ -97,6 +101,35 @@ def a_few_at_once(work: Callable[[T], R], items: Iterable[T]) -> Generator[R, No
             yield coming.popleft().result()
 
 
+def in_processes(
+    work: Work, shared: Any, items: Iterable[Any], jobs: int
+) -> Generator[Any, None, None]:
+    """Yield work(shared, item) of every item in order, of some items at a time in `jobs` processes.
+
+    For work that threads would wait with for the interpreter. Nothing that `shared` and the items
+    hold may come from the user's script: it is not run again in these processes, so that it needs
+    no `if __name__ == "__main__"`. Memory holds 2 `jobs` items. Close it when done. Raises
+    BenchError where a process is ended from outside.
+    """
+    coming: deque[Future[Any]] = deque()
+    pool = _pool(jobs, shared)
+    try:
+        for item in items:
+            with _starting(), _no_script():
+                coming.append(pool.submit(_call, work, item))
+            if len(coming) > AHEAD * jobs:
+                yield coming.popleft().result()
+        while coming:
+            yield coming.popleft().result()
+    except BrokenProcessPool as problem:
+        raise BenchError(
+            f"a process that worked here was ended from outside, for want of memory perhaps: "
+            f"{VARIABLE}=1 does with this one"
+        ) from problem
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
 def each(work: Work, shared: Any, items: Sequence[Any], far: bool = True) -> list[Any]:
     """Return work(shared, item) of every item in order: in threads, or as `spreading` says.
 
@@ -162,30 +195,73 @@ _SPREAD: ContextVar[Spread] = ContextVar("spread", default=Spread())  # noqa: B0
 def _in_processes(
     jobs: int, work: Work, shared: Any, tasks: Sequence[Any]
 ) -> Iterator[tuple[int, Any]]:
-    # spawn: a forked child of a process with threads (torch, numba) may hang
-    start = multiprocessing.get_context("spawn")
-    packed = pickle.dumps(shared)  # once, not once per process
-    pool = ProcessPoolExecutor(jobs, start, _install, (packed,))
+    pool = _pool(jobs, shared)
     try:
-        waiting = {pool.submit(_call, work, task): at for at, task in enumerate(tasks)}
+        with _starting():
+            waiting = {pool.submit(_call, work, task): at for at, task in enumerate(tasks)}
         for done in as_completed(waiting):
             yield waiting[done], done.result()
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
+def _pool(jobs: int, shared: Any) -> ProcessPoolExecutor:
+    """Return a pool of processes that hold what all tasks share."""
+    # spawn: a forked child of a process with threads (torch, numba) may hang
+    start = multiprocessing.get_context("spawn")
+    packed = pickle.dumps(shared)  # once, not once per process
+    return ProcessPoolExecutor(jobs, start, _install, (packed,))
+
+
+@contextmanager
+def _starting() -> Iterator[None]:
+    """Have processes that start meanwhile ended by an interruption without a word of theirs.
+
+    It waits until they are far enough for that (see `_install`).
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # its start would let the signal through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _no_script() -> Iterator[None]:
+    """Have processes that start meanwhile find an empty script, to run before their work."""
+    with _ONE_SCRIPT:
+        script, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = script
+
+
+_ONE_SCRIPT = Lock()
 _ONE_AT_A_TIME = Lock()
 _INSTALLED: list[Any] = []  # one per worker process: what all its tasks share
 
 
 def _install(packed: bytes) -> None:
     """Begin a worker: one thread, since there are as many workers as were asked for."""
+    _end_when_interrupted()
     Thread(target=_end_with_parent, daemon=True).start()
     os.environ["OMP_NUM_THREADS"] = "1"  # torch reads it when it is imported
     os.environ[VARIABLE] = "1"
     if (torch := sys.modules.get("torch")) is not None:
         torch.set_num_threads(1)
     _INSTALLED[:] = [pickle.loads(packed)]  # noqa: S301 - from the process that started this one
+
+
+def _end_when_interrupted() -> None:
+    """End this worker at an interruption, also one that came while it started; see `_starting`."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def _end_with_parent() -> None:

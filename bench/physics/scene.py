@@ -143,13 +143,14 @@ def _under(columns: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[A
     return {name: np.concatenate([one[name] for one in columns]) for name in columns[0]}
 
 
-def scene(frame: pd.DataFrame, source: str = "geometry") -> Scene:
+def scene(frame: pd.DataFrame, source: str = "geometry", *, moving: bool = True) -> Scene:
     """Return the scene of a recordings table, with the radial speed that follows from its times.
 
+    Not `moving`: nobody will ask for that speed, which takes longer than all the rest.
     An infinite number is not known, like an empty one.
     Raises BenchError where neither `true_range_m` nor both antenna positions are known.
     """
-    frame = with_radial_speed(frame)
+    frame = with_radial_speed(frame) if moving else frame
     numbers = {
         str(name): _known(np.asarray(column.astype("float64")))
         for name, column in frame.items()

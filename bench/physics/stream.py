@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,15 +16,17 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.files import atomic_path
-from bench.parallel import a_few_at_once
+from bench.parallel import a_few_at_once, in_processes, threads
 from bench.physics.memory import keep_freed
+from bench.physics.outcome import Outcome
 from bench.physics.randomness import BLOCK
 from bench.physics.room_geometry import room_geometry
 from bench.physics.room_plan import ROW_TOTAL, Plan
-from bench.physics.scene import scene
+from bench.physics.scene import Scene, scene
 from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
 from bench.physics.units import Floats
+from bench.recordings.motion import SPEED
 from bench.recordings.parquet import to_arrow
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
@@ -31,7 +35,11 @@ if TYPE_CHECKING:
     import pyarrow.parquet as pq
 
 Item = TypeVar("Item")
+Chunk = tuple[Scene, int]
+"""Rows to simulate at, and how many there are before them."""
 CHUNK = 16 * BLOCK
+MANY_ROWS = 100_000
+"""From so many on, processes (which take a second to start) are sooner done than threads."""
 
 
 @dataclass
@@ -65,28 +73,25 @@ def simulate_to(
     target: Path,
     progress: Callable[[int], None] | None = None,
     source: str = "geometry",
+    rows: int = 0,
 ) -> Tally:
     """Simulate `geometry` and write recordings Parquet to `target` in one step.
 
-    Row i gets the same numbers however the geometry is cut into frames. Memory holds one chunk.
+    Row i gets the same numbers however the geometry is cut into frames. Memory holds some chunks.
+    Of `MANY_ROWS` and more, if `rows` says how many there are, other processes make some.
     Raises BenchError naming `source` where it has no rows or no true range, or writing fails.
     """
     keep_freed()
     tally = Tally()
     with atomic_path(target) as scratch, ExitStack() as opened:
         writer: pq.ParquetWriter | None = None
-        frames = opened.enter_context(closing(ahead(rechunked(geometry, CHUNK))))
-
-        def simulated(chunk: tuple[int, pd.DataFrame]) -> tuple[Floats, pa.Table]:
-            return _simulated(simulator, chunk[1], chunk[0] * CHUNK, source)
-
-        for error_m, table in opened.enter_context(
-            closing(a_few_at_once(simulated, enumerate(frames)))
-        ):
+        chunks = _simulated(simulator, rechunked(geometry, CHUNK), source, rows >= MANY_ROWS)
+        for frame, made in opened.enter_context(closing(chunks)):
+            table = _table(simulator, frame, made)
             if writer is None:
                 writer = opened.enter_context(_writer(scratch, table.schema))
             writer.write_table(table.cast(writer.schema))
-            tally.add(error_m)
+            tally.add(made.error_m)
             if progress is not None:
                 progress(tally.rows)
         if writer is None:
@@ -103,17 +108,62 @@ def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
 
 
 def _simulated(
-    simulator: Simulator, frame: pd.DataFrame, first_row: int, source: str
-) -> tuple[Floats, pa.Table]:
-    """Return a chunk's errors [n] in metres, and its simulated recordings as an Arrow table."""
-    made = simulator.observe(scene(frame, source), first_row=first_row)
+    simulator: Simulator, frames: Iterable[pd.DataFrame], source: str, many: bool
+) -> Generator[tuple[pd.DataFrame, Outcome], None, None]:
+    """Yield every chunk of geometry with what is simulated there, a few chunks at once."""
+    waiting: deque[pd.DataFrame] = deque()
+    moving = _asks_for_speed(simulator)
+
+    def chunks() -> Iterator[Chunk]:
+        for number, frame in enumerate(frames):
+            waiting.append(frame)
+            yield scene(frame, source, moving=moving), number * CHUNK
+
+    with closing(ahead(chunks())) as coming, closing(_observed(simulator, coming, many)) as made:
+        for outcome in made:
+            yield waiting.popleft(), outcome
+
+
+def _observed(
+    simulator: Simulator, chunks: Iterable[Chunk], many: bool
+) -> Generator[Outcome, None, None]:
+    """Yield what is simulated at every chunk: in processes where there are `many`, else in threads.
+
+    Effects of the user's own stay in this process, which another might not find.
+    """
+    if many and threads() > 1 and all(map(_is_ours, (simulator.base, *simulator.effects))):
+        yield from in_processes(_observe, simulator, chunks, threads())
+    else:
+        yield from a_few_at_once(partial(_observe, simulator), chunks)
+
+
+def _observe(simulator: Simulator, chunk: Chunk) -> Outcome:
+    """Return what is simulated at a chunk."""
+    rows, first_row = chunk
+    return simulator.observe(rows, first_row=first_row)
+
+
+def _is_ours(part: object) -> bool:
+    """Return whether a part of a simulator is one of this package."""
+    return type(part).__module__.startswith("bench.physics.")
+
+
+def _asks_for_speed(simulator: Simulator) -> bool:
+    """Return whether an effect may read the radial speed: ours say what they need."""
+    return any(
+        not _is_ours(effect) or any(SPEED in way for way in effect.needs)
+        for effect in simulator.effects
+    )
+
+
+def _table(simulator: Simulator, frame: pd.DataFrame, made: Outcome) -> pa.Table:
+    """Return the simulated recordings of a chunk as an Arrow table."""
     text = to_toml(simulator)
-    table = to_arrow(
+    return to_arrow(
         Recordings(
             made.table(frame), simulator.name, "simulated", simulator=text, seed=simulator.seed
         )
     )
-    return made.error_m, table
 
 
 def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:

@@ -92,7 +92,7 @@ def simulate(
 
     if target is None:
         return _in_memory(chosen, places, started)
-    tally = stream.simulate_to(chosen, places.frames, target, show, places.name)
+    tally = stream.simulate_to(chosen, places.frames, target, show, places.name, places.count)
     figures = tally.rows, tally.mean_m, tally.mae_m
     return Simulation(chosen, *figures, monotonic() - started, target)
 

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import operator
+import os
 import re
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,7 +17,8 @@ import pytest
 import torch
 
 import bench
-from bench.parallel import a_few_at_once, obey, threads
+from bench.errors import BenchError
+from bench.parallel import a_few_at_once, in_processes, obey, threads
 from zoo.none import NoMitigation
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +77,57 @@ def test_work_of_a_few_at_once_comes_in_order_and_its_problems_come_through(
     assert list(a_few_at_once(lambda one: one**2, range(7))) == [0, 1, 4, 9, 16, 25, 36]
     with pytest.raises(ZeroDivisionError):
         list(a_few_at_once(lambda one: 1 / (3 - one), range(7)))
+
+
+def test_work_in_processes_comes_in_order() -> None:
+    assert list(in_processes(operator.add, 10, range(9), 2)) == list(range(10, 19))
+
+
+def test_a_process_that_dies_is_said_in_a_line() -> None:
+    with pytest.raises(BenchError, match="BENCH_THREADS=1 does with this one"):
+        list(in_processes(operator.call, os._exit, [1], 2))
+
+
+SCRIPT = """
+import time
+from bench.parallel import in_processes
+print("run", flush=True)
+made = in_processes({work}, {shared}, [{item}] * 3, 2)
+next(made)
+print("works", flush=True)
+list(made)
+"""
+
+
+def script(tmp_path: Path, **words: str) -> subprocess.Popen[str]:
+    """Return a user's script that runs by itself, without a guard for what it does."""
+    path = tmp_path / "script.py"
+    path.write_text(SCRIPT.format(**words))
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        [sys.executable, path], stdout=pipe, stderr=pipe, text=True, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+
+
+def test_a_script_needs_no_guard(tmp_path: Path) -> None:
+    """Processes that start run a script again; this one would have started more, and failed."""
+    done = script(tmp_path, work="__import__('operator').add", shared="1", item="2")
+    assert (*done.communicate(timeout=60), done.returncode) == ("run\nworks\n", "", 0)
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="no groups of processes here")
+def test_processes_end_without_a_word_when_interrupted(tmp_path: Path) -> None:
+    """Each printed a traceback of its own."""
+    asleep = "__import__('operator').call", "time.sleep", "1.5"
+    done = script(tmp_path, **dict(zip(("work", "shared", "item"), asleep, strict=True)))
+    assert done.stdout is not None
+    while done.stdout.readline() != "works\n":
+        pass
+    os.killpg(done.pid, signal.SIGINT)
+    said = done.communicate(timeout=60)[1]
+    assert said.count("Traceback") == 1  # the script's own
+    assert "SpawnProcess" not in said
 
 
 def test_nothing_else_counts_cores() -> None:

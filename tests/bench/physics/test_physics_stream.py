@@ -13,9 +13,11 @@ from bench.errors import BenchError, WriteError
 from bench.physics import Simulator, from_toml
 from bench.physics import stream as streaming
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
+from bench.physics.effects.ranging.time_lag import TimeLag
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.rooms import Rooms
 from bench.recordings.io import read_recordings, write_recordings
+from bench.recordings.motion import with_radial_speed
 from bench.recordings.table import Recordings
 
 SIMULATOR = Simulator(effects=(DiffuseTail(), TimestampJitter()), seed=4, name="mine")
@@ -43,6 +45,33 @@ def test_chunks_give_what_one_piece_gives(tmp_path: Path, monkeypatch) -> None:
     assert from_toml(made.simulator or "") == SIMULATOR
     assert tally.rows == 3000
     assert abs(tally.mae_m - np.abs(whole.errors_m()).mean()) < 1e-12
+
+
+@pytest.mark.parametrize("rows", [0, streaming.MANY_ROWS])
+def test_processes_give_what_threads_give(rows: int, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(streaming, "CHUNK", 1024)
+    monkeypatch.setenv("BENCH_THREADS", "2")
+    frame = line(3000).assign(time_s=np.arange(3000) * 0.1)
+    lagging = Simulator(effects=(DiffuseTail(), TimeLag(lag_s=0.1)), seed=4)
+    streaming.simulate_to(lagging, [frame], tmp_path / "out.parquet", rows=rows)
+    made = read_recordings(tmp_path / "out.parquet").frame
+    parts = [frame.iloc[at : at + 1024] for at in (0, 1024, 2048)]  # speeds are of chunks
+    speeds = pd.concat([with_radial_speed(part) for part in parts], ignore_index=True)
+    whole = lagging.simulate(speeds).frame
+    np.testing.assert_array_equal(made["range_m"], whole["range_m"])
+    np.testing.assert_array_equal(np.stack(made["cir"]), np.stack(whole["cir"]))
+
+
+def test_effects_of_the_users_own_stay_in_this_process(tmp_path: Path, monkeypatch) -> None:
+    """Another might not find them."""
+
+    class Own(TimestampJitter):
+        pass
+
+    monkeypatch.setattr(streaming, "in_processes", None)
+    mine = Simulator(effects=(Own(),), seed=4)
+    tally = streaming.simulate_to(mine, [line(50)], tmp_path / "o.parquet", rows=10**6)
+    assert tally.rows == 50
 
 
 def test_rechunked_keeps_every_row_in_order() -> None:
