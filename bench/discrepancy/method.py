@@ -329,7 +329,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     search, added, choice = state.search, state.added, state.search.choice
     if search.work is not None and added:
         last = state.guard.safely("last fit", journal.kept(settled), added)
-        added = last(search.comparison, search.work, added)
+        added = last(sets.beside_faults(search, search.work), search.work, added)
         added = state.guard.safely("size of scatter", with_sizes, added)(search, added)
         added = state.guard.safely("slope of levels", with_slope, added)(search, added)
         added = state.guard.safely("curve of levels", with_curve, added)(search, added)

@@ -151,10 +151,10 @@ def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
 
 
 def _offsets(view: View, residual_m: Floats, rows: Rows, over: str) -> Floats:
-    """Return clock offsets in ppm, their mean taken out; they go by `over` besides."""
+    """Return clock offsets in ppm beside the median one; they go by `over` besides."""
     heard = Heard.of(view, residual_m)
     found = np.array(polynomial(heard, rows, over, heard.with_mean).offsets_ppm)
-    return np.asarray(found - found.mean())
+    return np.asarray(found - np.median(found))
 
 
 def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Floats:

@@ -45,10 +45,12 @@ from bench.recordings.motion import SPEED
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
-PLACE = "the position of "
+PLACE, UNIT, PLACES = "the position of ", "the unit of ", "the places of "
+SETUP = (PLACE, UNIT, PLACES)
 # What changes clocks and delays, and no pulse on its way.
 OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 OF_DELAYS = ("time_s", "reply_time_s", SPEED)  # one that follows the temperature is a drift
+OF_CRYSTALS = ("temperature_c", "time_s")  # of the reply time an exchange makes a proportion
 ALWAYS = (AntennaDelay, ClockOffset, PowerBias, AntennaPattern)
 PER_DEVICE = (AntennaDelay, ClockOffset)
 Kinds = Mapping[str, type[Effect]]
@@ -161,7 +163,7 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
             continue
         stands[str(name)] = here[mine][0]
         out[f"{PLACE}{name}"] = (LAW_M * line * mine[:, None],)
-        out[f"the unit of {name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
+        out[f"{UNIT}{name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
     if len(stands) > 1:  # a plan that is stretched, turned or old moves all of them at once
         every = np.hstack([out[f"{PLACE}{name}"][0] for name in stands])
         out[f"{PLACE}every {end}"] = (every,)
@@ -170,7 +172,7 @@ def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks
         for name, really in ((one, stands[two]), (two, stands[one])):
             mine = names == name
             shift[mine] = np.linalg.norm(there[mine] - really, axis=1) - true_m[mine]
-        out[f"the places of {one} and {two}"] = (shift[:, None],)
+        out[f"{PLACES}{one} and {two}"] = (shift[:, None],)
     return out
 
 
@@ -215,29 +217,33 @@ def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> 
 
     Other sizes over every covariate and device, and another curve. What clocks make is of the same
     size everywhere, so only over what clocks go by; a delay that temperature changes is a drift.
+    What crystals make is in proportion to the reply time, and no other curve.
     """
     numbers = rows.covariates.numbers
     some = OF_CLOCKS if kind is not None and kind.everywhere else tuple(numbers)
-    some = OF_DELAYS if kind is AntennaDelay else some
+    some = OF_DELAYS if kind is AntennaDelay else OF_CRYSTALS if kind is ClockOffset else some
     known = (known_mostly(numbers[name]) for name in some if name in numbers)
     slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
-    own = _standard(response)
-    bends = [response * one for one in (*slopes, *devices, own)]
-    bends.append(float(np.std(response)) * (own**2 - 1))
-    return DEFORMED * np.stack(bends, axis=1)
+    bends = [response * one for one in (*slopes, *devices)]
+    if kind is not ClockOffset:
+        own = _standard(response)
+        bends += [response * own, float(np.std(response)) * (own**2 - 1)]
+    return DEFORMED * np.stack(bends or [response * 0], axis=1)
 
 
 def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Floats:
     """Return what a response [n] may be off by [n, k]: a constant, and a line over the distance.
 
     The mean of a pattern and the pull of a reflection depend on the make. No line where clocks
-    make it, and nothing in rows where it does nothing (nothing is in the way).
+    make it, and nothing in rows where it does nothing (nothing is in the way). What crystals make
+    is off by neither: beside them a constant is an antenna's.
     """
     far = known_mostly(rows.scene.true_range_m)
     flat = far is None or (kind is not None and kind.everywhere)
     line = [] if far is None or flat else [np.clip(_standard(far), -2, 2)]
-    size = OFF_BY * float(np.std(response)) * (response != 0)
+    share = 0.0 if kind is ClockOffset else OFF_BY
+    size = share * float(np.std(response)) * (response != 0)
     return np.stack([size, *(size * one for one in line)], axis=1)
 
 

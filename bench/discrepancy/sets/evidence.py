@@ -113,9 +113,11 @@ class Evidence:
     def reweigh(self, causes: Sequence[str]) -> int:
         """Give rows and links the weights that they have beside a set of causes.
 
-        Returns how many links take no part.
+        Begins with all rows alike: of what was far off beside another set nothing would be learnt,
+        and it would stay so beside one that explains it. Returns how many links take no part.
         """
-        self.mean_ratio, stray = 0.0, 0
+        self.mean_ratio, stray, self._products = 0.0, 0, {}
+        self.weights = np.ones(len(self.left_m))
         for _ in range(REWEIGHINGS):
             best = self.of(causes)
             self.nearby = OFFSET_RATIOS.index(best.ratio)

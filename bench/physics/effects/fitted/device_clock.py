@@ -49,7 +49,7 @@ class DeviceClock(Effect):
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
     signature = (
         "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged; only "
-        "differences between devices are seen, so the mean of the values is arbitrary"
+        "differences between devices are seen: values are beside the median device's"
     )
     needs = (("tx", "rx", "reply_time_s"),)
     control = "rows with zero reply time"
@@ -74,10 +74,13 @@ class DeviceClock(Effect):
         as_curves(self, "knots_s", "wander_ppm", count)
 
     def values(self) -> dict[str, float]:
-        """Return the offset of every device in ppm, their mean taken out: only differences act."""
-        mean = sum(self.offsets_ppm) / max(len(self.offsets_ppm), 1)
+        """Return the offset of every device in ppm beside the median one: only differences act.
+
+        Beside their mean, one device that is off would have all others be off, too.
+        """
+        middle = float(np.median(self.offsets_ppm)) if self.offsets_ppm else 0.0
         pairs = zip(self.devices, self.offsets_ppm, strict=True)
-        return {f"offset_ppm[{device}]": offset - mean for device, offset in pairs}
+        return {f"offset_ppm[{device}]": offset - middle for device, offset in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of each row's two devices."""

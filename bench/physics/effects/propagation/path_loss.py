@@ -26,7 +26,10 @@ class PathLoss(Effect):
     stage = "propagation"
     stackable = True
     source = "Molisch et al., IEEE 802.15.4a channel model final report (2004), section 2"
-    signature = "receive level over log distance has another slope; scatter per position"
+    signature = (
+        "receive level over log distance has another slope: what is simulated with an exponent n "
+        "has n + exponent - 2 with it; scatter per position"
+    )
     per_link = True  # the shadowing
     essential = ("exponent",)
     instead = ("per_metre_db",)
