@@ -31,3 +31,6 @@ MIX_DIGITS: Final = (
 PAIRS_SHARE: Final = 0.75  # of links that are pairs of their own, at least, or it is said
 # [convention]
 SOUND_ROWS: Final = 200  # of the recorded ones, that a simulator is tried on first [cost]
+AS_ONE: Final = 3.0  # standard deviations over rows, that ranges are off when a simulator
+# is asked again, from which on it keeps something between calls [convention]
+SAME_M: Final = 1e-6  # by which they may be off: rounding [derived]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.compare.settings import SOUND_ROWS
+from bench.discrepancy.compare.settings import AS_ONE, SAME_M, SOUND_ROWS
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.outcome import Outcome
@@ -43,6 +43,7 @@ def tried(
     except BenchError:
         return ()
     _check(simulator.name, once)
+    _check_still(simulator.name, again.range_m - once.range_m)
     same = all(_same(getattr(once, name), getattr(again, name)) for name in COMPARED)
     return () if same else (OTHER_NUMBERS.format(simulator.name),)
 
@@ -64,6 +65,19 @@ def _check(name: str, made: Outcome) -> None:
                 f"simulator {name!r}: {column} is {level[np.nanargmax(np.abs(level))]:.4g}: "
                 "expected dBm"
             )
+
+
+def _check_still(name: str, moved_m: Floats) -> None:
+    """Raise BenchError where ranges [n] of the second call are off those of the first as one.
+
+    Random numbers that no seed decides differ from row to row, or from device to device.
+    """
+    mean_m, scatter_m = float(np.mean(moved_m)), float(np.std(moved_m))
+    if abs(mean_m) > max(AS_ONE * scatter_m, SAME_M):
+        raise BenchError(
+            f"simulator {name!r}: ranges of the same rows and seed are {mean_m:+.4g} m off when it "
+            "is asked again: expected a simulator that keeps nothing from one call to the next"
+        )
 
 
 def _same(one: Floats | None, other: Floats | None) -> bool:

@@ -19,6 +19,8 @@ MEASURED = {
     "cir_power", "fp_ampl1", "fp_ampl2", "fp_ampl3",
 }  # fmt: skip
 DEVICES = ("tx=", "rx=")  # how groups of devices begin: in two-way ranging both ends receive
+PAIR = "pair"
+OF_DEVICES = (*DEVICES, f"{PAIR}=")  # all of whose groups together are those of devices
 
 
 @dataclass(frozen=True)
@@ -101,4 +103,4 @@ def _pairs(frame: pd.DataFrame) -> dict[str, NDArray[np.bool_]]:
     if "tx" not in frame or "rx" not in frame:
         return {}
     pair = frame["tx"].astype(str) + "->" + frame["rx"].astype(str)
-    return _categories("pair", pair)
+    return _categories(PAIR, pair)

@@ -28,6 +28,7 @@ from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.sets.blocks import SETUP
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -74,10 +75,19 @@ def wave_verdicts(
 def _more_in_ranges(search: Search, last: Round) -> bool:
     """Return whether ranges show what nothing named explains.
 
-    They do where a device that stands elsewhere took the place of a name it does as well as.
+    They do where sets of their causes have a fault of the set-up, such as a device that stands
+    elsewhere instead of a name it does as well as.
     """
     left = _ranges_left(last) and not search.choice.forms_do
-    return left or (bool(search.choice.tied) and not search.choice.names)
+    return left or _faulty(search)
+
+
+def _faulty(search: Search) -> bool:
+    """Return whether what ranges speak for is a fault of the set-up."""
+    found = search.choice
+    return any(one.startswith(SETUP) for one in found.others) or bool(
+        found.tied and not found.names
+    )
 
 
 def without_idle(
@@ -128,6 +138,8 @@ def _more(search: Search, rounds: tuple[Round, ...]) -> bool:
     last = rounds[-1]
     if not any(turn.strike for turn in rounds):
         return real(search, last)
+    if _faulty(search):
+        return True
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     return removable.above_zero and removable.value > MARGIN_NATS
 

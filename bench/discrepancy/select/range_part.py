@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
-from bench.discrepancy.data.covariates import DEVICES
+from bench.discrepancy.data.covariates import OF_DEVICES
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.row_weights import row_weights
 from bench.discrepancy.select.settings import (
@@ -81,7 +81,9 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
     if not found.names:
-        known = replace(search.choice, forms_do=found.forms_do, tied=found.tied)
+        known = replace(
+            search.choice, forms_do=found.forms_do, tied=found.tied, others=found.others
+        )
         return replace(state, search=replace(search, choice=known))
     step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
@@ -245,7 +247,7 @@ def unlisted_forms(rows: View) -> Floats:
 
     Anything smooth over distance and level, and more or less in every group but devices.
     """
-    groups = [m for n, m in rows.covariates.groups.items() if not n.startswith(DEVICES)]
+    groups = [m for n, m in rows.covariates.groups.items() if not n.startswith(OF_DEVICES)]
     columns = [np.ones(len(rows.rows)), *(mask.astype(np.float64) for mask in groups)]
     level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else None
     over = (known_mostly(v) for v in (rows.scene.true_range_m, level) if v is not None)
@@ -264,7 +266,7 @@ def known_columns_of(rows: View, but: tuple[str, ...]) -> Floats:
         standard = (filled - filled.mean()) / max(float(filled.std()), 1e-9)
         columns.append(np.asarray(np.clip(standard, -2, 2), np.float64))
     groups = rows.covariates.groups.items()
-    columns += [mask.astype(np.float64) for name, mask in groups if not name.startswith(DEVICES)]
+    columns += [mask.astype(np.float64) for name, mask in groups if not name.startswith(OF_DEVICES)]
     return np.stack(columns, axis=1)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -49,6 +49,20 @@ def test_numbers_that_cannot_be_had_again_are_said() -> None:
     assert tried(of(), Base(), FRAME, True) == ()
     (line,) = tried(of(spread_m=0.1), Base(), FRAME, False)
     assert "'s-own' gives other numbers each time from one seed" in line
+
+
+def test_what_keeps_something_between_calls_is_refused() -> None:
+    """A counter that made every call a millimetre longer gave delays of 55 ns to all devices."""
+    counter = of()
+    calls = iter(range(1, 9))
+
+    class Counting(Simulator):
+        def observe(self, *rows: object, **more: object) -> object:  # type: ignore[override]
+            made = counter.observe(*rows, **more)  # type: ignore[arg-type]
+            return replace(made, range_m=made.range_m + 1e-3 * next(calls))
+
+    with pytest.raises(BenchError, match=r"same rows and seed are \+0.001 m off when it is asked"):
+        tried(Counting(Base(), (Own(),), name="s-own"), Base(), FRAME, False)
 
 
 def test_too_few_values_are_counted_and_no_row_is_blamed_for_it() -> None:

@@ -141,7 +141,9 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
     monkeypatch.setattr(verdicts, "_said", lambda *_: said(late)[late.name])
     monkeypatch.setattr(verdicts, "sizes_seen", lambda *_: None)
     misplaced = Choice((), forms_do=True, tied=("antenna-delay",))
-    every = ((Choice(forms_do=True), 1), (Choice(), 2), (misplaced, 2))
+    fault = Choice((), ("the position of a3",), forms_do=True)
+    law = Choice((), ("a law of time_s",), forms_do=True)
+    every = ((Choice(forms_do=True), 1), (Choice(), 2), (misplaced, 2), (fault, 2), (law, 1))
     for choice, count in every:
         search = SimpleNamespace(choice=choice)
         made = verdicts.wave_verdicts(search, (first, last), (late,), WaveChoice((late,)))

@@ -24,6 +24,7 @@ from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.numpy_tables import Hidden, tables
+from tests.bench.discrepancy.sets.test_same_rows import rows_of
 
 
 def search_of(
@@ -166,3 +167,15 @@ def test_a_delay_is_asked_for_beside_a_pattern_that_ranges_do_not_show() -> None
         found, beside = asked(ranged, (PathLoss(), pattern), False)
         assert found.names == ("antenna-delay",)
         assert (pattern in beside) is stays
+
+
+def test_no_receiver_makes_what_one_device_has() -> None:
+    """Groups of pairs of devices, taken together, had been those of a device."""
+    frame = rows_of(3).assign(error_m=0.0, rx_power_dbm=-80.0)
+    frame = frame.assign(range_m=frame["true_range_m"])
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), None, False)
+    assert any(name.startswith("pair=") for name in rows.covariates.groups)
+    own = (frame["rx"] == "a1").to_numpy(np.float64)
+    forms = np.hstack([range_part.unlisted_forms(rows), range_part.known_columns_of(rows, ())])
+    left = own - forms @ np.linalg.lstsq(forms, own, rcond=None)[0]
+    assert left @ left > 0.3 * np.sum((own - own.mean()) ** 2)
