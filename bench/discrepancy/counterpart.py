@@ -11,6 +11,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import COUNT, NOISE
+from bench.discrepancy.data.own_link import far_off_their_link
 from bench.discrepancy.settings import NOISE_APART_DB
 from bench.physics.simulator import Simulator
 from bench.recordings.clean import describe
@@ -25,6 +26,8 @@ def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[st
     """Return how many rows of how many links each table has, and what was left out, in words."""
     lines = [f"recorded: {_words(recorded)}"]
     more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
+    table = simulated if isinstance(simulated, Recordings) else None
+    more.append(far_off_their_link(recorded, table))
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_noise(recorded.frame, simulated.frame))

@@ -88,7 +88,11 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
 def _alike(seen: Confirmed) -> str:
     """Return in words how ranges are where chance may be all that brought them nearer."""
     nearer = seen.mae_after_m.value < NEARER_SHARE * seen.mae_before_m.value
-    return "ranges nearer, though not beyond chance" if nearer else "ranges alike within chance"
+    return (
+        "ranges nearer, though not beyond chance"
+        if nearer
+        else "ranges as far off as before, within chance"
+    )
 
 
 def _device(verdicts: tuple[Verdict, ...]) -> str:

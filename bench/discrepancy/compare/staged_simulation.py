@@ -196,7 +196,7 @@ class Stages:
         said = f"simulator {simulator.name!r} fails on"
         ones = [rows.slice(at, at + 1) for at in {0, len(rows) // 2, len(rows) - 1}]
         if len(ones) > 1 and all(self._fails(simulator, one, replicate, cir) for one in ones):
-            return BenchError(f"{said} any of the {len(rows)} rows it was given: {reason}")
+            return BenchError(f"{said} {len(rows)} rows at once and on single ones: {reason}")
         low, high = 0, len(rows)
         while high - low > 1:
             middle = (low + high) // 2

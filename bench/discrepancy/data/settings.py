@@ -24,3 +24,13 @@ EXACT_M: Final = 1e-3  # [derived] no UWB range is so near the truth in half of 
 PLACES_APART: Final = 1.5  # [convention] times the truth: no survey of antennas is so far off
 READ_M: Final = 0.01  # [derived] what UWB ranges miss the truth by at least
 QUARTILES: Final = (25, 50, 75)  # per cent [convention]
+
+# --- Rows far off their own link (data/own_link) --------------------------------------------------
+FEWEST_OF_LINK: Final = 3  # rows, to say which of them is off [derived]
+FAR_SCATTERS: Final = 10.0  # standard deviations of rows about their link's median [convention]
+FAR_OFF_LINK_M: Final = (
+    0.5  # and so many metres at least: no clutter moves one row so far [convention]
+)
+FEWEST_FAR: Final = 3  # rows, to be worth a line [convention]
+FAR_OFF_LINK_TIMES: Final = 3.0  # the share of simulated rows that are as far [convention]
+SHOWN_FAR: Final = 5  # numbers of rows in the line [convention]

@@ -49,7 +49,7 @@ def _with_unplaced(search: Search, said: Verdict) -> Verdict:
     fitted = _options(said)
     kinds = [search.untried.get(type(one.effect).resembles) for one in fitted]
     more = tuple(
-        not_tried(one, kind(), NOT_PLACED + ", ".join(kind.needs[0]))
+        not_tried(one, kind(), NOT_PLACED + kind.lacking(search.fit.frame.columns))
         for one, kind in zip(fitted, kinds, strict=True)
         if kind is not None
     )

@@ -230,7 +230,7 @@ def _objection(
     if not wider or type(option.effect).essential:
         return ""
     found = adequacy(search.comparison, (search.fit, search.discover), added, option.effect)
-    return "" if found.adequate else str(found)
+    return "" if found.adequate else found.words
 
 
 def beside_untold(

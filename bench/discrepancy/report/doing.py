@@ -16,6 +16,7 @@ from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
@@ -37,6 +38,8 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
     if said.get(PowerBias.name):
         said[PowerBias.name] += beyond_published(known[PowerBias.name])
     for one in diagnosis.added:
+        if isinstance(one, PatternCurve) and one.gain_db:
+            said[one.physics] = "; ".join(filter(None, (said.get(one.physics), _gains(one))))
         if isinstance(one, DeviceClock) and said.get(one.physics):
             said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
         if isinstance(one, TimestampJitter):
@@ -83,11 +86,19 @@ def in_words(shift_m: Floats) -> str:
     acts = np.abs(shift_m) > LEAST_SCATTER_M
     if not acts.any():
         return ""
-    low, middle, high = np.percentile(shift_m[acts], [5, 50, 95])
+    places = np.percentile(shift_m[acts], [5, 50, 95])
+    low, middle, high = np.where(np.abs(places) < LEAST_SCATTER_M, 0.0, places)
     where = "" if acts.all() else f" of the rows where it acts ({acts.mean():.0%})"
     same = high - low <= LEAST_SCATTER_M
     around = "" if same else f", {low:+.3g} to {high:+.3g} m in nine of ten"
     return f"ranges {middle:+.3g} m in the median{where}{around}"
+
+
+def _gains(pattern: PatternCurve) -> str:
+    """Return where levels are lowest and highest over the heading, and by how much."""
+    low, high = (int(at(pattern.gain_db)) for at in (np.argmin, np.argmax))
+    at = (f"{pattern.gain_db[i]:+.2g} dB at {pattern.headings_deg[i]:g} deg" for i in (low, high))
+    return f"levels {' to '.join(at)}"
 
 
 def _steady(effect: Effect) -> bool:

@@ -87,9 +87,14 @@ class Adequacy:
                 f"like none of the known effects: the nearest, {name}, leaves {self.where} off by "
                 f"as much as it changes anything there {sure}"
             )
-        return (
-            f"looks most like {name}, but with it {self.where} still differs, by {self.left:.0%} "
-            f"of the most that it changes {sure}"
+        return f"looks most like {name}, but {self.words}"
+
+    @property
+    def words(self) -> str:
+        """Why an effect may not be named, of itself."""
+        return self.note or (
+            f"with it {self.where} still differs, by {self.left:.0%} of the most that it changes "
+            f"({self.z:.1f} standard errors)"
         )
 
 

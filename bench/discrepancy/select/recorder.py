@@ -18,6 +18,9 @@ from bench.discrepancy.select.settings import (
     CLIPPED_ROWS,
     CLIPPED_SAME,
     HELD_DB,
+    LEAST_OF_MEDIAN,
+    LOGARITHMS_DB,
+    MOST_ROWS_FAR,
     PULSE_SAMPLES,
     STUCK_DB,
     STUCK_PLACES,
@@ -63,11 +66,36 @@ def other_scale(search: Search) -> str:
     if abs(recorded - simulated) > UNITS_DB:
         apart = f"{abs(recorded - simulated):.0f} dB {'above' if recorded > simulated else 'below'}"
         return f"samples are in other units: recorded peaks lie {apart} simulated ones"
+    if abs(recorded - simulated) > LOGARITHMS_DB and (who := _logarithms(search)):
+        return (
+            f"{who} samples look like decibels: nothing in them is near zero, where magnitudes of "
+            "noise are; expected counts"
+        )
     wide_db = np.nanstd(made.versions[:2, :, made.place(PEAK)], axis=1)
     for one, two, who in (*wide_db, "recorded"), (*wide_db[::-1], "simulated"):
         if one < HELD_DB and two > VARIED_DB:
             return f"all {who} samples were scaled to one peak, or clipped, and the others were not"
     return ""
+
+
+def _logarithms(search: Search) -> str:
+    """Return on which side alone samples keep far from zero, "" where on both or neither."""
+    table = search.comparison
+    other = table.frame if isinstance(table, TableComparison) else None
+    far = [one is not None and _far_from_zero(one) for one in (search.fit.frame, other)]
+    return "" if far[0] == far[1] else "recorded" if far[0] else "simulated"
+
+
+def _far_from_zero(frame: pd.DataFrame) -> bool:
+    """Return whether the least samples of most rows are nearly as large as the median ones.
+
+    Of Rayleigh magnitudes one in a hundred is below an eighth of the median.
+    """
+    magnitude = _magnitudes(frame)
+    if not magnitude.size:
+        return False
+    least, middle = np.percentile(magnitude, [1, 50], axis=1)
+    return bool(np.mean(least > LEAST_OF_MEDIAN * middle) > MOST_ROWS_FAR)
 
 
 def clipped(frame: pd.DataFrame) -> str:

@@ -41,6 +41,10 @@ IN_TURN_DRAWS: Final = 400  # of random turns [cost]
 CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
 CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision
 UNITS_DB: Final = 60.0  # between peaks of both sides: no effect moves levels so far [convention]
+LOGARITHMS_DB: Final = 20.0  # the same, from which on samples may be logarithms on one side
+LEAST_OF_MEDIAN: Final = 0.4  # of the median sample of a row, that its least one in a hundred is of
+# logarithms at least: of magnitudes of noise it is 0.12 [derived]
+MOST_ROWS_FAR: Final = 0.5  # of the rows, of which it must be so large [convention]
 HELD_DB: Final = 0.2  # that peaks vary by, at most, which were scaled to one: 2 % [derived]
 VARIED_DB: Final = 1.0  # that peaks vary by, at least, which were not [convention]
 STUCK_DB: Final = 6.0  # out of both neighbours: a pulse of 2 samples at half height is 3 [derived]

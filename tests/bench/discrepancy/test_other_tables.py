@@ -181,7 +181,7 @@ def test_what_makes_ranges_worse_is_not_recommended():
     assert found.recommended
     assert not told.recommended
     assert told.headline.startswith("NOT RECOMMENDED")
-    assert "ranges alike within chance" in replace(found, confirmed=same).headline
+    assert "ranges as far off as before, within chance" in replace(found, confirmed=same).headline
     half = replace(found.confirmed.mae_before_m, value=0.5 * found.confirmed.mae_before_m.value)
     few = replace(found.confirmed, mae_after_m=half, nearer_m=Estimate(0.03, -0.01, 0.08, "m"))
     assert "ranges nearer, though not beyond chance" in replace(found, confirmed=few).headline

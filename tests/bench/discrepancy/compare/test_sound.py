@@ -68,6 +68,6 @@ def test_what_keeps_something_between_calls_is_refused() -> None:
 def test_too_few_values_are_counted_and_no_row_is_blamed_for_it() -> None:
     stages = Stages(Window(4, 40))
     assert tried(of(lost=3), Base(), FRAME, False) == ()  # said by row, where it is run
-    said = "fails on any of the 24 rows it was given: effect 'own' gave 21 values for 24 rows"
+    said = "fails on 24 rows at once and on single ones: effect 'own' gave 21 values for 24 rows"
     with pytest.raises(BenchError, match=said):
         stages.observables(of(lost=3), scene(FRAME), 0, False)

@@ -36,7 +36,8 @@ def test_the_first_line_says_what_the_table_has_and_has_not_and_what_improved() 
         in line
     )
     assert (
-        "ranges alike within chance: mean |recorded - simulated| 0.0364 m before and after" in line
+        "ranges as far off as before, within chance: mean |recorded - simulated| 0.0364 m before "
+        "and after" in line
     )
 
 

@@ -81,6 +81,17 @@ def test_samples_that_are_not_scaled_alike_are_said_so_not_clipped() -> None:
         assert recorder_fault(search_of(rows, alike, alike - 20)) == ""
 
 
+def test_samples_in_decibels_are_said_so() -> None:
+    varied, counts = np.linspace(70, 80, ROWS), samples()
+    noise = np.random.default_rng(1).rayleigh(50, counts.shape)
+    rows, logged = (frame(one) for one in (counts + noise, 20 * np.log10(counts + noise + 1)))
+    assert "recorded samples look like decibels" in recorder_fault(
+        search_of(logged, varied - 48, varied)
+    )
+    assert recorder_fault(search_of(rows, varied - 48, varied)) == ""
+    assert recorder_fault(search_of(logged, varied - 5, varied)) == ""
+
+
 def test_what_is_seen_takes_every_name() -> None:
     rows = frame(np.minimum(samples(), 3000))
     level = np.linspace(70, 80, ROWS)
