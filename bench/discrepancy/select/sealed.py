@@ -16,6 +16,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.headline import WITHHELD
 from bench.discrepancy.joint.held_out import likelier_with
 from bench.discrepancy.select.guard import Guard
@@ -65,7 +66,8 @@ def unrefused(
     stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
     able = tuple(e for e in stay if _better_waves(e, change((e,))))
     apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
-    words = {e.physics: f"{_how(e, apart)}: {_why(change((e,)))}" for e in stay}
+    left = _left_of_ranges(found)
+    words = {e.physics: f"{_how(e, apart)}: {_why(change((e,)))}{left}" for e in stay}
     back = {e.name for e in said.added} | {e.name for e in stay if e.physics in apart}
     held_on = tuple(e for e in found.added if e.name in back)
     said = replace(said, added=held_on, withheld=words, untimed=apart)
@@ -91,6 +93,13 @@ def _held(
 def _how(effect: Effect, apart: tuple[str, ...]) -> str:
     """Return in words how much of an effect the simulator does not have."""
     return "was added without what it does to ranges" if effect.physics in apart else WITHHELD
+
+
+def _left_of_ranges(found: Selection) -> str:
+    """Return in words what differs in ranges with all that was named in place, "" where nothing."""
+    last = found.rounds[-1].located.findings if found.rounds else ()
+    seen = next((one.told for one in last if one.cell.observable == RANGE), None)
+    return f"; with it ranges still differ: {seen}" if seen else ""
 
 
 def _untimed(

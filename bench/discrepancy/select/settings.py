@@ -116,6 +116,7 @@ LEVEL_LEFT: Final = 0.15  # of the squares of levels, that forms of names may le
 
 # --- A curve without a name (select/unnamed) ------------------------------------------------------
 SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is not said [convention]
+HARDLY_BENT: Final = 0.2  # of its mean, less of which a curve is called a constant [convention]
 OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coarser steps than all
 # ranges do: by chance one device in two thousand [derived]
 

@@ -6,7 +6,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.confirm import improves
 from bench.discrepancy.fit.residual_curve import unnamed_effects
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.settings import SMALLEST_BEND_M
+from bench.discrepancy.select.settings import HARDLY_BENT, SMALLEST_BEND_M
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Unknown
 from bench.physics.effects.fitted.unnamed import Unnamed
@@ -35,7 +35,8 @@ def curve_words(added: Added) -> str:
         return ""
     curve = curves[-1]
     low, high = min(curve.shifts_m), max(curve.shifts_m)
-    flat = f"a constant {low:.3g} m" if high - low < SMALLEST_BEND_M else ""
+    even = max(SMALLEST_BEND_M, HARDLY_BENT * abs(low + high) / 2)
+    flat = f"a constant {(low + high) / 2:.3g} m" if high - low < even else ""
     bent = f"a smooth curve of {low:.3g} to {high:.3g} m over {curve.column}"
     spread = f", scatter {curve.spread_m:.2g} m" if curve.spread_m >= SMALLEST_BEND_M else ""
     return f"{flat or bent}{spread}; no physics is claimed"

@@ -46,9 +46,14 @@ def test_metres_that_no_radio_reads_are_refused() -> None:
 
 
 def test_numbers_that_cannot_be_had_again_are_said() -> None:
-    assert tried(of(), Base(), FRAME, True) == ()
+    assert tried(of(), Base(), FRAME, True) == ()  # noise of samples follows the seed
     (line,) = tried(of(spread_m=0.1), Base(), FRAME, False)
     assert "'s-own' gives other numbers each time from one seed" in line
+
+
+def test_what_knows_no_seed_is_said() -> None:
+    (line,) = tried(of(), Base(), FRAME, False)
+    assert "'s-own' gives the same numbers whatever the seed" in line
 
 
 def test_what_keeps_something_between_calls_is_refused() -> None:

@@ -15,12 +15,13 @@ from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import Untimed
 from bench.discrepancy.confirm import Served, is_farther, served
-from bench.discrepancy.data.observables import Window
+from bench.discrepancy.data.observables import RANGE, Window
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.headline import headline
 from bench.discrepancy.law.found import FAULT, LAW
 from bench.discrepancy.law.unexplained import weighed
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.conclude import of_class
@@ -357,3 +358,13 @@ def test_where_scores_of_waveforms_tell_nothing_their_likelihood_does(
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
+
+
+def test_what_ranges_still_differ_by_is_said_of_what_was_not_added() -> None:
+    """A constant of 0.1 m beside a tail that was not added for its ranges had not been said."""
+    cells = (Cell(name, "mean", Place()) for name in ("first_path_lead_ns", RANGE))
+    seen = tuple(Finding(one, Estimate(0.11, 0.09, 0.13), 9.0, 0.002, 40, 8) for one in cells)
+    turns = (SimpleNamespace(located=SimpleNamespace(findings=seen)),)
+    words = sealed._left_of_ranges(SimpleNamespace(rounds=turns))  # type: ignore[arg-type]
+    assert words.startswith(f"; with it ranges still differ: {RANGE} in all rows: recorded - sim")
+    assert sealed._left_of_ranges(SimpleNamespace(rounds=())) == ""  # type: ignore[arg-type]
