@@ -26,11 +26,10 @@ def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[st
     """Return how many rows of how many links each table has, and what was left out, in words."""
     lines = [f"recorded: {_words(recorded)}"]
     more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
-    table = simulated if isinstance(simulated, Recordings) else None
-    more.append(far_off_their_link(recorded, table))
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_noise(recorded.frame, simulated.frame))
+        more.append(far_off_their_link(recorded, simulated))
     return (*lines, *(words for words in more if words))
 
 

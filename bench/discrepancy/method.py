@@ -65,6 +65,7 @@ from bench.discrepancy.select.stepwise import (
 from bench.discrepancy.select.uncounted import with_uncounted
 from bench.discrepancy.select.unnamed import curve_words, unnamed
 from bench.discrepancy.sets import turn as sets
+from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
 from bench.discrepancy.working import WorkingRows
 from bench.errors import about
@@ -329,7 +330,7 @@ def concluded(state: State, journal: Journal) -> Selection:
     search, added, choice = state.search, state.added, state.search.choice
     if search.work is not None and added:
         last = state.guard.safely("last fit", journal.kept(settled), added)
-        added = last(sets.beside_faults(search, search.work), search.work, added)
+        added = last(beside_faults(search, search.work), search.work, added)
         added = state.guard.safely("size of scatter", with_sizes, added)(search, added)
         added = state.guard.safely("slope of levels", with_slope, added)(search, added)
         added = state.guard.safely("curve of levels", with_curve, added)(search, added)

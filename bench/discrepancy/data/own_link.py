@@ -19,7 +19,7 @@ from bench.errors import BenchError
 from bench.recordings.table import Recordings
 
 
-def far_off_their_link(recorded: Recordings, simulated: Recordings | None) -> str:
+def far_off_their_link(recorded: Recordings, simulated: Recordings) -> str:
     """Return how many recorded rows lie far off their own link, "" where no more than simulated.
 
     A mean over all hardly shows them, and what strikes whole links they are not: packets of another
@@ -27,15 +27,15 @@ def far_off_their_link(recorded: Recordings, simulated: Recordings | None) -> st
     """
     off_m, limit_m = _off(recorded)
     far = np.flatnonzero(off_m > limit_m)
-    other = 0.0 if simulated is None else float(np.mean(_off(simulated)[0] > limit_m))
+    other = float(np.mean(_off(simulated)[0] > limit_m))
     if len(far) < FEWEST_FAR or len(far) / len(off_m) < FAR_OFF_LINK_TIMES * other:
         return ""
     rows = ", ".join(map(str, far[:SHOWN_FAR])) + (" ..." if len(far) > SHOWN_FAR else "")
-    beside = "" if simulated is None else f" ({other:.2%} of the simulated ones do)"
     return (
         f"{len(far)} of {len(off_m)} recorded rows lie more than {limit_m:.2g} m off the median of "
-        f"their own link, by {np.median(off_m[far]):.2g} m in the median{beside}: rows {rows}; "
-        "answers of another exchange, or something that came and went"
+        f"their own link, by {np.median(off_m[far]):.2g} m in the median ({other:.2%} of the "
+        f"simulated ones do): rows {rows}; answers of another exchange, or something that came and "
+        "went"
     )
 
 

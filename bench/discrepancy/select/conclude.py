@@ -16,18 +16,16 @@ from bench.discrepancy.select.controls import negative_control, struck_control
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.left_by_names import left_by_names
-from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.link_mixture import Strike, apart
 from bench.discrepancy.select.logged import judged_by, read_off
 from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.own_scatter import OF_SCATTER
-from bench.discrepancy.select.per_obstacle import told_by_obstacles
 from bench.discrepancy.select.refute import Doubt
-from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
+from bench.discrepancy.select.told_by import told_otherwise
 from bench.discrepancy.select.unlisted import with_walls
 from bench.discrepancy.select.verdict import (
     Ambiguous,
@@ -39,6 +37,7 @@ from bench.discrepancy.select.verdict import (
 )
 from bench.discrepancy.select.within_links import rows_beyond
 from bench.discrepancy.sets.settings import LEFT_SHARE
+from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import (
     FORM_REACHED,
     MARGIN_NATS,
@@ -329,17 +328,12 @@ def left_out(
     guard = Guard()
     sizes = guard.safely("intervals", intervals_of, ())
     view = search.fitted_on(effect)
-    intervals = sizes(search.comparison, view, others, effect)
-    rows = guard.safely("size of scatter", told_by_rows, intervals)
-    intervals = rows(search, others, effect, intervals)
-    lines = guard.safely("slope of levels", told_by_links, intervals)
-    intervals = lines(search, others, effect, intervals)
-    each = guard.safely("metres per obstacle", told_by_obstacles, intervals)
-    intervals = each(search, others, effect, intervals)
+    comparison = beside_faults(search, view)
+    intervals = told_otherwise(search, others, effect, sizes(comparison, view, others, effect))
     if effect.physics in search.choice.unsure:
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]
-        intervals = doubted(search.comparison, view, others, effect, intervals, unsure)
+        intervals = doubted(comparison, view, others, effect, intervals, unsure)
     known = guard.safely("value in a log", read_off, None)(search, effect)
     intervals = tuple(known if known and one.name == known.name else one for one in intervals)
     unknown = Control(type(effect).control, None)

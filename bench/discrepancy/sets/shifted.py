@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.view import Added, Changed, View
+from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.sets.blocks import SETUP
 
 
 @dataclass(frozen=True)
@@ -30,3 +32,15 @@ class Shifted(Changed):
         versions = made.versions.copy()
         versions[1:, :, made.place(self.name)] += self.shift_m
         return replace(made, versions=versions)
+
+
+def beside_faults(search: Search, rows: View) -> Comparison:
+    """Return the comparison whose simulated ranges have the faults of the set-up of the choice.
+
+    Fitted without them, delays of devices would take of what one does that stands elsewhere. Only
+    for the rows that the choice is of.
+    """
+    faults = [m for o, m in search.choice.shifts_m.items() if o.startswith(SETUP)]
+    if not faults or search.choice.view != rows.number:
+        return search.comparison
+    return Shifted(search.comparison, np.sum(faults, axis=0))

@@ -5,20 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import NothingSharedError
-from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.state import Round, Search, State
-from bench.discrepancy.sets.blocks import SETUP
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import chosen, decided, judged_by_sets
 from bench.discrepancy.sets.install import rounds_of, struck_instead, together
 from bench.discrepancy.sets.settings import SCATTER_NATS
-from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import SCATTER_MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.errors import BenchError
 
@@ -87,18 +83,6 @@ def _fitted(search: Search, beside: Added, located: Located) -> tuple[Added, Tur
     added = together(search, beside, search.choice)
     turns = rounds_of(search, beside, added, located, search.choice)
     return added, turns, struck_instead(search, beside, added, turns[0]) if turns else None
-
-
-def beside_faults(search: Search, rows: View) -> Comparison:
-    """Return the comparison whose simulated ranges have the faults of the set-up of the choice.
-
-    Fitted without them, delays of devices would take of what one does that stands elsewhere. Only
-    for the rows that the choice is of.
-    """
-    faults = [m for o, m in search.choice.shifts_m.items() if o.startswith(SETUP)]
-    if not faults or search.choice.view != rows.number:
-        return search.comparison
-    return Shifted(search.comparison, np.sum(faults, axis=0))
 
 
 def _nameless(search: Search) -> Choice:
