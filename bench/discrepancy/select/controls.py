@@ -10,15 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.settings import TIE
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Control
 from bench.discrepancy.settings import (
+    ADEQUACY_TOUCHED,
     CONTROL_QUIET,
     CONTROL_REACH,
     CONTROL_ROWS,
+    RESOLUTION,
     SEARCH_FIRST,
     SEARCH_MEMBERS,
 )
@@ -40,7 +44,7 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
         return Control(words, None)
     ensemble = search.comparison.ensemble(search.discover, others, SEARCH_MEMBERS, SEARCH_FIRST)
     of_range = effect.stage == "ranging" or effect.physics in search.choice.names
-    name = RANGE if of_range else top.cell.observable
+    name = RANGE if of_range else acted_on(search, ensemble, (*others, effect), top)
     if name not in ensemble.names:
         return Control(words, None)
     residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
@@ -54,6 +58,28 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
         if passed:
             break
     return Control(words, passed, int(inert.sum()), quiet)
+
+
+def acted_on(search: Search, ensemble: Ensemble, added: Added, top: Finding) -> str:
+    """Return the observable that `added` move beside an `ensemble` of all of them but one.
+
+    Where most differs, unless that one moves it by little beside what it moves most: a louder cause
+    leaves something there everywhere. No range but that: it hangs on a detector.
+    """
+    first = top.cell.observable
+    made = search.comparison.ensemble(search.discover, added, SEARCH_MEMBERS, SEARCH_FIRST)
+    sizes = {name: _moved(ensemble, made, name) for name in ensemble.names if name in made.names}
+    able = {name: size for name, size in sizes.items() if name in {first} or name != RANGE}
+    most = max(able, key=lambda name: able[name], default=first)
+    return first if able.get(first, 0.0) >= ADEQUACY_TOUCHED * able.get(most, 0.0) else most
+
+
+def _moved(before: Ensemble, after: Ensemble, name: str) -> float:
+    """Return how far the mean of an observable moves, in scatters of simulated rows."""
+    means = (one.simulated_of(name).mean(axis=0) for one in (after, before))
+    moved = float(np.nanmean(np.abs(np.subtract(*means))))
+    least = RESOLUTION.get(before.units[before.place(name)], 0.0) + TIE
+    return moved / max(before.scatter_of(name), least) if np.isfinite(moved) else 0.0
 
 
 def nameless_m(search: Search) -> NDArray[np.float64] | float:

@@ -76,3 +76,27 @@ def test_what_a_nameless_cause_does_where_nothing_stands_speaks_against_no_name(
     top = SimpleNamespace(cell=SimpleNamespace(observable="error_m"))
     found = controls.negative_control(search, (), Walls(), top)  # type: ignore[arg-type]
     assert found.passed is True
+
+
+def test_the_control_asks_what_the_effect_acts_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a level control counts differ most, also where no wall stands: walls move none."""
+    rng = np.random.default_rng(2)
+    versions = rng.normal(0, 1.0, (9, 60, 2))
+    walls = versions.copy()
+    walls[1:, :, 0] -= np.where(INERT, 0.0, 20.0)
+    versions[0, :, 0] -= np.where(INERT, 0.0, 20.0)
+    versions[0, :, 1] += 40.0
+    names, units, links = ("energy_db", "preamble_count"), ("dB", "symbols"), np.arange(60) // 2
+    without, beside = (Ensemble(names, units, one, links) for one in (versions, walls))
+    monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
+    search = SimpleNamespace(
+        discover=SimpleNamespace(scene=None),
+        comparison=SimpleNamespace(ensemble=lambda _, added, *__: beside if added else without),
+        choice=Choice(),
+        seed=0,
+    )
+    top = SimpleNamespace(cell=SimpleNamespace(observable="preamble_count"))
+    found = controls.negative_control(search, (), Walls(), top)  # type: ignore[arg-type]
+    assert found.passed is True
+    assert found.left is not None
+    assert found.left.unit == "dB"
