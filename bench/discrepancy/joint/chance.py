@@ -69,6 +69,6 @@ def highest(values: Sequence[float]) -> float:
 def _of(given: Statistics, fit: Fit, left: Floats) -> float:
     """Return the evidence of a set whose rows leave `left` [n, p], in nats."""
     rows = fit.moments.rows
-    within = 0.0 if rows is None else given.within(left, rows)
+    within = 0.0 if rows is None else given.within(left, rows, fit.moments.uneven_rows)
     moments: Moments = replace(fit.moments, left=given.of_links(left), within=within)
     return evidence_of(given, moments, fit.responses, fit.parameters)

@@ -17,6 +17,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.fit.starts import between, by_ratio, free_parameters, inside
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
+from bench.discrepancy.joint.row_likelihood import come_and_gone
 from bench.discrepancy.joint.settings import (
     DAMPING,
     DONE_NATS,
@@ -77,7 +78,10 @@ def fitted(given: Statistics, effects: Added) -> Fit | None:
     able = zip(effects, responses, strict=True)
     varied = [(r, groups) for effect, r in able if (groups := _groups(given, effect)) is not None]
     moments = replace(moments, own=_own(varied))
-    each = [replace(moments, uneven=one) for one in _uneven([response for response, _ in varied])]
+    links = _uneven([response for response, _ in varied])
+    rows = _uneven([r for e, r in zip(effects, responses, strict=True) if type(e).by_device])
+    rows = rows if given.told_within else rows[:1]
+    each = [come_and_gone(given, moments, one, other) for one in links for other in rows]
     made = (Fit(effects, m, responses, fitness(given, m, m.left, responses, count)) for m in each)
     return max(made, key=lambda fit: fit.nats)
 
@@ -227,7 +231,7 @@ def _rises(given: Statistics, now: Fit) -> Floats:
     for place in range(len(out)):
         way, moved = _moved(given, now, place, STEP)
         if moved is not None:
-            moved = replace(moved, uneven=now.moments.uneven)
+            moved = come_and_gone(given, moved, now.moments.uneven, now.moments.uneven_rows)
             nats = fitness(given, moved, moved.left, now.responses, now.parameters)
             out[place] = given.crowding * (nats - now.nats) / way
     return out
@@ -280,7 +284,7 @@ def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:
     moments = given.moments(effects)
     if moments is None:
         return None
-    moments = replace(moments, uneven=now.moments.uneven)
+    moments = come_and_gone(given, moments, now.moments.uneven, now.moments.uneven_rows)
     nats = fitness(given, moments, moments.left, now.responses, now.parameters)
     if nats <= now.nats - UNSURE_NATS:  # as far as can be said before responses are simulated
         return None

@@ -24,6 +24,7 @@ from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.covariances import Covariances, shrunk
+from bench.discrepancy.joint.row_likelihood import rows_nats
 from bench.discrepancy.joint.settings import (
     DECIBELS,
     FEWEST_ALIKE,
@@ -34,7 +35,6 @@ from bench.discrepancy.joint.settings import (
     NOISE_LEAST,
     OTHERS,
     OTHERS_KEPT,
-    TAIL,
 )
 from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
@@ -55,7 +55,9 @@ class Moments:
     likelihood of how rows of a link scatter about its mean, in nats. `own` [L, p, r]: what devices
     may have of their own of the effects, at normal factors of one; `uneven` [L, p, k]: by how much
     links have more or less of them, each by itself, in all statistics at once; None where that is
-    nothing. `rows` [p, p]: the covariance of rows of a link about its mean.
+    nothing. `rows` [p, p]: the covariance of rows of a link about its mean; `of_rows` [n, p]: what
+    rows leave, where that takes part in the likelihood; `uneven_rows` [L, p, k]: by how much rows
+    of a link have more or less of what devices differ in, each by itself, None where by nothing.
     """
 
     left: Floats
@@ -67,6 +69,8 @@ class Moments:
     own: Floats | None = None
     uneven: Floats | None = None
     rows: Floats | None = None
+    of_rows: Floats | None = None
+    uneven_rows: Floats | None = None
 
 
 class Statistics:
@@ -274,6 +278,7 @@ class Statistics:
             self._rows_left(left, about * np.sqrt(1 + 1 / members), rows),
             self.within(left, rows),
             rows=rows,
+            of_rows=left if self.told_within else None,
         )
 
     def _of_rows(self, within: Floats, members: int) -> Floats:
@@ -304,26 +309,19 @@ class Statistics:
         """
         return self.by_rows and len(self.code) > self.links
 
-    def within(self, left: Floats, rows: Floats) -> float:
+    def within(self, left: Floats, rows: Floats, uneven: Floats | None = None) -> float:
         """Return the log likelihood of how rows of a link scatter about its mean, in nats.
 
-        Of what rows leave [n, p], by the covariance of simulated ones `rows` [p, p]; 0 where that
-        takes no part. What draws every row anew is told by this from what links keep, which means
-        alone hide.
+        Of what rows leave [n, p], by the covariance of simulated ones `rows` [p, p], and by what is
+        `uneven` in them (see `Moments`); 0 where that takes no part. What draws every row anew is
+        told by this from what links keep, which means alone hide.
         """
         if not self.told_within:
             return 0.0
         about = left - self.of_links(left)[self.code]
         few = min(len(self.names) / (self.members * (len(self.code) - self.links)), 1.0)
         wide = shrunk(rows, few) * (1 + 1 / self.members) + np.diag(self.floor)
-        root = np.linalg.cholesky(wide)
-        square = (np.linalg.solve(root, about.T) ** 2).sum(axis=0)
-        share = (1 - 1 / self.count)[self.code]  # of a row, that its link's mean leaves
-        told = share > 0
-        freedom = TAIL + len(self.names)
-        nats = 0.5 * freedom * np.log1p(square[told] / share[told] / TAIL)
-        nats += float(np.log(np.diag(root)).sum())
-        return -float((nats * share[told]).sum())
+        return rows_nats(about, self.code, wide, uneven)
 
     def _covariances(self, rows: Floats, between: Floats, members: int) -> Covariances:
         """Return the covariance of means over so many rows of a link, by their number."""

@@ -17,6 +17,7 @@ from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.apart import brought_alone, logged, unlogged, untouched
 from bench.discrepancy.joint.likelihood import left_free, misfits
 from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.row_likelihood import come_and_gone
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import LEFT_NATS, NAME_NATS, SCATTERED_SHARE
 from bench.discrepancy.joint.statistics import Statistics
@@ -108,6 +109,20 @@ def test_a_noise_that_comes_and_goes_is_no_tone():
     even = replace(floor.moments, uneven=None)
     left, of_even = (misfits(given, one, floor.responses) for one in (floor.moments, even))
     assert (left**2).mean() < 1 < (of_even**2).mean()
+
+
+def test_noise_may_come_and_go_from_row_to_row():
+    """Lamps blink within a link, too: no second cause that draws every row anew makes noise so."""
+    frames = [made_with((NoiseFloor(level_db=level, **WHITE),)) for level in (1.0, 6.0)]
+    every = pd.concat([frames[i // LINKS].iloc[[i % LINKS]] for i in range(2 * LINKS)])
+    given = Statistics(*compared(every))
+    assert given.told_within
+    floor = fit_of(given, (NoiseFloor(level_db=4.0, **WHITE),))
+    tone = fit_of(given, counterparts(floor.effects[0]))
+    assert floor.moments.uneven_rows is not None
+    assert floor.nats > tone.nats + NAME_NATS
+    steady = come_and_gone(given, floor.moments, floor.moments.uneven, None)
+    assert floor.moments.within > steady.within + NAME_NATS
 
 
 @pytest.mark.parametrize(("level_db", "needed"), [(0.8, True), (0.0, False)])
