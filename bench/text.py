@@ -55,3 +55,9 @@ def reason(problem: BaseException) -> str:
         text = f"(its message cannot be had: {type(second).__name__})"
     lines = [line for line in text.splitlines() if line.strip()]
     return one_line(f"{type(problem).__name__}: {lines[0] if lines else 'no message'}")
+
+
+def significant(value: float, digits: int) -> str:
+    """Return a number with so many significant digits, without a power of ten below a million."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text

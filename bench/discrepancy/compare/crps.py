@@ -19,6 +19,7 @@ from bench.discrepancy.settings import (
     QUANTILE_DRAWS,
     TWO_SIDED_95,
 )
+from bench.text import significant
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +47,8 @@ class Estimate:
         if np.isnan(self.value):  # nothing was compared
             return "unknown"
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
-        return f"{self.value:.3g}{unit} [{self.low:.3g}, {self.high:.3g}]"
+        value, low, high = (significant(one, 3) for one in (self.value, self.low, self.high))
+        return f"{value}{unit} [{low}, {high}]"
 
 
 def crps(ensemble: Floats, recorded: Floats) -> Floats:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from bench.physics.effect import Effect, Parameter
+from bench.text import significant
 
 PURE = ("1", "ratio")  # numbers without a unit
 
@@ -31,7 +32,8 @@ class ParameterEstimate:
             return f"{self.name}: not determined by these recordings"
         edge = " (at its physical bound)" if self.at_bound else ""
         unit = "" if self.unit in PURE else f" {self.unit}"
-        return f"{self.name} = {self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}{edge}"
+        value, low, high = (significant(one, 4) for one in (self.value, self.low, self.high))
+        return f"{self.name} = {value} [{low}, {high}]{unit}{edge}"
 
 
 def within_bounds(item: ParameterEstimate, effect: Effect) -> ParameterEstimate:

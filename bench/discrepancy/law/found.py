@@ -7,6 +7,7 @@ from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.physics.effects.ranging.law import Law, with_constants
+from bench.text import significant
 
 FAULT, LAW = "a fault of the set-up", "a law"
 
@@ -25,8 +26,9 @@ class LawConstant:
         unit = self.unit.replace("/", " per ", 1).replace("/", " and ")
         unit = "" if self.unit == "1" else f" {unit}"
         if self.low == self.high:
-            return f"{self.value:.4g}{unit}"
-        return f"{self.value:.3g} ({self.low:.3g}..{self.high:.3g}){unit}"
+            return f"{significant(self.value, 4)}{unit}"
+        value, low, high = (significant(one, 3) for one in (self.value, self.low, self.high))
+        return f"{value} ({low}..{high}){unit}"
 
 
 @dataclass(frozen=True)
