@@ -13,7 +13,7 @@ from bench.discrepancy.law.faults import faults, of_a_rate
 from bench.discrepancy.law.floor import floors
 from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.found import LawConstant
-from bench.discrepancy.law.likelihood import effective_share, unmoved
+from bench.discrepancy.law.likelihood import effective_share, fixed, unmoved
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.rounding import roundings
 from bench.discrepancy.law.screen import promising
@@ -81,7 +81,7 @@ def propose(given: Material, seed: int) -> Proposal | None:
     ranked = made.candidates
     if not ranked or ranked[0].nats < max(LAW_NATS, made.curve_nats - LAW_NATS):
         return None
-    best = _preferred(ranked)
+    best = _preferred(made, given)
     tied = [one for one in ranked if one is not best and best.nats - one.nats < LAW_TIED_NATS]
     constants = intervals(given, best, seed)
     return Proposal(given, best, constants, _distinct(best, tied), made.share)
@@ -120,15 +120,17 @@ def _told(given: Material, one: Candidate, share: float, rows: float) -> bool:
     return gain - cost(one.structure, rows) > LAW_NATS
 
 
-def _preferred(ranked: tuple[Candidate, ...]) -> Candidate:
+def _preferred(made: Ranking, given: Material) -> Candidate:
     """Return the best; a fault of the set-up that does about as well goes first.
 
     One device that stands elsewhere is as good as a law of the bearing for its rows alone; and what
     is in proportion to the true range there is a unit, which a power of nearly one only bends.
     """
-    near = [one for one in ranked if ranked[0].nats - one.nats < LAW_TIED_NATS]
+    ranked, best = made.candidates, made.candidates[0]
+    near = (one for one in ranked if best.nats - one.nats < LAW_TIED_NATS)
     listed = next((one for one in near if one.structure.fault), None)
-    return listed or next((one for one in near if _unbent(one, ranked[0])), ranked[0])
+    rates = (one for one in ranked if _unbent(one, best) and _tied(made, given, one))
+    return listed or next(rates, best)
 
 
 def _unbent(one: Candidate, best: Candidate) -> bool:
@@ -136,6 +138,22 @@ def _unbent(one: Candidate, best: Candidate) -> bool:
     structure, other = one.structure, best.structure
     same = (structure.columns, structure.where) == (other.columns, other.where)
     return same and of_a_rate(structure, [value for _, value, _ in one.fitted.constants])
+
+
+def _tied(made: Ranking, given: Material, one: Candidate) -> bool:
+    """Return whether a rate does about as well as the best on the rows that both act on.
+
+    These have a scatter of their own: another unit has multiplied it, too.
+    """
+    best = made.candidates[0]
+    mine = np.asarray(one.fitted.fit.shift_m) != 0
+    left = given.residual_m[mine]
+    lead, own = (
+        made.share * fixed(law.fitted.fit.shift_m[mine], left).likelihood
+        - cost(law.structure, made.share * len(left))
+        for law in (best, one)
+    )
+    return lead - own < LAW_TIED_NATS
 
 
 def _distinct(best: Candidate, tied: list[Candidate]) -> tuple[Candidate, ...]:

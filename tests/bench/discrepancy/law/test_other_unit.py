@@ -7,13 +7,16 @@ from typing import cast
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.likelihood import Fit
-from bench.discrepancy.law.search import Candidate, Proposal, _preferred
+from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.search import Candidate, Proposal, Ranking, _preferred
 from bench.discrepancy.law.structures import Fitted
 
+Floats = NDArray[np.float64]
 BESIDE = LawConstant("b", 0.1, 0.09, 0.11, "m")
 
 
@@ -43,25 +46,37 @@ def test_what_is_in_proportion_and_no_clock_is_a_unit(
         assert made.size[0].value == pytest.approx(1 + rate)
 
 
-def bent(form: str, where: str, nats: float, *values: float) -> Candidate:
-    """Return a law over the true range that is worth some nats."""
-    structure = SimpleNamespace(form=form, columns=("true_range_m",), where=where, fault="")
+FAR_M = np.linspace(5.0, 40.0, 60)
+THEIRS = np.arange(60) % 3 == 0  # the rows of one device
+
+
+def bent(form: str, where: str, nats: float, shift_m: Floats, *values: float) -> Candidate:
+    """Return a law over the true range that is worth some nats in all rows."""
+    structure = SimpleNamespace(
+        form=form, columns=("true_range_m",), where=where, fault="", free=len(values), choices=1
+    )
     constants = tuple(("a", value, "1") for value in values)
-    fitted = Fitted(constants, Fit(np.array(values), np.zeros(1), 0.1, 0.0))
+    fitted = Fitted(constants, Fit(np.array(values), np.where(THEIRS, shift_m, 0.0), 0.1, 0.0))
     return Candidate(structure, fitted, nats)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
-    ("where", "nats", "rate", "first"),
+    ("where", "rate", "off_m", "first"),
     [
-        ("rx is stake4", 398.0, 2.08, "linear"),
-        ("rx is stake4", 396.0, 2.08, "power"),  # that bends after all
-        ("rx is stake5", 398.0, 2.08, "power"),
-        ("rx is stake4", 398.0, 2e-5, "power"),
+        ("rx is stake4", 2.08, 0.05, "linear"),
+        ("rx is stake4", 2.08, 0.5, "power"),  # that bends after all
+        ("rx is stake5", 2.08, 0.05, "power"),
+        ("rx is stake4", 2e-5, 0.05, "power"),
     ],
 )
 def test_a_power_of_one_does_not_hide_a_unit(
-    where: str, nats: float, rate: float, first: str
+    where: str, rate: float, off_m: float, first: str
 ) -> None:
-    power = bent("power", "rx is stake4", 400.0, 54.2, 0.996, -0.2)
-    assert _preferred((power, bent("linear", where, nats, rate))).structure.form == first
+    """The scatter of the device is 0.2 m: a bend of 0.05 m of scatter 0.01 m elsewhere is none."""
+    rng, best_m = np.random.default_rng(1), rate * FAR_M
+    own_m = np.where(THEIRS, best_m + rng.normal(0, 0.2, 60), rng.normal(0, 0.01, 60))
+    given = cast(Material, SimpleNamespace(residual_m=own_m))
+    line_m = best_m + off_m * np.cos(FAR_M)
+    power = bent("power", "rx is stake4", 400.0, best_m, 54.2, 0.996, -0.2)
+    made = Ranking((power, bent("linear", where, 380.0, line_m, rate)), 0.0, 1.0)
+    assert _preferred(made, given).structure.form == first
