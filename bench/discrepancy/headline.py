@@ -11,6 +11,7 @@ from bench.discrepancy.law.found import FAULT, LAW
 from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 NOT_ADDED: Final = "Nothing was added to the simulator."
 WITHHELD: Final = "was not added"
@@ -35,6 +36,14 @@ def headline(
     said = _found_and_change(verdicts, added, seen, more, _with(changed, verdicts, withheld))
     kept = "".join(f" {name} {words}." for name, words in withheld.items())
     return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
+
+
+def or_elsewhere(names: tuple[tuple[str, ...], ...], devices: tuple[str, ...]) -> str:
+    """Return that a device may stand elsewhere instead of being late, "" where none may."""
+    if not devices or not any(AntennaDelay.name in one for one in names):
+        return ""
+    who = " or ".join(devices)
+    return f" Instead of the delay {who} may stand elsewhere: these recordings cannot tell."
 
 
 def _with(changed: str, verdicts: tuple[Verdict, ...], withheld: Mapping[str, str]) -> str:

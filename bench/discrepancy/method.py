@@ -25,7 +25,7 @@ from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, 
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
-from bench.discrepancy.headline import NEW_SIMULATOR, NEW_TABLE, headline
+from bench.discrepancy.headline import NEW_SIMULATOR, NEW_TABLE, headline, or_elsewhere
 from bench.discrepancy.joint import turn as waves
 from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.named_faults import without_a_name
@@ -142,7 +142,8 @@ class Diagnosis:
         more = f"{said}{self.law.nearest if self.law else ''}" if said else ""
         found, added = self.selection, bool(self.added)
         now = NEW_SIMULATOR if self.simulator else NEW_TABLE
-        return headline(found.verdicts, added, self.confirmed, more, found.withheld, now)
+        line = headline(found.verdicts, added, self.confirmed, more, found.withheld, now)
+        return line + or_elsewhere(found.names, found.elsewhere)
 
 
 def diagnose(
@@ -343,4 +344,5 @@ def concluded(state: State, journal: Journal) -> Selection:
     struck = tuple(turn.strike.effect for turn in held.rounds if turn.strike)
     out = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)
-    return Selection(said, best, held.rounds, out, choice.names, (), {}, search.logged, choice.tied)
+    found = Selection(said, best, held.rounds, out, choice.names, (), {}, search.logged)
+    return replace(found, tied=choice.tied, elsewhere=choice.elsewhere)

@@ -231,8 +231,8 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     said = without_idle(said, rounds, best, told, set(choice.nats), left)
     skipped = {**state.skipped, **state.guard.failed}
     together = tuple(effect.physics for effect in state.added)
-    tied = search.choice.tied
-    return Selection(said, best, rounds, skipped, together, tied=tied)
+    tied, places = search.choice.tied, search.choice.elsewhere
+    return Selection(said, best, rounds, skipped, together, tied=tied, elsewhere=places)
 
 
 def _struck(state: State, turn: Round, found: Strike) -> Verdict:

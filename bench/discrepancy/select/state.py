@@ -131,7 +131,7 @@ class Selection:
     columns that were set aside as measured, but are not. `withheld`: names that were not added, or
     not whole, and why; `untimed`: those that leave ranges as they are. `logged`: effects that logs
     of the receiver show. `tied`: names that do as well as a fault of the set-up that is said in
-    their place.
+    their place; `elsewhere`: devices of which one may stand elsewhere instead of antenna delays.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -144,6 +144,7 @@ class Selection:
     logged: Added = ()
     tied: tuple[str, ...] = ()
     untimed: tuple[str, ...] = ()
+    elsewhere: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

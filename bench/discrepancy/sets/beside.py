@@ -82,17 +82,30 @@ def varies(columns: Floats) -> NDArray[np.bool_]:
 def misplaced(contest: Contest, causes: Set) -> Set:
     """Return the set with devices that stand elsewhere instead of a name they do as well as.
 
-    A receiver that hangs too low is late by nearly the same everywhere, as by its own delay, and a
-    plan that is stretched moves all: where rows do not tell, no name is sure (see `TIED_NATS`).
+    A plan that is stretched moves all: where rows do not tell, no name is sure (see `TIED_NATS`). A
+    receiver that hangs too low is late by nearly the same everywhere, as by its own delay, which is
+    one number where a place is three: what has no lead of that is said beside it (`elsewhere`).
     """
     places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
     for name in [one for one in causes if one in contest.library]:
         rest = tuple(one for one in causes if one != name)
         lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
         best = max(lead, key=lambda one: lead[one], default=None)
-        if best is not None and lead[best] > contest.nats(causes) + TIED_NATS:
+        least = contest.nats(causes) + (0.0 if name == AntennaDelay.name else TIED_NATS)
+        if best is not None and lead[best] > least:
             causes = (*rest, best)
     return causes
+
+
+def elsewhere(contest: Contest, causes: Set) -> Set:
+    """Return the devices of which a place does about as well as the antenna delays of a set."""
+    if AntennaDelay.name not in causes:
+        return ()
+    rest = tuple(one for one in causes if one != AntennaDelay.name)
+    places = [o for o in contest.evidence.blocks if o.startswith(PLACE) and o not in causes]
+    least = contest.nats(causes) + TIED_NATS
+    able = (one for one in places if contest.nats((*rest, one)) > least)
+    return tuple(one.removeprefix(PLACE) for one in able)
 
 
 def nats_with(contest: Contest, rest: Set, more: Columns) -> float:

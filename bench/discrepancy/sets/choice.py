@@ -22,7 +22,8 @@ class Choice:
     row [n], names and others alike.
     `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
     aside as measured that a law says are known before (see `mistaken`). `tied`: names that a device
-    which stands elsewhere took the place of, though these do as well. `forms_do`: beside the names,
+    which stands elsewhere took the place of, though these do as well. `elsewhere`: devices of
+    which one may stand elsewhere instead of the antenna delays. `forms_do`: beside the names,
     no cause is worth its price beyond what another detector makes of waveforms that differ.
     """
 
@@ -37,6 +38,7 @@ class Choice:
     mistaken: Set = ()
     constants_m: dict[str, float] = field(default_factory=dict)
     tied: Set = ()
+    elsewhere: Set = ()
     forms_do: bool = False
 
 

@@ -7,17 +7,18 @@ from typing import Any, cast
 
 import pytest
 
-from bench.discrepancy.sets.beside import misplaced
+from bench.discrepancy.sets.beside import elsewhere, misplaced
 
 MOVED = "the position of a2"
 
 
 @pytest.mark.parametrize(
-    ("moved_nats", "kept"), [(99.0, False), (98.0, False), (90.0, True), (101.0, False)]
+    ("moved_nats", "kept"), [(99.0, True), (98.0, True), (90.0, True), (101.0, False)]
 )
-def test_a_device_that_may_stand_elsewhere_goes_before_its_delay(
+def test_a_device_that_stands_elsewhere_goes_before_its_delay_where_it_leads(
     moved_nats: float, kept: bool
 ) -> None:
+    """A place is three numbers, a delay one: what has no lead of that is said beside it."""
     nats = {
         frozenset({"antenna-delay", "time-lag"}): 100.0,
         frozenset({MOVED, "time-lag"}): moved_nats,
@@ -30,3 +31,5 @@ def test_a_device_that_may_stand_elsewhere_goes_before_its_delay(
     )
     found = set(misplaced(cast("Any", contest), ("antenna-delay", "time-lag")))
     assert found == {"antenna-delay" if kept else MOVED, "time-lag"}
+    beside = elsewhere(cast("Any", contest), ("antenna-delay", "time-lag"))
+    assert beside == (("a2",) if moved_nats > 97 else ())
