@@ -220,16 +220,21 @@ def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> 
     What crystals make is in proportion to the reply time, and no other curve.
     """
     numbers = rows.covariates.numbers
-    some = OF_CLOCKS if kind is not None and kind.everywhere else tuple(numbers)
-    some = OF_DELAYS if kind is AntennaDelay else OF_CRYSTALS if kind is ClockOffset else some
-    known = (known_mostly(numbers[name]) for name in some if name in numbers)
-    slopes = [np.clip(_standard(values), -2, 2) for values in known if values is not None]
+    known = (known_mostly(numbers[name]) for name in varies_with(rows, kind) if name in numbers)
+    slopes = [np.clip(standard(values), -2, 2) for values in known if values is not None]
     devices = [mask * 1.0 for name, mask in rows.covariates.groups.items() if _of_device(name)]
     bends = [response * one for one in (*slopes, *devices)]
     if kind is not ClockOffset:
-        own = _standard(response)
+        own = standard(response)
         bends += [response * own, float(np.std(response)) * (own**2 - 1)]
     return DEFORMED * np.stack(bends or [response * 0], axis=1)
+
+
+def varies_with(rows: View, kind: type[Effect] | None) -> tuple[str, ...]:
+    """Return the numbers over which an effect of this kind may be of another size."""
+    some = tuple(rows.covariates.numbers)
+    some = OF_CLOCKS if kind is not None and kind.everywhere else some
+    return OF_DELAYS if kind is AntennaDelay else OF_CRYSTALS if kind is ClockOffset else some
 
 
 def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Floats:
@@ -241,7 +246,7 @@ def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Fl
     """
     far = known_mostly(rows.scene.true_range_m)
     flat = far is None or (kind is not None and kind.everywhere)
-    line = [] if far is None or flat else [np.clip(_standard(far), -2, 2)]
+    line = [] if far is None or flat else [np.clip(standard(far), -2, 2)]
     share = 0.0 if kind is ClockOffset else OFF_BY
     size = share * float(np.std(response)) * (response != 0)
     return np.stack([size, *(size * one for one in line)], axis=1)
@@ -251,5 +256,6 @@ def _of_device(name: str) -> bool:
     return name.startswith(DEVICES)
 
 
-def _standard(values: Floats) -> Floats:
+def standard(values: Floats) -> Floats:
+    """Return values [n] beside their mean, in standard deviations."""
     return np.asarray((values - values.mean()) / max(float(np.std(values)), 1e-12))

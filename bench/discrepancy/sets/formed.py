@@ -8,7 +8,7 @@ set leaves, and takes the place of a name as one more block, its form and free c
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from math import log
 from typing import TYPE_CHECKING
@@ -24,8 +24,9 @@ from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
 from bench.discrepancy.law.structures import GridLaw, cost
 from bench.discrepancy.sets.beside import nats_with, told_from_delays, weighed_with
-from bench.discrepancy.sets.blocks import off_by
+from bench.discrepancy.sets.blocks import off_by, standard, varies_with
 from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.evidence import Columns
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     FORM_NATS,
@@ -50,7 +51,9 @@ class Formed:
     """A law with its free constant fitted: `parts` [n, 1] of its shape, what it `pays` in nats.
 
     `over` are the columns that it is about, "" for devices and most categories (see `_gate`);
-    `offset`: whether a constant stands beside it; `times` [n, k]: see `times_of`.
+    `offset`: whether a constant stands beside it; `times` [n, k]: see `times_of`. Where it is
+    multiplied with a number, `by` [n] is that, `factor` its column, and `bare` [n, 1] are the parts
+    without it.
     """
 
     name: str
@@ -59,6 +62,9 @@ class Formed:
     over: frozenset[str]
     offset: bool
     times: Floats
+    by: Floats | None = None
+    factor: str = ""
+    bare: tuple[Floats, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,8 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     before = max(contest.nats(best), _off(contest, best, gone))
     tried = []
     for law in formed(contest, best, gone):
-        lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - before
+        held = max(before, _varied(contest, best, gone, law))
+        lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - held
         leads = lead > FORM_NATS
         wins = leads or (lead > TIED_NATS and _another(contest, best, gone, law))
         if wins and not (_bends if leads else _mostly)(contest, rest, gone, law):
@@ -115,11 +122,31 @@ def _off(contest: Contest, best: Set, gone: Set) -> float:
     """Return the log evidence of a set of which some names may be off, as no law must gain by."""
     shifts = contest.shifts(best)
     columns = {o: off_by(shifts[o], contest.rows)[contest.known] for o in gone}
-    off = {f"{o}, off": (contest.seen(some),) for o, some in columns.items()}
+    return _beside_own(contest, best, {f"{o}, off": (some,) for o, some in columns.items()})
+
+
+def _beside_own(contest: Contest, best: Set, forms: Columns) -> float:
+    """Return the log evidence of a set with other forms of its names, of their usual size."""
+    more = {one: tuple(map(contest.seen, parts)) for one, parts in forms.items()}
     blocks = {one: contest.evidence.blocks[one] for one in best}
-    other = contest.evidence.with_blocks({**blocks, **off})
-    other.widest |= dict.fromkeys(off, 1.0)
-    return other.of((*best, *off)).nats / contest.crowding
+    other = contest.evidence.with_blocks({**blocks, **more})
+    other.widest |= dict.fromkeys(more, 1.0)
+    return other.of((*best, *more)).nats / contest.crowding
+
+
+def _varied(contest: Contest, best: Set, gone: Set, law: Formed) -> float:
+    """Return the log evidence of a set of which some names vary with what a law is multiplied with.
+
+    By no more than another form of them may: a law must lead by what it is over. A temperature
+    hardly changes beside its zero, so that any form times it is another form of what that is.
+    """
+    may = [o for o in gone if law.factor in varies_with(contest.rows, contest.kinds[o])]
+    if law.by is None or not may:
+        return -np.inf
+    sizes = DEFORMED * standard(law.by).clip(-2, 2)
+    shifts = contest.shifts(best)
+    more = {f"{o}, varied": ((sizes * shifts[o][contest.known])[:, None],) for o in may}
+    return _beside_own(contest, best, more)
 
 
 def formed(contest: Contest, best: Set, gone: Set) -> list[Formed]:
@@ -163,15 +190,23 @@ def laws_of(every: Material, part: Material) -> Iterator[Formed]:
 
 def _formed(every: Material, law: GridLaw, free: float, rows: float) -> Formed:
     """Return a law with its free constant as a block; amplitudes pay by their evidence."""
-    design = law.design(every, free)
-    size = np.maximum(np.sqrt((design**2).mean(axis=0)), 1e-12)
-    parts = tuple((LAW_M * design / size)[:, [i]] for i in range(design.shape[1]))
+    parts = _parts(law.design(every, free))
     pays = bool(law.shape.free) * log(rows) / 2 + log(max(law.choices, 1))
     factor = every.factors[law.by]
     over = {column.text for column in [over_what(every, law.at)] if law.at >= 0}
     over |= {_gate(factor.text) if factor.group else factor.text} if law.by else set()
     name = f"{law.form}: {law.expression}"
-    return Formed(name, parts, pays, frozenset(over), law.offset, times_of(every, law, free))
+    found = Formed(name, parts, pays, frozenset(over), law.offset, times_of(every, law, free))
+    if not law.by or factor.group:
+        return found
+    bare = _parts(replace(law, by=0).design(every, free))
+    return replace(found, by=factor.weights, factor=factor.text, bare=bare)
+
+
+def _parts(design: Floats) -> tuple[Floats, ...]:
+    """Return the columns of a design [n, k] as parts [n, 1] of the size of laws."""
+    size = np.maximum(np.sqrt((design**2).mean(axis=0)), 1e-12)
+    return tuple((LAW_M * design / size)[:, [i]] for i in range(design.shape[1]))
 
 
 def _gate(text: str) -> str:
@@ -218,11 +253,23 @@ def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:
     """
     kinds = [contest.kinds[one] for one in names]
     columns = frozenset(column for kind in kinds for column in about(kind))
-    if law.over <= columns or law.over & columns & {*IN_THE_WAY}:
+    if _over(contest, best, names, law) <= columns or law.over & columns & {*IN_THE_WAY}:
         return False
     if _within(contest, names, law.parts[0]):
         return False
     return not (law.offset and _constant(contest, best, names))
+
+
+def _over(contest: Contest, best: Set, names: Set, law: Formed) -> frozenset[str]:
+    """Return what a law is about in the place of some names: what it is the better for.
+
+    Not the number that it is multiplied with, where the law without that does about as well.
+    """
+    if law.by is None:
+        return law.over
+    rest = tuple(one for one in best if one not in names)
+    whole, bare = (nats_with(contest, rest, {law.name: some}) for some in (law.parts, law.bare))
+    return law.over if whole - bare > -TIED_NATS else law.over - {law.factor}
 
 
 def _constant(contest: Contest, best: Set, names: Set) -> bool:

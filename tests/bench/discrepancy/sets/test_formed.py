@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.sets.choose import _contest, chosen
-from bench.discrepancy.sets.formed import formed
+from bench.discrepancy.sets.choose import Contest, _contest, chosen
+from bench.discrepancy.sets.formed import Formed, _over, _varied, formed
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, warmth
 from tests.bench.discrepancy.sets.test_sets import search_of
@@ -120,3 +121,37 @@ def test_a_cause_that_a_deformation_did_for_is_back_where_only_a_law_does_for_it
     found = chosen(search_of(hidden, 11, moving), ())
     assert {"exchange-motion", "time-lag"} <= {*found.names}
     assert found.others == ()
+
+
+@pytest.mark.parametrize(("lead", "over"), [(1.0, {"heading"}), (4.0, {"heading", "warmth"})])
+def test_a_law_is_about_what_it_is_multiplied_with_where_it_is_the_better_for_it(
+    lead: float, over: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ones = np.ones((3, 1))
+    law = Formed(
+        "wave", (ones,), 0.0, frozenset({"heading", "warmth"}), False, ones,
+        ones[:, 0], "warmth", (2 * ones,),
+    )  # fmt: skip
+    nats = {id(law.parts): lead, id(law.bare): 0.0}
+    monkeypatch.setattr(
+        "bench.discrepancy.sets.formed.nats_with", lambda _, __, more: nats[id(more["wave"])]
+    )
+    assert _over(cast(Contest, None), ("antenna-pattern",), ("antenna-pattern",), law) == over
+
+
+@pytest.mark.parametrize("bend", [0.2, 0.0])
+def test_a_name_that_varies_is_no_worse_than_a_law_times_the_same(bend: float) -> None:
+    def late(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        warm = (frame["temperature_c"].to_numpy() - 22) / 17
+        return 0.15 * (1 + bend * warm) * speed(frame)
+
+    made = _contest(search_of(late, 11, moving), ())
+    assert made is not None
+    contest, name = made[0], ("time-lag",)
+    contest.settled()
+    warm = contest.rows.frame["temperature_c"].to_numpy()[contest.known]
+    part = speed(contest.rows.frame)[contest.known][:, None]
+    law = Formed("a", (part,), 0.0, frozenset(), False, part, warm, "temperature_c", (part,))
+    gained = _varied(contest, name, name, law) - contest.nats(name)
+    assert (gained > 3) == (bend > 0)
+    assert _varied(contest, name, name, replace(law, by=None)) == -np.inf
