@@ -149,7 +149,9 @@ def strike(
     if not found:
         return None
     best, nats = max(found, key=lambda one: one[0].evidence.value)
-    behind = rival != added and _plain(offsets(comparison, view, rival, able[0])).nats > nats - lead
+    behind = (
+        rival != added and unstruck(offsets(comparison, view, rival, able[0])).nats > nats - lead
+    )
     return None if behind else best
 
 
@@ -160,9 +162,9 @@ def _one(
     seen = offsets(comparison, view, added, kind)
     bare = comparison.ensemble(view, added, OFFSET_MEMBERS // 2, OFFSET_FIRST)
     sizes = {
-        size: _struck(comparison, view, added, kind, size, seen, bare) for size in _sizes(kind)
+        size: struck_m(comparison, view, added, kind, size, seen, bare) for size in _sizes(kind)
     }
-    plain = _plain(seen)
+    plain = unstruck(seen)
     for wilds in (WILD_SHARES, WILD_SHARES[:1]):  # if many are anything: as if hardly any were
         likely = _every(seen, sizes, wilds)
         mixed = max(likely, key=lambda one: one.nats)
@@ -218,7 +220,7 @@ def witnessed(
 
 def _alone(comparison: Comparison, view: View, added: Added) -> float:
     """Return the log likelihood of the offsets with some effects, in nats."""
-    return _plain(offsets(comparison, view, added, None)).nats
+    return unstruck(offsets(comparison, view, added, None)).nats
 
 
 def _cost(effect: Effect, view: View) -> float:
@@ -267,7 +269,7 @@ def _sizes(kind: type[Effect]) -> list[float]:
     return [float(s) for s in np.geomspace(SMALLEST_STRIKE * high, high, STRIKE_SIZES)]
 
 
-def _struck(
+def struck_m(
     comparison: Comparison,
     view: View,
     added: Added,
@@ -298,7 +300,7 @@ def _shift(with_it: Ensemble, bare: Ensemble) -> Floats:
     return link_medians(with_it.simulated[..., with_it.names.index("error_m")] - middle, code)
 
 
-def _plain(seen: Offsets) -> Mixture:
+def unstruck(seen: Offsets) -> Mixture:
     """Return the likeliest mixture without strikes."""
     return max(_chances(seen), key=lambda one: one.nats)
 

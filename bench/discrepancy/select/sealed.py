@@ -22,12 +22,15 @@ from bench.discrepancy.joint.held_out import likelier_with
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Selection
+from bench.discrepancy.select.struck_sealed import struck_nats
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
-from bench.discrepancy.settings import ALL_SPARED
+from bench.discrepancy.settings import ALL_SPARED, LEAD_NATS
 from bench.physics.effect import Effect
 
+STRUCK = Guard().safely("offsets of sealed links", struck_nats, 0.0)
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
 Change = Callable[[Added], Served | None]  # what effects do to sealed links
+Borne = Callable[[Strike], bool]  # whether offsets of sealed links speak for a strike
 Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
 
 
@@ -38,10 +41,11 @@ def unrefused(
 
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
-    few links, keeps its name unless it is worse beyond chance. So does what waveforms speak for
-    here too: what it does to ranges depends on a receiver's detector (see `_untimed`). Where their
-    score tells nothing, their likelihood does (see `likelier_with`). And so does what has nothing
-    to act on there (no metal stands in any sealed link), of which they tell nothing.
+    few links, keeps its name unless it is worse beyond chance and offsets do not speak for it. So
+    does what waveforms speak for here too: what it does to ranges depends on a receiver's detector
+    (see `_untimed`). Where their score tells nothing, their likelihood does (see `likelier_with`).
+    And so does what has nothing to act on there (no metal stands in any sealed link), of which they
+    tell nothing.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -57,12 +61,16 @@ def unrefused(
     def likelier(effect: Effect) -> bool:
         return LIKELIER(comparison, sealed, found.added, effect)
 
+    def borne(strike: Strike) -> bool:
+        beside = without(found.added, strike.effect)
+        return STRUCK(comparison, sealed, beside, strike) > LEAD_NATS
+
     names = {effect.name for effect in _serving(added, change)}
     names -= {effect.name for effect in _unborne(sealed, found, likelier)}
     gone = tuple(effect for effect in added if effect.name not in names)
     if not gone:
         return found, more
-    said = _taken_back(found, gone, sealed, _held(found, gone, sealed, change, likelier))
+    said = _taken_back(found, gone, sealed, _held(found, gone, sealed, change, likelier, borne))
     stay = tuple(e for e in gone if any(e.physics in name for name in said.names))
     able = tuple(e for e in stay if _better_waves(e, change((e,))))
     apart = _untimed(comparison, sealed, tuple(e for e in added if e not in gone), able, seed)
@@ -75,12 +83,17 @@ def unrefused(
 
 
 def _held(
-    found: Selection, gone: Added, sealed: View, change: Change, likelier: Likelier
+    found: Selection,
+    gone: Added,
+    sealed: View,
+    change: Change,
+    likelier: Likelier,
+    borne: Borne,
 ) -> set[str]:
     """Return the names of refused effects that sealed links leave standing (see `unrefused`)."""
     seen = {turn.strike.effect.name: turn.strike for turn in found.rounds if turn.strike}
     struck = [(e, seen[e.name]) for e in gone if e.name in seen]
-    held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one)}
+    held = {e.physics for e, one in struck if not _surely_worse(sealed, change((e,)), one, borne)}
     held |= {e.physics for e in gone if (alone := change((e,))) is not None and alone.idle}
     if sealed.waveform:
         sure = _surely_better(found.verdicts)
@@ -162,24 +175,27 @@ def _undecided(effect: Effect, found: Served | None) -> bool:
     return waves is not None and waves.low < 0 < waves.high
 
 
-def _surely_worse(sealed: View, found: Served | None, strike: Strike) -> bool:
+def _surely_worse(sealed: View, found: Served | None, strike: Strike, borne: Borne) -> bool:
     """Return whether an effect that strikes links at random makes held-out ones worse, for sure.
 
     Of waveforms: their ranges. It was seen in links one by one; a score of twenty figures asks for
     its form in all. Ranges that are farther in the median alone refuse nothing: where most links
     are struck the typical simulated one is, too, and spared ones are far from that. Nor does a
     score speak where chance may have spared every held-out link: all are then a little worse with
-    it, by what a forecast of rare things costs where none happens.
+    it, by what a forecast of rare things costs where none happens. Nor does it where `borne`.
     """
     if found is None:
         return False
     told = not sealed.waveform and _all_spared(sealed, strike) < ALL_SPARED
-    return found.surely or (found.gain.high <= 0 and told)
+    return found.surely or (found.gain.high <= 0 and told and not borne(strike))
 
 
 def _all_spared(sealed: View, strike: Strike) -> float:
-    """Return the chance that none of the held-out links is struck; 0 where it is not known."""
-    share = next((one.value for one in strike.parameters if one.name == "share"), 1.0)
+    """Return the chance that none of the held-out links is struck; 0 where it is not known.
+
+    As large as the share of struck links, which few links tell, leaves it (its 90 % interval).
+    """
+    share = next((one.low for one in strike.parameters if one.name == "share"), 1.0)
     return float((1 - share) ** len(np.unique(sealed.links))) if share < 1 else 0.0
 
 

@@ -101,12 +101,17 @@ def test_sealed_links_refuse_no_name_of_what_does_nothing_there(
     assert ("nothing to act on" in made.withheld.get("time-lag", "")) is said
 
 
-@pytest.mark.parametrize(("high", "said"), [(1, True), (-1, False)])
+@pytest.mark.parametrize(
+    ("high", "nats", "surely", "said"),
+    [(1, 0, False, True), (-1, 2, False, False), (-1, 4, False, True), (-1, 4, True, False)],
+)
 def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
-    monkeypatch: pytest.MonkeyPatch, high: float, said: bool
+    monkeypatch: pytest.MonkeyPatch, high: float, nats: float, surely: bool, said: bool
 ) -> None:
-    judged = Served(Estimate(-2, -3, high), False, 0.1)
+    """Nor where offsets of sealed links speak for it, unless their ranges are surely farther."""
+    judged = Served(Estimate(-2, -3, high), False, 0.1, surely=surely)
     monkeypatch.setattr(sealed, "served", lambda *_: judged)
+    monkeypatch.setattr(sealed, "STRUCK", lambda *_: nats)
     found = selection()
     strike = Strike(LAG, ONE, (), np.empty(0, np.intp))
     found = replace(found, added=(LAG,), verdicts=(named(LAG),),

@@ -1,0 +1,42 @@
+"""Whether held-out links bear out what strikes links at random: by their own offsets.
+
+A mean score asks for the form of a detour in every link; offsets ask how many links are off, and
+how far, as the working links said.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from bench.discrepancy.compare.view import Added, Comparison, View
+from bench.discrepancy.select.link_mixture import (
+    EXTRA_M,
+    Mixture,
+    Strike,
+    offsets,
+    strikable,
+    struck_m,
+    unstruck,
+)
+from bench.discrepancy.settings import BEHIND_M, OFFSET_FIRST, OFFSET_MEMBERS, WILD_SHARES
+
+
+def struck_nats(comparison: Comparison, view: View, added: Added, found: Strike) -> float:
+    """Return the log likelihood of offsets of links with a strike over that without, in nats.
+
+    `added` are the effects beside it. Share and size are those that other links told; how calm
+    links scatter, and how many are anything at all, is likeliest here in both. 0 where no offsets
+    judged it.
+    """
+    kind, told = type(found.effect), {one.name: one.value for one in found.parameters}
+    if kind.strikes is None or not strikable(kind, view):
+        return 0.0
+    share, size = (told[name] for name in kind.strikes)
+    seen = offsets(comparison, view, added, kind)
+    bare = comparison.ensemble(view, added, OFFSET_MEMBERS // 2, OFFSET_FIRST)
+    struck = struck_m(comparison, view, added, kind, size, seen, bare)
+    tried = (Mixture(0.0, *one, share, size) for one in product(EXTRA_M, BEHIND_M, WILD_SHARES))
+    best = max(float(np.log(one.density(seen, struck)).sum()) for one in tried)
+    return best - unstruck(seen).nats
