@@ -21,6 +21,7 @@ from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
 from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.nested import Nested
 from bench.discrepancy.joint.plainer import flat_gain, plainer
 from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
@@ -78,6 +79,7 @@ class Sets:
         self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
         self.quiet, self.grain = Quiet(self.given), Grain(self.given)
+        self.nested = Nested(self.given, self.fits, self._fit)
         self.idle: set[str] = set()
         self._plains: Memory[Fit] = Memory(KEPT)
         self._evidences: Memory[float] = Memory(KEPT)
@@ -143,13 +145,13 @@ class Sets:
 
         Where another turns out likelier in the place of one, it begins again with that.
         """
-        begin = self._likeliest(self.fits.values())
+        begin = self.nested.likeliest(self._likeliest)
         for _ in range(SETTLED):
             best = self._without_idle(self._needed(begin))
             free = [one for one in best.names if one not in self.start.names]
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self._able() if len(fit.names) == len(best.names)]
-            begin = self._likeliest(alike)
+            begin = self._likeliest([*alike, *self.nested.wider(best)])
             if key_of(begin.effects) == key_of(best.effects):
                 break
         return best, rivals
@@ -222,6 +224,8 @@ class Sets:
     def _needed(self, fit: Fit) -> Fit:
         """Return a set without members that do not bring enough, least first."""
         while len(fit.names) > len(self.start.names):
+            for name in fit.names:
+                fit = self.nested.on(self._without(fit, name), fit)
             whole = self.worth(fit) - self.worth(self._exact)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
             spare = {n: nats - self._asked(fit, n, whole) for n, nats in brings.items()}
