@@ -9,6 +9,7 @@ import pytest
 
 from bench.challenge.cases import make_case
 from bench.challenge.families import (
+    aviary_listener,
     brickworks_reader,
     manege_handset,
     opera_console,
@@ -24,6 +25,7 @@ OF_ITS_OWN = {
     "brickworks": {"gait", "slew_rad", "into_s"},
     "roundhouse": {"from_r", "go_rad", "into_s"},
     "printworks": {"aim", "bend", "into_s"},
+    "aviary": {"heads", "wheel", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -39,6 +41,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (brickworks_reader.rustle, brickworks_reader.OF_SIZES, -0.2),
         (roundhouse_recorder.crackle, roundhouse_recorder.OF_SIZES, -0.2),
         (printworks_console.rush, printworks_console.OF_SIZES, -0.2),
+        (aviary_listener.murmur, aviary_listener.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -59,6 +62,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (brickworks_reader.pulses, brickworks_reader.delayed, 0.02),
         (roundhouse_recorder.pulses, roundhouse_recorder.held_back, 0.02),
         (printworks_console.pulses, printworks_console.postponed, 0.02),
+        (aviary_listener.calls, aviary_listener.deferred, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
