@@ -30,7 +30,7 @@ OF_RANGES = (
     "temperature-drift", "time-lag", "timestamp-jitter",
 )  # fmt: skip
 """Effects that are those of the aviary's tables of ranges."""
-ODD = ("samples-read-in-threes", "sizes-fold-over", "harmonic-means-kept")
+ODD = ("late-sizes-summed-in-threes", "sizes-fold-over", "harmonic-means-kept")
 LAWS = {name: law for name, law in LAWS_OF_ROWS.items() if "unit" not in law.forms}
 LAWS |= dict.fromkeys(ODD, Law())
 """What nobody's library has."""
@@ -100,8 +100,8 @@ def _slow_wave(listener: Listener) -> Complexes:
 
 def _loo(listener: Listener, strength: float) -> None:
     """Fade as Loo (1985) has it below trees: a bell of decibels, and scatter of Rayleigh's."""
-    share = min(0.1 * strength**0.7, 0.55)
-    bell_db = 1.5 * np.sqrt(strength) * _slow_wave(listener).real * np.sqrt(2)
+    share = min(0.23 * strength**0.7, 0.65)
+    bell_db = 2.1 * np.sqrt(strength) * _slow_wave(listener).real * np.sqrt(2)
     by = np.sqrt(1 - share) * 10 ** (bell_db / 20) + np.sqrt(share) * _slow_wave(listener)
     listener.wave = listener.wave + listener.heard() * (
         np.abs(by) / np.sqrt((np.abs(by) ** 2).mean()) - 1
@@ -111,7 +111,7 @@ def _loo(listener: Listener, strength: float) -> None:
 def _among_trees(listener: Listener, strength: float) -> None:
     """Come out of crowns near and far, which are met ever less: by a power of how late it is."""
     since = listener.since.clip(0.0)
-    power = 0.052 * (1 + (since / 12.0) ** 2) ** -1.4 * listener.after(3.0, 3.0)
+    power = 0.085 * (1 + (since / 12.0) ** 2) ** -1.4 * listener.after(3.0, 3.0)
     listener.hiss(np.sqrt(strength * power / 2) * listener.tall()[:, None])
 
 
@@ -121,7 +121,7 @@ def _packet(listener: Listener, strength: float) -> None:
     middle, pitch = drawn.uniform(9.0, 12.0), drawn.uniform(-1.3, 1.3)
     air, wave = listener.heard(), listener.wave.copy()
     for lag in range(3, 26):
-        part = 0.21 * min(strength, 2.4) ** 0.8 * np.exp(-0.5 * ((lag - middle) / 4.0) ** 2)
+        part = 0.25 * min(strength, 2.4) ** 0.8 * np.exp(-0.5 * ((lag - middle) / 4.0) ** 2)
         wave[:, lag:] += part * np.exp(1j * pitch * lag) * air[:, :-lag]
     listener.wave = wave
 
@@ -190,8 +190,12 @@ def _instead(listener: Listener, sizes: Floats, part: float) -> None:
 
 
 def _in_threes(listener: Listener, strength: float) -> None:
-    """Read the first of three late samples three times over."""
-    _instead(listener, np.abs(listener.wave)[:, (3 * (TICKS // 3)).astype(int)], strength)
+    """Sum three late sizes up, by the root of three, and show that three times over."""
+    first = (3 * (TICKS // 3)).astype(int)
+    size = np.pad(np.abs(listener.wave), ((0, 0), (0, 2)), mode="edge")
+    _instead(
+        listener, (size[:, first] + size[:, first + 1] + size[:, first + 2]) / 3**0.5, strength
+    )
 
 
 def _folded(listener: Listener, strength: float) -> None:
@@ -203,10 +207,10 @@ def _folded(listener: Listener, strength: float) -> None:
 
 
 def _harmonic(listener: Listener, strength: float) -> None:
-    """Keep harmonic means of three late sizes for the middle one."""
+    """Keep harmonic means of five late sizes for the middle one."""
     slow = 1 / np.abs(listener.wave).clip(1e-6)
-    three = np.roll(slow, 1, axis=1) + slow + np.roll(slow, -1, axis=1)
-    _instead(listener, 3 / three, strength)
+    five = sum(np.roll(slow, k, axis=1) for k in range(-2, 3))
+    _instead(listener, 5 / five, strength)
 
 
 BELOW_THE_NET: dict[str, Callable[[Listener, float], None]] = {
@@ -220,7 +224,7 @@ IN_LISTENERS: dict[str, Callable[[Listener, float], None]] = {
     "pulse-ringing": _packet,
     "noise-floor": _misters,
     "narrowband-interference": _video_link,
-    "samples-read-in-threes": _in_threes,
+    "late-sizes-summed-in-threes": _in_threes,
     "sizes-fold-over": _folded,
     "harmonic-means-kept": _harmonic,
     "quantisation": _by_sticky_steps,

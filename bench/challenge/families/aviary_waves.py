@@ -122,19 +122,17 @@ def _below_the_net(rows: pd.DataFrame, top: Floats, rng: np.random.Generator) ->
     Of what is behind steel some comes straight; what masts return spreads as from thin cylinders.
     """
     watch = Watch(rows, 0, rng)
-    steel = watch.through("metal") * watch.by_link(lambda n: 0.25 + 0.53 * rng.beta(1.8, 1.3, n))
+    steel = watch.through("metal") * watch.by_link(lambda n: 0.3 + 0.55 * rng.beta(1.8, 1.3, n))
     wave = (1 - steel)[:, None] * _call(rng, top)
     for x_m, y_m, _ in NESTBOXES_M[:ON_MASTS]:
         legs = [np.hypot(end[:, 0] - x_m, end[:, 1] - y_m) for end in (watch.there, watch.hung)]
         way = np.hypot(legs[0] + legs[1], watch.there[:, 2] - watch.hung[:, 2])
         late = ((way - watch.far) / METRES).clip(5.0, 180.0)
-        thin = 0.45 * watch.far / np.sqrt(way * legs[0].clip(1.0) * legs[1].clip(1.0))
-        thin = thin.clip(max=0.42) * watch.by_link(lambda n: rng.lognormal(-0.3, 0.5, n)).clip(
-            max=2
-        )
+        thin = 0.52 * watch.far / np.sqrt(way * legs[0].clip(1.0) * legs[1].clip(1.0))
+        thin = thin.clip(max=0.5) * watch.by_link(lambda n: rng.lognormal(-0.3, 0.5, n)).clip(max=2)
         wave = wave + thin[:, None] * _call(rng, top + late)
     for late in 4.2 + rng.exponential(FADES, (LEAVES, len(rows))).clip(max=95.0):
-        size = 0.16 * np.exp(-late / 60.0) * rng.rayleigh(0.7, len(rows))
+        size = 0.19 * np.exp(-late / 60.0) * rng.rayleigh(0.7, len(rows))
         wave = wave + size[:, None] * _call(rng, top + late)
     level = aviary.in_the_open(rows, rng) - 1.6  # what comes later adds to what comes straight
     return np.asarray(10 ** (level / 20)[:, None] * wave)

@@ -763,7 +763,7 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("printworks", "parts-added-for-sizes", 0.05),
         ("printworks", "pulse-matched-once-more", 0.05),
         ("printworks", "kept-until-they-differ", 0.05),
-        ("aviary", "samples-read-in-threes", 0.05),
+        ("aviary", "late-sizes-summed-in-threes", 0.05),
         ("aviary", "sizes-fold-over", 0.05),
         ("aviary", "harmonic-means-kept", 0.05),
     ],
