@@ -209,7 +209,7 @@ def _folded(listener: Listener, strength: float) -> None:
 def _harmonic(listener: Listener, strength: float) -> None:
     """Keep harmonic means of five late sizes for the middle one."""
     slow = 1 / np.abs(listener.wave).clip(1e-6)
-    five = sum(np.roll(slow, k, axis=1) for k in range(-2, 3))
+    five = np.sum([np.roll(slow, k, axis=1) for k in range(-2, 3)], axis=0)
     _instead(listener, 5 / five, strength)
 
 
