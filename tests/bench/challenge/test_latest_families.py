@@ -35,6 +35,7 @@ LAST = (
 MODES = [(family, mode) for family in LAST for mode in ("ranges", "CIR")]
 PERIOD_OF = {
     "drum-off-centre": "cable_out_m",
+    "lashing-rings-passed": "tow_m",
     "slab-joints": "odometer_m",
     "wave-machine": "time_s",
     "fridges-run": "time_s",
