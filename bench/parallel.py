@@ -20,6 +20,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from threading import Lock, Thread
+from time import sleep
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
@@ -112,7 +113,7 @@ def in_processes(
     BenchError where a process is ended from outside.
     """
     coming: deque[Future[Any]] = deque()
-    pool = _pool(jobs, shared)
+    pool, broken = _pool(jobs, shared), None
     try:
         for item in items:
             with _starting(), _no_script():
@@ -122,12 +123,15 @@ def in_processes(
         while coming:
             yield coming.popleft().result()
     except BrokenProcessPool as problem:
+        broken = problem
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+    if broken is not None:
+        sleep(_MOMENT_S)  # an interruption that ended it ends this one, too, and is no fault
         raise BenchError(
             f"a process that worked here was ended from outside, for want of memory perhaps: "
             f"{VARIABLE}=1 does with this one"
-        ) from problem
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        ) from broken
 
 
 def each(work: Work, shared: Any, items: Sequence[Any], far: bool = True) -> list[Any]:
@@ -155,7 +159,7 @@ def spreading(spread: Spread) -> Iterator[None]:
 Work = Callable[[Any, Any], Any]
 """work(shared, task) -> result; importable by name, so that another process can run it."""
 
-_PATIENCE_S = 15
+_PATIENCE_S, _MOMENT_S = 15, 0.2
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,8 @@ def far_off_their_link(recorded: Recordings, simulated: Recordings) -> str:
     A mean over all hardly shows them, and what strikes whole links they are not: packets of another
     exchange, say. Of a link of few rows nothing is said.
     """
+    if not all("link" in table.frame for table in (recorded, simulated)):
+        return ""
     off_m, limit_m = _off(recorded)
     far = np.flatnonzero(off_m > limit_m)
     other = float(np.mean(_off(simulated)[0] > limit_m))

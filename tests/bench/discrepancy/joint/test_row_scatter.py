@@ -242,11 +242,12 @@ def test_what_links_keep_of_a_tail_is_fitted_to_how_their_rows_scatter():
 
 def test_a_tail_may_be_reflections_of_walls_that_nobody_placed():
     tail = replace(SAID, effect=DiffuseTail())
-    untold = Search(None, None, None, {}, 0, untried={"specular-reflections": SpecularReflections})  # type: ignore[arg-type]
+    known = SimpleNamespace(frame=pd.DataFrame(columns=["tx_x_m", "rx_x_m"]))
+    untold = Search(None, None, known, {}, 0, untried={"specular-reflections": SpecularReflections})  # type: ignore[arg-type]
     (found,) = with_untried(untold, (), (tail,))
     assert isinstance(found, Ambiguous)
     assert found.names == ("diffuse-tail", "specular-reflections")
-    assert "room_x_m" in found.options[1].note
+    assert found.options[1].note.endswith("it needs room_x_m and room_y_m")
     assert with_untried(replace(untold, untried={}), (), (tail,)) == (tail,)
     assert with_untried(untold, (), (SAID,)) == (SAID,)
 

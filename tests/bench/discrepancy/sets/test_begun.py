@@ -65,7 +65,7 @@ def test_what_strikes_at_random_must_lead_names_that_say_which(
     monkeypatch.setattr(f"{module}._one", lambda *_: (found, 122.5))
     monkeypatch.setattr(f"{module}.strikable", lambda *_: True)
     monkeypatch.setattr(f"{module}.offsets", lambda *_: None)
-    monkeypatch.setattr(f"{module}._plain", lambda _: Mixture(121.3, 0, 0, 0))
+    monkeypatch.setattr(f"{module}.unstruck", lambda _: Mixture(121.3, 0, 0, 0))
     view = SimpleNamespace(recorded=SimpleNamespace(names=("error_m",)))
     names, kinds = (RangeScale(),), {"blocked-path": BlockedPath}
     made = strike(None, view, (), names, kinds, lead)  # type: ignore[arg-type]
