@@ -262,8 +262,12 @@ def _install(packed: bytes) -> None:
 
 
 def _end_when_interrupted() -> None:
-    """End this worker at an interruption, also one that came while it started; see `_starting`."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """End this worker at an interruption, also one that came while it started; see `_starting`.
+
+    Not where its parent was told to go on (in the background, say): it goes on then, too.
+    """
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 

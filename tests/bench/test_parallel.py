@@ -89,7 +89,8 @@ def test_a_process_that_dies_is_said_in_a_line() -> None:
 
 
 SCRIPT = """
-import time
+import signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
 from bench.parallel import in_processes
 print("run", flush=True)
 made = in_processes({work}, {shared}, [{item}] * 3, 2)
