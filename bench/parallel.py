@@ -91,15 +91,22 @@ def a_few_at_once(work: Callable[[T], R], items: Iterable[T]) -> Generator[R, No
     For work that is done in threads of its own for the most part: what is not runs beside the next
     item's. Memory holds three. Close it when done.
     """
-    coming: deque[Future[R]] = deque()
     count = min(AHEAD, threads())
     with ThreadPoolExecutor(count) as pool:
-        for item in items:
-            coming.append(pool.submit(work, item))
-            if len(coming) > count:
-                yield coming.popleft().result()
-        while coming:
+        yield from _in_order(lambda item: pool.submit(work, item), items, count)
+
+
+def _in_order(
+    submit: Callable[[T], Future[R]], items: Iterable[T], most: int
+) -> Generator[R, None, None]:
+    """Yield what submitted items give, in order, with `most` and one more of them under way."""
+    coming: deque[Future[R]] = deque()
+    for item in items:
+        coming.append(submit(item))
+        if len(coming) > most:
             yield coming.popleft().result()
+    while coming:
+        yield coming.popleft().result()
 
 
 def in_processes(
@@ -112,16 +119,14 @@ def in_processes(
     no `if __name__ == "__main__"`. Memory holds 2 `jobs` items. Close it when done. Raises
     BenchError where a process is ended from outside.
     """
-    coming: deque[Future[Any]] = deque()
     pool, broken = _pool(jobs, shared), None
+
+    def submit(item: Any) -> Future[Any]:
+        with _starting(), _no_script():
+            return pool.submit(_call, work, item)
+
     try:
-        for item in items:
-            with _starting(), _no_script():
-                coming.append(pool.submit(_call, work, item))
-            if len(coming) > AHEAD * jobs:
-                yield coming.popleft().result()
-        while coming:
-            yield coming.popleft().result()
+        yield from _in_order(submit, items, AHEAD * jobs)
     except BrokenProcessPool as problem:
         broken = problem
     finally:

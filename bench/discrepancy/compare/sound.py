@@ -22,7 +22,6 @@ OTHER_NUMBERS = (
     "simulator {!r} gives other numbers each time from one seed: this diagnosis cannot be "
     "repeated; take all random numbers of an effect from its `draws`"
 )
-
 ONE_DRAW = (
     "simulator {!r} gives the same numbers whatever the seed: what recordings scatter by is named "
     "then; take random numbers of an effect from its `draws`"

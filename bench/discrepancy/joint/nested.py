@@ -6,16 +6,15 @@ more would seem to bring nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
 from bench.discrepancy.compare.view import Added
+from bench.discrepancy.joint.growth import Fits
 from bench.discrepancy.joint.polish import Fit, key_of
 from bench.discrepancy.joint.settings import MOST, NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
-
-Fits = Mapping[frozenset[str], Fit]
 
 
 class Nested:

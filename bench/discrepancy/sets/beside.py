@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
 from bench.discrepancy.sets.blocks import PLACE
-from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
 from bench.discrepancy.sets.settings import CONSTANT_M, LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -88,7 +88,7 @@ def misplaced(contest: Contest, causes: Set) -> Set:
     """
     places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
     for name in [one for one in causes if one in contest.library]:
-        rest = tuple(one for one in causes if one != name)
+        rest = but(causes, name)
         lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
         best = max(lead, key=lambda one: lead[one], default=None)
         least = contest.nats(causes) + (0.0 if name == AntennaDelay.name else TIED_NATS)
@@ -101,7 +101,7 @@ def elsewhere(contest: Contest, causes: Set) -> Set:
     """Return the devices of which a place does about as well as the antenna delays of a set."""
     if AntennaDelay.name not in causes:
         return ()
-    rest = tuple(one for one in causes if one != AntennaDelay.name)
+    rest = but(causes, AntennaDelay.name)
     places = [o for o in contest.evidence.blocks if o.startswith(PLACE) and o not in causes]
     least = contest.nats(causes) + TIED_NATS
     able = (one for one in places if contest.nats((*rest, one)) > least)

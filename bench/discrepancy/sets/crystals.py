@@ -23,13 +23,11 @@ def as_delay_and_drift(contest: Contest, causes: Set) -> Set:
     them a drift: one name for the two of them is no simpler. Each has the crystals for a rival
     then, so that neither is said alone.
     """
-    if ClockOffset.name not in causes or not contest.library.issuperset(BOTH):
+    able = contest.library.issuperset(BOTH) and not {*BOTH} & {*causes}
+    if ClockOffset.name not in causes or not able:
         return causes
     rest = but(causes, ClockOffset.name)
-    both = tuple(dict.fromkeys((*rest, *BOTH)))
-    least = contest.nats(causes) - RIVAL_NATS
-    if len(both) < len(causes) + 1 or contest.nats(both) < least:
-        return causes
-    if any(contest.nats((*rest, one)) >= least for one in BOTH):
+    both, least = (*rest, *BOTH), contest.nats(causes) - RIVAL_NATS
+    if contest.nats(both) < least or any(contest.nats((*rest, one)) >= least for one in BOTH):
         return causes
     return both if all(contest.possible(both, one) for one in BOTH) else causes
