@@ -6,7 +6,7 @@ more would seem to bring nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -39,8 +39,17 @@ class Nested:
     def wider(self, best: Fit) -> list[Fit]:
         """Return the sets with more members than the best that became likelier by this."""
         larger = [fit for key, fit in self.fits.items() if key_of(best.effects) < key]
+        self._all_on(best, larger)
         made = [(fit, self.on(best, fit)) for fit in larger]
         return [now for before, now in made if now.nats > before.nats]
+
+    def _all_on(self, rest: Fit, larger: Sequence[Fit]) -> None:
+        """Fit sets on from their `rest` beside one another, as `on` does with each."""
+        new = [fit for fit in larger if (rest.effects, fit.effects) not in self._done]
+        worse = [fit for fit in new if fits_worse(self.given, rest, fit)]
+        if worse:
+            self._fit([(*rest.effects, *_more(rest, fit)) for fit in worse])
+        self._done |= {(rest.effects, fit.effects) for fit in new}
 
     def on(self, rest: Fit, fit: Fit) -> Fit:
         """Return a set, fitted on from its `rest` if it fits worse than that; each pair once."""

@@ -20,6 +20,7 @@ from bench.discrepancy.joint.polish import Fit, fitted
 from bench.discrepancy.joint.settings import TAIL, TOUCHES, TRIED_BESIDE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.errors import BenchError
+from bench.forked import in_forks
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -52,8 +53,9 @@ class Screen:
         self.begin, self._mean = begin, mean
         self._flat = whitener(given, begin, ())[0]
         self._nothing = fitness(given, begin, begin.left, (), 0)
-        every = {kind.name: self._tried(kind) for kind in kinds}
-        self.points: Mapping[str, Sequence[Tried]] = {n: made for n, made in every.items() if made}
+        able = list(kinds)
+        every = zip(able, in_forks(self._tried, able), strict=True)
+        self.points: Mapping[str, Sequence[Tried]] = {k.name: made for k, made in every if made}
 
     def _tried(self, kind: type[Effect]) -> list[Tried]:
         points = starts(kind, False, True)

@@ -41,11 +41,13 @@ from bench.discrepancy.joint.settings import (
     SCATTERED_SHARE,
     SETTLED,
     STEPS,
+    WEIGHED,
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.tone_or_noise import counterparts, steady, told_apart, with_tone
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.errors import BenchError
+from bench.forked import in_forks
 from bench.physics.effect import Effect
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.memory import Memory
@@ -175,6 +177,7 @@ class Sets:
         Where all forms may differ, what does quite another thing may come out as well.
         """
         some = list(fits)
+        self._weigh(some)
         first = max(some, key=self.evidence)
         most = self.evidence(first)
         gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.evidence(self.none)))
@@ -190,9 +193,16 @@ class Sets:
         """
         return self._evidences.get(fit.effects, lambda: self._evidence(fit))
 
+    def _weigh(self, fits: Sequence[Fit]) -> None:
+        """Weigh sets beside one another, where many were not."""
+        new = [fit for fit in fits if self._evidences.find(fit.effects) is None]
+        if len(new) >= WEIGHED:
+            for fit, nats in zip(new, in_forks(self._evidence, new), strict=True):
+                self._evidences.keep(fit.effects, nats)
+
     def _evidence(self, fit: Fit) -> float:
-        parts = fit.moments, fit.responses, fit.parameters
-        return evidence(self.given, *parts) + self.quiet.nats(fit.effects)
+        quiet = self.quiet.nats(fit.effects)
+        return quiet + evidence(self.given, fit.moments, fit.responses, fit.parameters)
 
     def worth(self, fit: Fit) -> float:
         """Return the evidence of a set without what it does not need, in nats."""
@@ -214,7 +224,7 @@ class Sets:
                 break
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
-        made = [fit for fit in (polished(self.given, one, steps) for one in sets) if fit]
+        made = [fit for fit in in_forks(lambda one: polished(self.given, one, steps), sets) if fit]
         for fit in made:
             known = self.fits.get(key_of(fit.effects))
             if known is None or fit.nats > known.nats:
@@ -277,11 +287,10 @@ class Sets:
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""
-        rest = self._plain(self._without(fit, name))
-        return by_chance(self.given, self._plain(fit), rest)
+        return by_chance(self.given, self._plain(fit), self._plain(self._without(fit, name)))
 
     def _brings(self, fit: Fit, name: str) -> float:
-        """Return the evidence that one member of a set brings beside the others, in nats."""
+        """Return the evidence that one member brings beside the others, in nats."""
         return self.worth(fit) - self.worth(self._without(fit, name))
 
     def _without(self, fit: Fit, name: str) -> Fit:

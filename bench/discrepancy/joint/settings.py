@@ -25,6 +25,7 @@ DECIBELS: Final = {
 }
 # observables that are compared by their logarithm, and how many decibels a decade is [convention]
 KEPT: Final = 500  # statistics of sets that are remembered (changes nothing but time)
+WEIGHED: Final = 4  # sets to weigh, from which on forks do it sooner (changes nothing but time)
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
 TAIL: Final = 30.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]

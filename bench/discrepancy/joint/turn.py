@@ -14,6 +14,7 @@ from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.late import found_late, holds, moved, with_late
+from bench.discrepancy.joint.own_code import runs_own_code
 from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
@@ -42,6 +43,7 @@ from bench.discrepancy.select.stepwise import (
 )
 from bench.discrepancy.select.verdict import NoMismatch, Verdict
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
+from bench.forked import forking
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
@@ -105,8 +107,9 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     ]
     tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
     rows = compared_rows(search)
-    sets = Sets(search.comparison, rows, fewer(search.fit, SCREEN_ROWS), kinds, tries, struck)
-    return sets.chosen()
+    few = fewer(search.fit, SCREEN_ROWS)
+    with forking(runs_own_code(search)):
+        return Sets(search.comparison, rows, few, kinds, tries, struck).chosen()
 
 
 def in_waveforms(kind: type[Effect], search: Search) -> type[Effect]:

@@ -1,0 +1,105 @@
+"""Work in forks gives what it gives here, whatever becomes of a fork."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Lock
+
+import pytest
+
+from bench import forked
+from bench.forked import forking, in_forks
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="forks are for Linux")
+
+
+@pytest.fixture(autouse=True)
+def _allowed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setenv("BENCH_THREADS", "3")
+    with forking(True):
+        yield
+
+
+def _who(item: int) -> tuple[int, int]:
+    return item * item, os.getpid()
+
+
+def test_what_comes_back_is_in_order() -> None:
+    assert [square for square, _ in in_forks(_who, range(100))] == [n * n for n in range(100)]
+
+
+@linux
+def test_forks_do_a_part_of_it() -> None:
+    def slow(item: int) -> int:
+        total = sum(range(30_000))
+        return os.getpid() if total else item
+
+    assert len({*in_forks(slow, range(200))}) == 3
+
+
+def test_without_leave_threads_or_the_first_thread_all_is_done_here(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with forking(False):
+        assert {at for _, at in in_forks(_who, range(20))} == {os.getpid()}
+    with ThreadPoolExecutor(1) as pool:
+        assert {at for _, at in pool.submit(in_forks, _who, range(20)).result()} == {os.getpid()}
+    monkeypatch.setenv("BENCH_THREADS", "1")
+    assert {at for _, at in in_forks(_who, range(20))} == {os.getpid()}
+
+
+@linux
+def test_what_a_fork_dies_of_is_done_here() -> None:
+    here = os.getpid()
+
+    def deadly(item: int) -> int:
+        if os.getpid() != here:
+            os._exit(9)
+        return item
+
+    assert in_forks(deadly, range(30)) == [*range(30)]
+
+
+@linux
+def test_a_fork_that_hangs_is_waited_for_no_longer_than_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    here = os.getpid()
+    monkeypatch.setattr(forked, "_PATIENCE_S", 0.2)
+
+    def stuck(item: int) -> int:
+        while os.getpid() != here:
+            pass
+        return item
+
+    assert in_forks(stuck, range(5)) == [*range(5)]
+
+
+def test_what_work_raises_is_raised() -> None:
+    def wrong(item: int) -> int:
+        raise ZeroDivisionError(str(item))
+
+    with pytest.raises(ZeroDivisionError):
+        in_forks(wrong, range(4))
+
+
+@linux
+def test_what_cannot_be_sent_is_made_here() -> None:
+    def locked(item: int) -> tuple[int, object]:
+        return item, Lock()
+
+    assert [item for item, _ in in_forks(locked, range(6))] == [*range(6)]
+
+
+@linux
+def test_no_pipe_and_no_process_is_left() -> None:
+    before = len([*Path("/proc/self/fd").iterdir()])
+    for _ in range(3):
+        in_forks(_who, range(10))
+    assert len([*Path("/proc/self/fd").iterdir()]) == before
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
