@@ -12,14 +12,23 @@ from bench.discrepancy.law.between import constants_of_devices, over_places, own
 from bench.discrepancy.sets.blocks import PLACE
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
-from bench.discrepancy.sets.settings import CONSTANT_M, LAW_M, LAW_NATS, LAW_SIZE, TIED_NATS
+from bench.discrepancy.sets.settings import (
+    CONSTANT_M,
+    LAW_M,
+    LAW_NATS,
+    LAW_SIZE,
+    RIVAL_NATS,
+    TIED_NATS,
+)
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.clock_offset import ClockOffset
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
 
 Floats = NDArray[np.float64]
 ENDS = ("tx", "rx")
+DELAY_OR_CLOCK = (AntennaDelay.name, ClockOffset.name)
 OWN_DELAYS = "a delay of every device"
 
 
@@ -83,7 +92,7 @@ def misplaced(contest: Contest, causes: Set) -> Set:
     """Return the set with devices that stand elsewhere instead of a name they do as well as.
 
     A plan that is stretched moves all: where rows do not tell, no name is sure (see `TIED_NATS`). A
-    receiver that hangs too low is late by nearly the same everywhere, as by its own delay, which is
+    receiver that hangs too low is late by nearly the same everywhere, as by its own delay or clock,
     one number where a place is three: what has no lead of that is said beside it (`elsewhere`).
     """
     places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
@@ -91,17 +100,18 @@ def misplaced(contest: Contest, causes: Set) -> Set:
         rest = but(causes, name)
         lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
         best = max(lead, key=lambda one: lead[one], default=None)
-        least = contest.nats(causes) + (0.0 if name == AntennaDelay.name else TIED_NATS)
+        least = contest.nats(causes) + (RIVAL_NATS if name in DELAY_OR_CLOCK else TIED_NATS)
         if best is not None and lead[best] > least:
             causes = (*rest, best)
     return causes
 
 
 def elsewhere(contest: Contest, causes: Set) -> Set:
-    """Return the devices of which a place does about as well as the antenna delays of a set."""
-    if AntennaDelay.name not in causes:
+    """Return the devices of which a place does about as well as the delays or clocks of a set."""
+    name = next((one for one in causes if one in DELAY_OR_CLOCK), None)
+    if name is None:
         return ()
-    rest = but(causes, AntennaDelay.name)
+    rest = but(causes, name)
     places = [o for o in contest.evidence.blocks if o.startswith(PLACE) and o not in causes]
     least = contest.nats(causes) + TIED_NATS
     able = (one for one in places if contest.nats((*rest, one)) > least)

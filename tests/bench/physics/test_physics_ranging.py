@@ -1,6 +1,7 @@
 """Signature, magnitude and negative control of the effects on timestamps and ranges."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from physics_scenes import change, line, room, seen
 
@@ -9,6 +10,7 @@ from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias, published_bias_m
+from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
@@ -136,3 +138,9 @@ def test_negative_controls_are_named_row_by_row(effect, columns, rows) -> None:
     frame = line(2).assign(**columns)
     np.testing.assert_array_equal(effect.inert(Base().paths(scene(frame))), rows)
     assert seen(frame, effect).range_m.shape == (2,)
+
+
+def test_a_scale_beyond_its_bound_is_a_unit() -> None:
+    rows = scene(pd.DataFrame({"true_range_m": [1.0, 4.0, 9.0]}))
+    assert RangeScale.possible(rows, 0.04 * rows.true_range_m)
+    assert not RangeScale.possible(rows, (0.9144 - 1) * rows.true_range_m)

@@ -11,6 +11,7 @@ from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
 TYPICAL_SCALE = 0.01  # metres per metre
+MOST_SCALE = 0.05  # metres per metre: beyond, it is another unit
 
 
 @dataclass(frozen=True)
@@ -28,12 +29,18 @@ class RangeScale(Effect):
     source = "time of flight x an assumed speed of light and clock rate"
     signature = "error proportional to the true range, without bound; CIR unchanged"
 
-    scale: float = parameter(0, "m/m", -0.05, 0.05, "share of the true range", null=0)
+    scale: float = parameter(0, "m/m", -MOST_SCALE, MOST_SCALE, "share of the true range", null=0)
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
         """Return a share of the true range."""
         return (TYPICAL_SCALE * rows.true_range_m[:, None],)
+
+    @classmethod
+    def possible(cls, rows: Scene, shift_m: Floats) -> bool:
+        """Return whether the share is within the bounds: what is beyond them is a unit."""
+        far_m = rows.true_range_m
+        return bool(abs(far_m @ shift_m) <= MOST_SCALE * (far_m @ far_m))
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by a share of the true range."""

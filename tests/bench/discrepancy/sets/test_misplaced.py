@@ -12,24 +12,25 @@ from bench.discrepancy.sets.beside import elsewhere, misplaced
 MOVED = "the position of a2"
 
 
+@pytest.mark.parametrize("own", ["antenna-delay", "clock-offset"])
 @pytest.mark.parametrize(
-    ("moved_nats", "kept"), [(99.0, True), (98.0, True), (90.0, True), (101.0, False)]
+    ("moved_nats", "kept"), [(99.0, True), (90.0, True), (101.0, True), (104.0, False)]
 )
-def test_a_device_that_stands_elsewhere_goes_before_its_delay_where_it_leads(
-    moved_nats: float, kept: bool
+def test_a_device_that_stands_elsewhere_goes_before_its_delay_or_clock_where_it_leads(
+    moved_nats: float, kept: bool, own: str
 ) -> None:
     """A place is three numbers, a delay one: what has no lead of that is said beside it."""
     nats = {
-        frozenset({"antenna-delay", "time-lag"}): 100.0,
+        frozenset({own, "time-lag"}): 100.0,
         frozenset({MOVED, "time-lag"}): moved_nats,
-        frozenset({MOVED, "antenna-delay"}): 40.0,
+        frozenset({MOVED, own}): 40.0,
     }
     contest: Any = SimpleNamespace(
-        evidence=SimpleNamespace(blocks={MOVED: (), "antenna-delay": (), "time-lag": ()}),
-        library={"antenna-delay", "time-lag"},
+        evidence=SimpleNamespace(blocks={MOVED: (), own: (), "time-lag": ()}),
+        library={own, "time-lag"},
         nats=lambda causes: nats[frozenset(causes)],
     )
-    found = set(misplaced(cast("Any", contest), ("antenna-delay", "time-lag")))
-    assert found == {"antenna-delay" if kept else MOVED, "time-lag"}
-    beside = elsewhere(cast("Any", contest), ("antenna-delay", "time-lag"))
+    found = set(misplaced(cast("Any", contest), (own, "time-lag")))
+    assert found == {own if kept else MOVED, "time-lag"}
+    beside = elsewhere(cast("Any", contest), (own, "time-lag"))
     assert beside == (("a2",) if moved_nats > 97 else ())
