@@ -38,6 +38,7 @@ from bench.discrepancy.select.circle import Circle
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.elsewhere import elsewhere_too
+from bench.discrepancy.select.in_sight import with_struck_in_sight
 from bench.discrepancy.select.last_round import last_round, unexplained
 from bench.discrepancy.select.level_slope import with_absorption, with_slope
 from bench.discrepancy.select.logged import with_logs
@@ -194,6 +195,7 @@ def diagnose(
     said = borne_out(comparison, sealed, weighing, asked.seed)
     found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
     found, kept_more = unrefused(comparison, sealed, found, more, asked.seed)
+    found = with_struck_in_sight(search, found)
     law = said.law if more == kept_more else None
     added = (*found.added, *kept_more)
     confirmed = confirm(untimed(comparison, found.untimed), sealed, added, asked.seed)

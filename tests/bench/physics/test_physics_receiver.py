@@ -192,6 +192,15 @@ def test_noise_below_a_step_without_zero_is_steady() -> None:
     assert np.median(coarse.noise_std) < 0.5 * np.median(made.noise_std)
 
 
+def test_an_echo_within_the_pulse_takes_no_level_away() -> None:
+    ring = {"ring_db": -3.0, "ring_delay_ns": 0.5, "ring_phase_deg": 180.0}
+    frame = line(64, far_m=5.0)
+    kept, base = change(frame, PulseRinging(**ring))
+    made, _ = change(frame, PulseRinging(**ring, on_top=1.0))
+    np.testing.assert_allclose(made.rx_power_dbm, kept.rx_power_dbm)
+    np.testing.assert_allclose(made.rx_power_dbm, base.rx_power_dbm, atol=0.05)
+
+
 def test_an_echo_may_come_on_top_and_off_the_strongest_path_alone() -> None:
     frame = shadowed(256)
     before = (SpecularReflections(wall_m=6.0, walls="metal"),)

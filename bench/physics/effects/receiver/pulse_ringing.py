@@ -26,6 +26,7 @@ class PulseRinging(Effect):
     resonance off the carrier; a hundredth of a ns is one echo, of a reflection. A cable that fits
     neither of its ends reflects an echo again: `again` of its energy. Energy is kept, but
     for `on_top` of it: a level that was calibrated with the pulse alone has all of the echo on top.
+    One that takes energy away, within the pulse and against it, is calibrated with it.
     """
 
     name = "pulse-ringing"
@@ -59,7 +60,7 @@ class PulseRinging(Effect):
         before = energy(batch.waveform)
         waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
         kept = np.sqrt(before / np.maximum(energy(waveform), 1e-20)).astype(np.float32)
-        kept = kept ** np.float32(1 - self.on_top)
+        kept = np.where(kept < 1, kept ** np.float32(1 - self.on_top), kept)
         return altered(batch, waveform=scaled(waveform, kept))
 
     def _widened(self, waveform: Complexes) -> Complexes:
