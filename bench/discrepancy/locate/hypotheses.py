@@ -76,13 +76,16 @@ class Cell:
 def places(covariates: Covariates, ensemble: Ensemble) -> Iterator[tuple[Place, Floats]]:
     """Yield every place with its row weights, [n], or [1 + m, n] where they are the row's own.
 
-    Of an observable that is among the covariates, rows have those values in all versions.
+    Of an observable that is among the covariates, rows have those values in all versions. An
+    interval that holds the rows of a group is that group: an anchor, and not its height.
     """
     yield Place(), np.ones(len(ensemble.links))
     for name, mask in covariates.groups.items():
         yield Place(name), mask.astype(np.float64)
+    groups = {mask.tobytes() for mask in covariates.groups.values()}
     for name, value in covariates.numbers.items():
-        yield from _intervals(name, value)
+        every = _intervals(name, value)
+        yield from (one for one in every if one[0].trend or (one[1] > 0).tobytes() not in groups)
     for name in OWN:
         if name in ensemble.names and name not in covariates.numbers:
             yield from _intervals(name, ensemble.versions_of(name))

@@ -28,6 +28,7 @@ from bench.discrepancy.select.settings import EXTRA_SCATTER_M, REPLY_RATIO
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
+from bench.discrepancy.sets.settings import DEVICE_ROWS
 from bench.discrepancy.settings import FIT_MEMBERS, LEAD_NATS, LEAST_SCATTER_M
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.clock_offset import ClockOffset
@@ -41,6 +42,7 @@ OF_MOTION = "it scatters as devices move"
 OF_CLOCKS = "it scatters as clocks wander"
 OWN = (OF_NOISE, OF_MOTION, OF_CLOCKS)
 OF_SCATTER = ("spread", "rows")  # moments that say how far ranges scatter
+ENDS = ("tx", "rx")
 FARTHER = "it scatters the more, the farther devices are apart"
 WEAKER = "it scatters the more, the weaker the signal"
 FASTER = "it scatters the more, the faster devices move apart"
@@ -62,7 +64,7 @@ def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     if RANGE not in made.names:
         return Adequacy(True)
     own = _own_notes(made, _own_scatter(search, search.work, rest))
-    if notes := [*own, *uneven(made, search.work)]:
+    if notes := [*own, *uneven(made, search.work), *of_one_device(made, search.work)]:
         return Adequacy(False, 1.0, note=notes[0])
     return apart_in_turn(made, numeric(search.work.frame, "time_s"), search.seed)
 
@@ -107,10 +109,29 @@ def uneven(made: Ensemble, rows: View) -> list[str]:
     return [note for note, one in goes.items() if _grows(left, simulated, one)]
 
 
-def _grows(left_m: Floats, simulated_m: Floats, goes: Floats) -> bool:
+def of_one_device(made: Ensemble, rows: View) -> list[str]:
+    """Return which device alone has ranges that scatter, in words; nothing where others do, too.
+
+    Its rows or all rows scatter more than simulated; asked of the device that scatters most, which
+    is one of many.
+    """
+    left, simulated = _beside(made)
+    ends = [one for one in ENDS if one in rows.frame]
+    names = {end: rows.frame[end].astype(str).to_numpy(object) for end in ends}
+    every = {(end, one): names[end] == one for end in ends for one in np.unique(names[end])}
+    some = {key: mask for key, mask in every.items() if mask.sum() >= DEVICE_ROWS < (~mask).sum()}
+    wide = {key: float(np.nanmean(left[mask] ** 2)) for key, mask in some.items()}
+    end, one = max(wide, key=lambda key: np.nan_to_num(wide[key]), default=("", ""))
+    if not one or not _grows(left, simulated, some[end, one] * 1.0, float(np.log(len(some)))):
+        return []
+    return [f"it scatters where {end} is {one} alone"]
+
+
+def _grows(left_m: Floats, simulated_m: Floats, goes: Floats, more_nats: float = 0.0) -> bool:
     """Return whether ranges [n] scatter rather with `goes` [n] than evenly, beside simulated ones.
 
-    The variance of simulated ranges [m, n] is a line over it.
+    The variance of simulated ranges [m, n] is a line over it. `more_nats`: of lead, for what was
+    chosen of many.
     """
     known = np.isfinite(left_m) & np.isfinite(goes) & np.isfinite(simulated_m).all(axis=0)
     if known.sum() < 2 or not goes[known].any():
@@ -120,7 +141,7 @@ def _grows(left_m: Floats, simulated_m: Floats, goes: Floats) -> bool:
     own_m2 = ways @ nnls(ways, square.mean(axis=0))[0]
     own_m2 = np.maximum(own_m2, LEAST_SCATTER_M**2)
     even, growing = (likeliest(left_m[known], own_m2, one) for one in ways.T)
-    return growing > even + LEAD_NATS
+    return growing > even + LEAD_NATS + more_nats
 
 
 def _own_scatter(search: Search, rows: View, rest: Added) -> dict[str, Floats]:

@@ -147,6 +147,11 @@ def of_setup(rows: View) -> Blocks:
     return out
 
 
+def is_fault(cause: str) -> bool:
+    """Return whether a cause is a fault of the set-up (see `of_setup`)."""
+    return cause.startswith((PLACE, PLACES, UNIT))
+
+
 def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks:
     here, there = (
         np.stack([np.nan_to_num(numeric(frame, f"{one}_{axis}_m")) for axis in "xyz"], axis=1)

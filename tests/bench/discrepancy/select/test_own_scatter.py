@@ -181,3 +181,16 @@ def test_what_noise_scatters_that_has_a_name_is_not_left_without_one(
     left = (SimpleNamespace(cell=SimpleNamespace(observable="error_m", moment=moment)),)
     assert own_scatter.left_by_causes(search, NOISY, left) is nothing  # type: ignore[arg-type]
     assert not own_scatter.left_by_causes(search, (), left)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_scatter_of_one_device_is_no_jitter(alone: bool) -> None:
+    rng, links = np.random.default_rng(6), np.repeat(np.arange(ROWS // 3), 3)
+    device = links % 6
+    versions = rng.normal(0, 0.02, (9, ROWS, 1))
+    wide = np.where((device == 2) | (not alone), 0.06, 0.0)
+    versions[0, :, 0] += wide * rng.normal(size=ROWS)
+    made = Ensemble(("error_m",), ("m",), versions, links)
+    work = SimpleNamespace(frame=pd.DataFrame({"rx": [f"A{n}" for n in device], "tx": "tag"}))
+    said = own_scatter.of_one_device(made, work)  # type: ignore[arg-type]
+    assert said == ["it scatters where rx is A2 alone"] * alone
