@@ -113,6 +113,8 @@ TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
 NOISE_APART_DB: Final = 1.0  # logged noise of both sides, from where on it is said [convention]
 LEAST_ROW_SCATTER: Final = 1e-3  # of the mean variance within links, that a link has at least:
 # whole numbers are often all one [convention]
+ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off it [derived]
+LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]
 MOST_CLUSTERS: Final = 80  # more links are grouped at random: still exchangeable [cost]
 PART_SHARE: Final = 0.3  # of the rows, in which a shift may be seen better than in all [convention]

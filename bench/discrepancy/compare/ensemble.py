@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import crps
 from bench.discrepancy.data.observables import RANGE, Floats, Observables, observe
-from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M
+from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M, ROUNDING
 from bench.errors import BenchError
 
 Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> simulated rows
@@ -83,6 +83,12 @@ class Ensemble:
     def residual(self) -> Floats:
         """Recorded minus ensemble mean [n, p], in the observables' units."""
         return np.asarray(self.recorded - self.simulated.mean(axis=0))
+
+    @property
+    def rounding(self) -> Floats:
+        """How far every observable [p] may be off by rounding alone, as means of a constant are."""
+        largest = np.nanmax(np.abs(self.versions), axis=(0, 1), initial=0.0)
+        return np.asarray(ROUNDING * largest)
 
     def scores(self) -> Floats:
         """Return the CRPS per row and observable [n, p], in the observables' units.

@@ -113,9 +113,11 @@ def _intervals(name: str, value: Floats) -> Iterator[tuple[Place, Floats]]:
 def standardised(ensemble: Ensemble) -> NDArray[np.float32]:
     """Return versions centred on their own mean, scaled per observable, clipped; NaN as 0.
 
-    Centre and scale are symmetric in the versions, as the permutation needs. [1 + m, n, p].
+    Centre and scale are symmetric in the versions, as the permutation needs. [1 + m, n, p]. What a
+    constant is off its mean by is rounding, and nothing.
     """
     centred = ensemble.versions - ensemble.versions.mean(axis=0)
+    centred = np.where(np.abs(centred) <= ensemble.rounding, 0.0, centred)
     typical = np.nanmean(np.median(centred**2, axis=0), axis=0)
     whole = np.nanmean(centred**2, axis=(0, 1))
     scale = np.sqrt(np.where(typical > 0, typical, whole + 1e-30))

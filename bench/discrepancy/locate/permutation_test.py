@@ -25,6 +25,7 @@ from bench.discrepancy.locate.row_scatter import about_links, of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LARGER_HERE,
+    LEAST_SUM,
     MOST_CLUSTERS,
     MOST_FINDINGS,
     NULL_TAIL,
@@ -215,11 +216,12 @@ def _permuted(
 ) -> tuple[Floats, Floats]:
     """Return z [K] of the recorded version and the permuted maxima of |z| [permutations].
 
-    z = sum over links / its standard deviation under the permutation, so cells compare.
+    z = sum over links / its standard deviation under the permutation, so cells compare. Where that
+    is rounding, as of a constant, 0.
     """
     versions, clusters, count = sums.shape
     scale = np.sqrt((sums**2).mean(axis=0).sum(axis=0))
-    normal = (sums / np.where(scale > 0, scale, np.inf)).reshape(versions * clusters, count)
+    normal = (sums / np.where(scale > LEAST_SUM, scale, np.inf)).reshape(versions * clusters, count)
     null = np.empty(permutations)
     for start in range(0, permutations, PERMUTED_AT_ONCE):
         size = min(PERMUTED_AT_ONCE, permutations - start)
@@ -284,10 +286,10 @@ def _detectable(ensemble: Ensemble, threshold: float) -> dict[str, float]:
     itself widens what permutations give. Infinite where no shift reaches the threshold.
     """
     out = {}
-    for name in ensemble.names:
+    for name, dust in zip(ensemble.names, ensemble.rounding, strict=True):
         versions = ensemble.versions_of(name)
         known = np.isfinite(versions).all(axis=0)
-        if known.any():
+        if known.any() and np.ptp(versions[:, known]) > dust:
             out[name] = _smallest_shift(versions[:, known], ensemble.links[known], threshold)
     return out
 

@@ -30,7 +30,8 @@ def row_scatter(ensemble: Ensemble) -> Floats:
     squares = [np.nan_to_num(one - group_means(one, code)) ** 2 for one in versions]
     variance = np.stack([group_sums(one, code, len(count)) for one in squares])
     variance /= np.maximum(count - 1, 1)
-    least = LEAST_ROW_SCATTER * variance.mean(axis=(0, 1)) + np.finfo(np.float64).tiny
+    least = LEAST_ROW_SCATTER * variance.mean(axis=(0, 1)) + ensemble.rounding**2
+    least += np.finfo(np.float64).tiny
     weight = np.sqrt(np.maximum(count - 1, 0)) * [name != COUNT for name in ensemble.names]
     return np.asarray(weight * np.log(variance + least))
 

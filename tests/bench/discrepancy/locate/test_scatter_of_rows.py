@@ -65,3 +65,19 @@ def test_counts_of_symbols_scatter_by_whole_numbers_and_say_nothing() -> None:
     ensemble = compared(1, 4.0)
     counts = Ensemble(("preamble_count",), ("symbols",), ensemble.versions, CODE)
     assert (row_scatter(counts) == 0).all()
+
+
+@pytest.mark.parametrize("members", [1, 3, 4])
+def test_a_column_of_one_value_hides_nothing(members: int) -> None:
+    """A mean of a constant is off it by rounding, which is no scatter for others to exceed."""
+    moving = compared(1, 4.0, members)
+    fixed = np.full((*moving.versions.shape[:2], 1), 72.1)
+    fixed[1:] *= 1 + np.finfo(np.float64).eps * np.arange(members)[:, None, None]
+    versions = np.concatenate([moving.versions, fixed], axis=2)
+    both = Ensemble(("error_m", "noise_std"), ("m", "counts"), versions, CODE)
+    none = Covariates({}, {})
+    with_it = locate(both, none, 0, scatter=row_scatter(both))
+    alone = locate(moving, none, 0, scatter=row_scatter(moving))
+    assert with_it.threshold == pytest.approx(alone.threshold, rel=1e-3)
+    assert [one.cell for one in with_it.findings] == [one.cell for one in alone.findings]
+    assert set(with_it.detectable) == {"error_m"}
