@@ -316,6 +316,7 @@ STRUCK_LEVEL_LINKS: Final = 2  # that must be struck, to ask for their level [de
 OFFSET_NATS: Final = 5.0  # for offsets per link: p = 0.0008 by chi-squared [derived]
 ROWS_STRUCK_SHARE: Final = 0.25  # of the share of struck links: of rows off their link, allowed
 ROW_OFF_STD: Final = 5.0  # standard deviations within links, to be off it [convention]
+IDLE_SHARE: Final = 0.1  # of a strike's size, that it must move links by to act at all [convention]
 STRAY_SHARE: Final = 0.2  # of the outliers may be left unexplained [blind]
 PROFILE_90_NATS: Final = 1.353  # half the 90 % point of chi-squared, 1 degree [derived]
 BEND_M: Final = 0.05  # offsets beyond are smoothed by their logarithm [convention]

@@ -16,18 +16,16 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import gaussian_kde
 from scipy.stats import t as student
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
-from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
+from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
     BEHIND_M,
-    BEND_M,
     CALM_EXTRA_M,
     FEW_VERSIONS,
     LEAD_NATS,
@@ -37,16 +35,14 @@ from bench.discrepancy.settings import (
     PROFILE_90_NATS,
     ROWS_STRUCK_SHARE,
     SHORTEST_DETOUR_M,
-    SMALLEST_STRIKE,
     STRAY_SHARE,
     STRIKE_NATS,
-    STRIKE_SIZES,
     STRUCK_SHARES,
     WIDEST_OFFSET_M,
     WILD_SHARES,
 )
 from bench.physics.base import Base
-from bench.physics.effect import Effect, Parameter
+from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -162,7 +158,7 @@ def _one(
     seen = offsets(comparison, view, added, kind)
     bare = comparison.ensemble(view, added, OFFSET_MEMBERS // 2, OFFSET_FIRST)
     sizes = {
-        size: struck_m(comparison, view, added, kind, size, seen, bare) for size in _sizes(kind)
+        size: struck_m(comparison, view, added, kind, size, seen, bare) for size in sizes_of(kind)
     }
     plain = unstruck(seen)
     for wilds in (WILD_SHARES, WILD_SHARES[:1]):  # if many are anything: as if hardly any were
@@ -177,7 +173,7 @@ def _one(
         return None
     if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
         return None  # what strikes rows, not links
-    effect = as_loud(_striking(kind, mixed.share, mixed.size), bare, likeliest)
+    effect = as_loud(striking(kind, mixed.share, mixed.size), bare, likeliest)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
     evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
     parameters = _intervals(likely, mixed, kind, sizes)
@@ -250,56 +246,6 @@ def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect]
     return Offsets(links, per_version[0], np.maximum(scatter, LEAST_SCATTER_M), spared, members)
 
 
-def _share_and_size(kind: type[Effect]) -> tuple[Parameter, Parameter]:
-    """Return the parameters of an effect for the share of links it strikes and for how hard."""
-    assert kind.strikes is not None
-    known = {p.name: p for p in kind.parameters()}
-    return known[kind.strikes[0]], known[kind.strikes[1]]
-
-
-def _striking(kind: type[Effect], share: float, size: float) -> Effect:
-    """Return the effect that strikes a share of the links so hard."""
-    names = [p.name for p in _share_and_size(kind)]
-    return kind.from_values(dict(zip(names, (share, size), strict=True)))
-
-
-def _sizes(kind: type[Effect]) -> list[float]:
-    """Return the sizes that are tried."""
-    high = _share_and_size(kind)[1].high
-    return [float(s) for s in np.geomspace(SMALLEST_STRIKE * high, high, STRIKE_SIZES)]
-
-
-def struck_m(
-    comparison: Comparison,
-    view: View,
-    added: Added,
-    kind: type[Effect],
-    size: float,
-    seen: Offsets,
-    bare: Ensemble,
-) -> Floats:
-    """Return the density of the recorded offsets if every link were struck, [L] per metre.
-
-    `bare` is the ensemble of the same replicates with `added` alone.
-    """
-    effect = _striking(kind, 1.0, size)
-    with_it = comparison.ensemble(view, (*added, effect), OFFSET_MEMBERS // 2, OFFSET_FIRST)
-    shift = _shift(with_it, bare)[:, ~seen.inert].ravel()
-    if not len(shift):
-        return np.zeros(len(seen.links))
-    smooth = gaussian_kde(np.arcsinh(shift[np.isfinite(shift)] / BEND_M))
-    slope = 1 / np.hypot(seen.offset_m, BEND_M)
-    return np.where(seen.inert, 0.0, smooth(np.arcsinh(seen.offset_m / BEND_M)) * slope)
-
-
-def _shift(with_it: Ensemble, bare: Ensemble) -> Floats:
-    """Return how far every link of every replicate lies from the simulator without it, [m, L]."""
-    which = bare.names.index("error_m")
-    code = np.unique(bare.links, return_inverse=True)[1]
-    middle = bare.simulated[..., which].mean(axis=0)
-    return link_medians(with_it.simulated[..., with_it.names.index("error_m")] - middle, code)
-
-
 def unstruck(seen: Offsets) -> Mixture:
     """Return the likeliest mixture without strikes."""
     return max(_chances(seen), key=lambda one: one.nats)
@@ -340,7 +286,7 @@ def _intervals(
 
     On the grids that were tried: an interval ends half way to the next value on either side.
     """
-    share, size = _share_and_size(kind)
+    share, size = share_and_size(kind)
     out = []
     for item, now, near, grid in (
         (share, best.share, [one.share for one in likely], SHARES.tolist()),

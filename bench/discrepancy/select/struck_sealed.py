@@ -17,9 +17,9 @@ from bench.discrepancy.select.link_mixture import (
     Strike,
     offsets,
     strikable,
-    struck_m,
     unstruck,
 )
+from bench.discrepancy.select.struck_shifts import struck_m
 from bench.discrepancy.settings import BEHIND_M, OFFSET_FIRST, OFFSET_MEMBERS, WILD_SHARES
 
 
