@@ -113,8 +113,6 @@ TAIL_SHARE: Final = 0.05  # of the rows, in either tail of a covariate [blind]
 NOISE_APART_DB: Final = 1.0  # logged noise of both sides, from where on it is said [convention]
 LEAST_ROW_SCATTER: Final = 1e-3  # of the mean variance within links, that a link has at least:
 # whole numbers are often all one [convention]
-ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off it [derived]
-LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]
 CLIP_STD: Final = 8.0  # standardised values beyond are cut, so one wild row decides nothing [blind]
 MOST_CLUSTERS: Final = 80  # more links are grouped at random: still exchangeable [cost]
 PART_SHARE: Final = 0.3  # of the rows, in which a shift may be seen better than in all [convention]
@@ -316,7 +314,6 @@ STRUCK_LEVEL_LINKS: Final = 2  # that must be struck, to ask for their level [de
 OFFSET_NATS: Final = 5.0  # for offsets per link: p = 0.0008 by chi-squared [derived]
 ROWS_STRUCK_SHARE: Final = 0.25  # of the share of struck links: of rows off their link, allowed
 ROW_OFF_STD: Final = 5.0  # standard deviations within links, to be off it [convention]
-IDLE_SHARE: Final = 0.1  # of a strike's size, that it must move links by to act at all [convention]
 STRAY_SHARE: Final = 0.2  # of the outliers may be left unexplained [blind]
 PROFILE_90_NATS: Final = 1.353  # half the 90 % point of chi-squared, 1 degree [derived]
 BEND_M: Final = 0.05  # offsets beyond are smoothed by their logarithm [convention]

@@ -10,8 +10,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import crps
+from bench.discrepancy.compare.settings import ROUNDING
 from bench.discrepancy.data.observables import RANGE, Floats, Observables, observe
-from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M, ROUNDING
+from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M
 from bench.errors import BenchError
 
 Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> simulated rows

@@ -34,3 +34,7 @@ SOUND_ROWS: Final = 200  # of the recorded ones, that a simulator is tried on fi
 AS_ONE: Final = 3.0  # standard deviations over rows, that ranges are off when a simulator
 # is asked again, from which on it keeps something between calls [convention]
 SAME_M: Final = 1e-6  # by which they may be off: rounding [derived]
+
+# --- Constants (ensemble, locate/permutation_test) -----------------------------------------------
+ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off it [derived]
+LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]

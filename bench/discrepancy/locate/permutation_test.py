@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import widening
+from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
@@ -25,7 +26,6 @@ from bench.discrepancy.locate.row_scatter import about_links, of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
     LARGER_HERE,
-    LEAST_SUM,
     MOST_CLUSTERS,
     MOST_FINDINGS,
     NULL_TAIL,

@@ -127,3 +127,4 @@ DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhe
 MOST_PUBLISHED_M: Final = 0.25  # from weak to strong, of a DW1000 at 64 MHz: -0.11 to 0.08 m, a
 # third more for other makes [source: APS011, table 2; convention]
 RANK_BINS: Final = 12  # of the picture of ranks [convention]
+IDLE_SHARE: Final = 0.1  # of a strike's size, that it must move links by to act at all [convention]

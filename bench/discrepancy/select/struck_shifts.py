@@ -11,10 +11,10 @@ from scipy.stats import gaussian_kde
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.settings import IDLE_SHARE
 from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.settings import (
     BEND_M,
-    IDLE_SHARE,
     OFFSET_FIRST,
     OFFSET_MEMBERS,
     SMALLEST_STRIKE,
