@@ -174,14 +174,15 @@ class Sets:
     def _likeliest(self, fits: Iterable[Fit]) -> Fit:
         """Return the set of most evidence; of those that do as well, the one that fits best.
 
-        Where all forms may differ, what does quite another thing may come out as well.
+        Where all forms may differ, what does quite another thing may come out as well. A name costs
+        what it must bring: two may do together what one does.
         """
-        some = list(fits)
-        self._weigh(some)
-        first = max(some, key=self.evidence)
-        most = self.evidence(first)
+        self._weigh(some := list(fits))
+        priced = {id(fit): self.evidence(fit) - NAME_NATS * len(fit.names) for fit in some}
+        first = max(some, key=lambda fit: priced[id(fit)])
+        most = priced[id(first)]
         gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.evidence(self.none)))
-        near = (f for f in some if self.evidence(f) >= most - gap and not self._told(first, f))
+        near = (f for f in some if priced[id(f)] >= most - gap and not self._told(first, f))
         return max(near, key=lambda fit: fit.nats)
 
     def evidence(self, fit: Fit) -> float:
@@ -305,8 +306,7 @@ class Sets:
         """Return the effects that would do as well in the place of a member, likeliest first."""
         rest = self._without(fit, name)
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
-        made = self._fit([(*rest.effects, other) for other in others[:2]])
-        whole = self.evidence(fit)
+        made, whole = self._fit([(*rest.effects, o) for o in others[:2]]), self.evidence(fit)
         least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
         near = [one for one in made if self.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]

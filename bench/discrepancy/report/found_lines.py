@@ -104,6 +104,11 @@ def nameless_lines(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
+def _behind(nats: float) -> str:
+    """Return how far something is behind, in words: what fits better and costs more is ahead."""
+    return f"{abs(nats):.1f} nats {'ahead' if nats <= -0.05 else 'behind'}"
+
+
 def law_lines(law: FoundLaw) -> list[str]:
     """Return a law without a name: figures, evidence, what else it could be, likeliest first."""
     rivals = sorted(law.rivals, key=lambda rival: (not rival.listed, rival.behind))
@@ -113,7 +118,7 @@ def law_lines(law: FoundLaw) -> list[str]:
         f"As an effect of the simulator: error = {law.effect.formula.shown}",
         f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
         *(
-            f"- not excluded: {rival.words} ({rival.behind:.1f} nats behind)"
+            f"- not excluded: {rival.words} ({_behind(rival.behind)})"
             for rival in rivals[:SHOWN_RIVALS]
         ),
         *([f"- and {more} more laws: not_excluded in diagnosis.json"] if more > 0 else []),
