@@ -246,11 +246,12 @@ def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Fl
     """Return what a response [n] may be off by [n, k]: a constant, and a line over the distance.
 
     The mean of a pattern and the pull of a reflection depend on the make. No line where clocks
-    make it, and nothing in rows where it does nothing (nothing is in the way). What crystals make
-    is off by neither: beside them a constant is an antenna's.
+    make it, or the direction, which are the same at all distances, and nothing in rows where it
+    does nothing (nothing is in the way). What crystals make is off by neither: beside them a
+    constant is an antenna's.
     """
     far = known_mostly(rows.scene.true_range_m)
-    flat = far is None or (kind is not None and kind.everywhere)
+    flat = far is None or (kind is not None and (kind.everywhere or kind is AntennaPattern))
     line = [] if far is None or flat else [np.clip(standard(far), -2, 2)]
     share = 0.0 if kind is ClockOffset else OFF_BY
     size = share * float(np.std(response)) * (response != 0)

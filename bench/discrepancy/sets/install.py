@@ -22,7 +22,7 @@ from bench.discrepancy.select.stepwise import struck_round, untouched
 from bench.discrepancy.sets.blocks import named_kinds
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.settings import NAMED_STRUCK, NAMED_STRUCK_P, RIVAL_NATS
-from bench.discrepancy.sets.shifted import Shifted
+from bench.discrepancy.sets.shifted import Shifted, beside_calibration
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     FIT_MEMBERS,
@@ -156,7 +156,7 @@ def rounds_of(
     for effect in added:
         if effect.physics in choice.names and effect not in beside:
             rest = without(added, effect)
-            base = tally(_scores(search, rest))
+            base = tally(_beside(search, rest))
             others = (_rival(search, rest, one, base) for one in choice.rivals[effect.physics])
             made = _contender(search, rest, effect, base), *(one for one in others if one)
             found = Explanation(made, reference, removable, nuisance, {}, {})
@@ -181,9 +181,15 @@ def _rival(search: Search, rest: Added, name: str, base: Tally) -> Contender | N
 
 
 def _contender(search: Search, rest: Added, effect: Effect, base: Tally) -> Contender:
-    scored = tally(_scores(search, (*rest, effect)))
+    scored = tally(_beside(search, (*rest, effect)))
     return Contender(effect, scored, gain_interval(base, scored, search.seed))
 
 
 def _scores(search: Search, added: Added) -> Ensemble:
     return search.comparison.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
+
+
+def _beside(search: Search, added: Added) -> Ensemble:
+    """Return held-out rows beside simulated ones, calibrated as the choice says."""
+    calibrated = beside_calibration(search, search.discover)
+    return calibrated.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)

@@ -12,6 +12,7 @@ from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.blocks import SETUP
+from bench.discrepancy.sets.calibrated import TAKEN_OFF
 
 
 @dataclass(frozen=True)
@@ -37,10 +38,23 @@ class Shifted(Changed):
 def beside_faults(search: Search, rows: View) -> Comparison:
     """Return the comparison whose simulated ranges have the faults of the set-up of the choice.
 
-    Fitted without them, delays of devices would take of what one does that stands elsewhere. Only
-    for the rows that the choice is of.
+    Fitted without them, delays of devices would take of what one does that stands elsewhere, and a
+    scale of what a calibration took off. Only for the rows that the choice is of.
     """
-    faults = [m for o, m in search.choice.shifts_m.items() if o.startswith(SETUP)]
+    shifts_m = search.choice.shifts_m
+    faults = [m for o, m in shifts_m.items() if o.startswith(SETUP) or o == TAKEN_OFF]
     if not faults or search.choice.view != rows.number:
         return search.comparison
     return Shifted(search.comparison, np.sum(faults, axis=0))
+
+
+def beside_calibration(search: Search, rows: View) -> Comparison:
+    """Return the comparison whose simulated ranges have the constant that a calibration took off.
+
+    A scale of ranges whose mean error was taken off seems to make them worse without it.
+    """
+    taken_m = search.choice.shifts_m.get(TAKEN_OFF)
+    if taken_m is None:
+        return search.comparison
+    constant_m = float(taken_m[np.argmax(np.abs(taken_m))])  # 0 in rows without a range
+    return Shifted(search.comparison, np.full(len(rows.rows), constant_m))

@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import bench
 from bench.discrepancy.sets.calibrated import TAKEN_OFF
 from bench.discrepancy.sets.choose import chosen
+from tests.bench.discrepancy.numpy_tables import tables
 from tests.bench.discrepancy.sets.test_sets import search_of
 
 
@@ -36,3 +38,10 @@ def test_the_mean_that_was_taken_off_is_no_delay(
 ) -> None:
     found = chosen(search_of(hidden, 5), ())  # type: ignore[arg-type]
     assert (found.names, found.others) == (names, others)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scale_is_named_though_ranges_are_farther_off_with_it_alone() -> None:
+    """Held-out ranges were judged without the constant, so that the scale made them worse."""
+    found = bench.diagnose(*tables(5, calibrated))
+    assert found.selection.names == (("range-scale",),)

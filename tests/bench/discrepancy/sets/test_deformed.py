@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.sets.blocks import deformed, off_by
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.sets.test_same_rows import rows_of
 
@@ -36,7 +38,15 @@ def test_what_clocks_make_is_of_one_size_at_all_distances() -> None:
     assert follows_distance(rows, pattern, warm) > 0.9
     assert follows_distance(rows, drift, warm) < 0.7  # devices stand at some distances by chance
     assert off_by(warm, rows, TemperatureDrift).shape[1] == 1
-    assert off_by(warm, rows, AntennaPattern).shape[1] == 2
+    assert off_by(warm, rows, GroundBounce).shape[1] == 2
+
+
+def test_a_pattern_is_the_same_at_all_distances() -> None:
+    rows = seen()
+    over_heading = np.cos(np.arange(len(rows.rows)))
+    off = off_by(over_heading, rows, AntennaPattern)
+    assert off.shape[1] == 1  # its mean depends on the make, and a line over the distance is none
+    assert np.ptp(off) == pytest.approx(0.0)
 
 
 def test_where_nothing_is_in_the_way_a_wall_is_off_by_nothing() -> None:
