@@ -77,9 +77,10 @@ class Quiet:
             quiet = early_samples(recorded[1]) & early_samples(bare[1])
         if quiet.sum() < QUIET_EARLY:
             return None
-        ours, theirs = (moments_of(samples[0][:, quiet]) for samples in (recorded, bare))
+        ours, theirs = (loud_moments(samples[0][:, quiet]) for samples in (recorded, bare))
         own = error_of(np.unique(theirs, axis=0)) ** 2 / QUIET_MEMBERS
-        square = error_of(given.of_links(ours)) ** 2 + own + QUIET_ERROR**2
+        links = given.of_links(ours) * given.count[:, None]  # sums: the ratio is of all rows
+        square = error_of(links) ** 2 + own + QUIET_ERROR**2
         return Heard(quiet, ratio_of(ours), float(np.sqrt(square)))
 
     def _ratio(self, added: Added, heard: Heard) -> float:
@@ -92,7 +93,7 @@ class Quiet:
             effects = (*given.beside, *added)
             made = simulated_samples(given.comparison, given.rows, effects, number)
             assert made is not None  # the bare rows have samples
-            every.append(moments_of(made[0][:, heard.quiet]))
+            every.append(loud_moments(made[0][:, heard.quiet]))
         return ratio_of(np.concatenate(every))
 
 
@@ -142,6 +143,15 @@ def moments_of(magnitude: Floats) -> Floats:
     pairs = _products(np.nan_to_num(power)) / np.maximum(count, 1.0)
     squares = np.nan_to_num(power**2).sum(axis=1) / np.maximum(np.isfinite(power).sum(axis=1), 1)
     return np.stack([squares, pairs], axis=1)
+
+
+def loud_moments(magnitude: Floats) -> Floats:
+    """Return the moments of rows [n, 2] as `moments_of` does, times their mean power.
+
+    A tone that fades is in loud rows, which count the more, if not by the square of it.
+    """
+    power = mean_known(magnitude**2 / mean_known(magnitude**2, 0), 1)
+    return np.asarray(moments_of(magnitude) * np.nan_to_num(power)[:, None])
 
 
 def mean_known(values: Floats, axis: int) -> Floats:

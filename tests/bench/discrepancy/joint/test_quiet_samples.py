@@ -7,7 +7,15 @@ import pytest
 
 from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint import sets as module
-from bench.discrepancy.joint.quiet import Quiet, moments_of, quiet_samples, ratio_of, speaks
+from bench.discrepancy.joint.quiet import (
+    Quiet,
+    error_of,
+    loud_moments,
+    moments_of,
+    quiet_samples,
+    ratio_of,
+    speaks,
+)
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -92,9 +100,30 @@ def test_where_hardly_a_sample_is_quiet_nothing_is_said(monkeypatch):
 def test_loud_rows_and_few_samples_leave_the_ratio_of_noise_as_it_is():
     rng = np.random.default_rng(5)
     noise = _wave(rng, 0.0, 1.0, 8, rows=4000)
-    loud = noise * rng.lognormal(0.0, 1.0, (4000, 1))
+    loud = noise * rng.lognormal(0.0, 0.5, (4000, 1))
 
     assert ratio_of(moments_of(np.abs(loud))) == pytest.approx(2.0, abs=0.05)
+    assert ratio_of(loud_moments(np.abs(loud))) == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_tone_that_fades_is_heard_in_loud_rows():
+    rng = np.random.default_rng(6)
+    noise, tone = _wave(rng, 0.0, 1.0, 24), _wave(rng, 1.0, 0.0, 24)
+    faded = noise + 0.5 * rng.lognormal(0.0, 0.6, (ROWS, 1)) * tone
+    power = np.abs(faded) ** 2
+    alike = power / power.mean(axis=1, keepdims=True)  # every row counts the same
+
+    said = [2.0 - ratio_of(loud_moments(one)) for one in (np.abs(faded), np.sqrt(alike))]
+    assert said[0] > 1.3 * said[1] > 0
+
+
+def test_links_of_many_rows_count_as_many_in_the_error():
+    rng = np.random.default_rng(7)
+    rows = moments_of(_quiet(rng, 0.0))
+    many = np.r_[rows[:200].sum(axis=0, keepdims=True), rows[200:]]
+
+    assert ratio_of(many) == pytest.approx(ratio_of(rows))
+    assert error_of(many[1:]) == pytest.approx(error_of(rows[200:]))
 
 
 def test_a_tone_is_judged_beside_a_noise_floor_that_hides_as_much():
@@ -151,7 +180,13 @@ def _heard(monkeypatch, power: float, samples: int = SAMPLES) -> Quiet:
     links = np.repeat(np.arange(ROWS // 4), 4)
     means = lambda values: values.reshape(-1, 4, values.shape[1]).mean(axis=1)  # noqa: E731
     given = SimpleNamespace(
-        comparison=None, rows=None, beside=(), links=ROWS // 4, code=links, of_links=means
+        comparison=None,
+        rows=None,
+        beside=(),
+        links=ROWS // 4,
+        code=links,
+        count=np.bincount(links),
+        of_links=means,
     )
     return Quiet(given)
 
