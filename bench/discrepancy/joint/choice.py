@@ -17,6 +17,7 @@ class WaveChoice:
     `marked`: names that bear a mark of their own; `scattering`: of those by which links scatter
     more than without them; `doubted`: of those that something without a form would do as well as.
     `shown`: of those that a log of theirs, or samples of noise alone, show and nothing else does.
+    `dense`: those whose late samples come by more ways than walls reflect.
     `beyond` maps names to those of members that do not do what they do, whatever their forms.
     """
 
@@ -31,6 +32,7 @@ class WaveChoice:
     doubted: tuple[str, ...] = ()
     beyond: dict[str, tuple[str, ...]] = field(default_factory=dict)
     shown: tuple[str, ...] = ()
+    dense: tuple[str, ...] = ()
 
     @property
     def named(self) -> Added:

@@ -129,16 +129,16 @@ class Grain:
 
     def _profile(self, added: Added) -> Floats:
         """Return the mean decibels of samples of simulated versions, beside crests [K]."""
-        every = [levels_of(one).mean(axis=0) for one in self._samples(added)]
+        every = [levels_of(one).mean(axis=0) for one in self.samples(added)]
         return np.asarray(np.mean(every, axis=0))
 
     def grows(self, rest: Added) -> bool:
         """Return whether more and more power is added to what a set has, the later it is."""
         assert self.recorded is not None
-        power = np.mean([magnitude**2 for magnitude, _ in self._samples(rest)], axis=0)
+        power = np.mean([magnitude**2 for magnitude, _ in self.samples(rest)], axis=0)
         return growing(added_of(self.recorded, power, self.given))
 
-    def _samples(self, added: Added) -> list[Samples]:
+    def samples(self, added: Added) -> list[Samples]:
         """Return the samples of simulated versions."""
         given, effects = self.given, (*self.given.beside, *added)
         numbers = range(GRAIN_MEMBERS)
@@ -149,7 +149,7 @@ class Grain:
         """Return the mean grain of simulated versions, and its standard errors; remembered."""
 
         def made() -> Figures:
-            every = [grain_of(one, self.given)[0] for one in self._samples(added)]
+            every = [grain_of(one, self.given)[0] for one in self.samples(added)]
             return np.mean(every, axis=0), np.std(every, axis=0, ddof=1) / np.sqrt(len(every))
 
         return self._seen.get(added, made)
@@ -162,10 +162,10 @@ def grain_of(samples: Samples, given: Statistics) -> Figures:
     how many decibels rows scatter, beside the crest of each.
     """
     magnitude, level, delay = samples[0], levels_of(samples), mean_known(samples[1], 0)
-    within = [_within(magnitude[:, zone], given) for zone in zones_of(delay, GRAIN_ZONES_NS)]
+    inside = [within(magnitude[:, zone], given) for zone in zones_of(delay, GRAIN_ZONES_NS)]
     between = [_between(level[:, zone], given) for zone in zones_of(delay, GRAIN_FINE_NS, 1)]
-    figures = np.array([*within, *between]).reshape(-1, 2)
-    least = np.repeat(GRAIN_LEAST, (len(within), len(between)))
+    figures = np.array([*inside, *between]).reshape(-1, 2)
+    least = np.repeat(GRAIN_LEAST, (len(inside), len(between)))
     return figures[:, 0], np.hypot(figures[:, 1], least)
 
 
@@ -183,7 +183,7 @@ def zones_of(delay: Floats, edges: Sequence[float], fewest: int = GRAIN_FEWEST) 
     return [zone for zone in every if zone.sum() >= fewest]
 
 
-def _within(magnitude: Floats, given: Statistics) -> tuple[float, float]:
+def within(magnitude: Floats, given: Statistics) -> tuple[float, float]:
     """Return the logarithm of the ratio of moments within records [n, k], and its error."""
     known = np.isfinite(magnitude)
     level = np.sqrt(np.where(known, magnitude**2, 0).mean(axis=1, keepdims=True))

@@ -17,6 +17,7 @@ from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogg
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
+from bench.discrepancy.joint.dense import is_dense
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
@@ -104,9 +105,11 @@ class Sets:
         doubted = best.names if much else self._doubted(best)
         beyond = {one: beyond_forms(self.given, best, one) for one in best.names}
         shown = tuple(name for name in best.names if self._shown(best, name))
+        alike = (one.name for one in best.effects if type(one).resembles)
+        dense = tuple(name for name in alike if is_dense(self.grain, best.effects, name))
         return WaveChoice(
             best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond,
-            shown,
+            shown, dense,
         )  # fmt: skip
 
     def _shown(self, fit: Fit, name: str) -> bool:

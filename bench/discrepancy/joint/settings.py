@@ -174,6 +174,8 @@ GRAIN_LEAST: Final = (0.03, 0.15)  # of the logarithm of a ratio, and of decibel
 # receivers differ, by whole numbers and clipped samples [convention]
 GRAIN_FORM: Final = 0.3  # of what an effect does to it, that is a matter of its form [convention]
 GRAIN_CHANCE: Final = 1e-3  # of late samples that scatter so far from what is right [derived]
+DENSE_SHARE: Final = 0.5  # of the power of a zone that was added, to say of how many ways it is
+# made: half, of which a quarter shows [convention]
 GRAIN_ABOUT: Final = 4  # samples on both sides, over which a profile is smooth [convention]
 GRAIN_ALIKE: Final = 3.0  # samples that a pulse makes alike, which count once [derived]
 PULSE_NS: Final = 2.0  # so long a pulse rises, and falls [derived]

@@ -222,7 +222,8 @@ def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     """Return the selection with its verdicts, and the simulator that fits best."""
     search, rounds = state.search, state.rounds
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
-    said = state.guard.safely("untried effects", with_untried, said)(search, state.added, said)
+    with_more = state.guard.safely("untried effects", with_untried, said)
+    said = with_more(search, state.added, said, choice.dense)
     struck = tuple(turn.strike for turn in rounds if turn.strike)
     names = [_struck(state, turn, turn.strike) for turn in rounds if turn.strike]
     said = (*names, *(one for one in said if not (names and isinstance(one, NoMismatch))))

@@ -35,19 +35,25 @@ NOT_PLACED = "it could not be tried: it needs "
 NO_RAYS = "it fits less well, but the rays round what stands in the way are not in the table"
 
 
-def with_untried(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
-    """Return the verdicts, as classes with what could not be tried and may do the same."""
-    said = tuple(_with_unplaced(search, one) for one in said)
+def with_untried(
+    search: Search, added: Added, said: tuple[Verdict, ...], dense: tuple[str, ...] = ()
+) -> tuple[Verdict, ...]:
+    """Return the verdicts, as classes with what could not be tried and may do the same.
+
+    `dense`: names whose late samples show that they are not what resembles them.
+    """
+    said = tuple(_with_unplaced(search, one, dense) for one in said)
     rivals = [kind for kind in search.untried.values() if kind.by_rows]
     if not rivals:
         return said
     return tuple(_of_class(search, added, one, rivals) for one in said)
 
 
-def _with_unplaced(search: Search, said: Verdict) -> Verdict:
+def _with_unplaced(search: Search, said: Verdict, dense: tuple[str, ...]) -> Verdict:
     """Return one verdict, with what resembles it where nobody told the places of that."""
     fitted = _options(said)
-    kinds = [search.untried.get(type(one.effect).resembles) for one in fitted]
+    alike = ("" if one.effect.name in dense else type(one.effect).resembles for one in fitted)
+    kinds = [search.untried.get(name) for name in alike]
     more = tuple(
         not_tried(one, kind(), NOT_PLACED + kind.lacking(search.fit.frame.columns))
         for one, kind in zip(fitted, kinds, strict=True)
