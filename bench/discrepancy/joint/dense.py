@@ -31,17 +31,20 @@ class Zone:
 
 
 def is_dense(grain: Grain, effects: Added, name: str) -> bool:
-    """Return whether what one effect of a set adds is surely denser than what walls reflect."""
+    """Return whether what one effect of a set adds is surely denser than what walls reflect.
+
+    In no zone by few ways: walls may be heard in some alone.
+    """
     if grain.recorded is None:
         return False
     rest = tuple(effect for effect in effects if effect.name != name)
     seen = zones(grain.recorded, grain)
     tail, bare = ([zones(one, grain) for one in grain.samples(some)] for some in (effects, rest))
-    each = (
+    each = [
         denser_nats(one, _mean([z[k].ratio for z in tail]), _mean([z[k].power for z in bare]))
         for k, one in enumerate(seen)
-    )
-    return sum(each) >= CLASS_NATS
+    ]
+    return sum(each) >= CLASS_NATS and min(each) > -CLASS_NATS
 
 
 def denser_nats(seen: Zone, tail: float, bare_power: float) -> float:

@@ -25,6 +25,13 @@ def test_a_tail_is_dense_and_few_ways_are_not_nor_what_is_too_weak_to_tell(ways,
     assert is_dense(_grain(recorded, size), (TAIL,), TAIL.name) is dense
 
 
+def test_walls_that_are_heard_late_alone_are_not_lost_in_a_tail():
+    rng = np.random.default_rng(3)
+    late = 0.4 * _few(rng, 2) * (DELAY > 30) + 0.4 * LATE * _chance(rng) * (DELAY < 30)
+
+    assert not is_dense(_grain((np.abs(_bare(rng) + late), DELAY), 0.4), (TAIL,), TAIL.name)
+
+
 def test_nothing_is_said_without_waveforms():
     assert not is_dense(_grain(None, 0.4), (TAIL,), TAIL.name)
 
