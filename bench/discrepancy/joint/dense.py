@@ -30,6 +30,12 @@ class Zone:
     error: float
 
 
+def dense_of(grain: Grain, effects: Added) -> tuple[str, ...]:
+    """Return the names of effects that resemble walls' but are denser than what these reflect."""
+    alike = (one.name for one in effects if type(one).resembles)
+    return tuple(name for name in alike if is_dense(grain, effects, name))
+
+
 def is_dense(grain: Grain, effects: Added, name: str) -> bool:
     """Return whether what one effect of a set adds is surely denser than what walls reflect.
 

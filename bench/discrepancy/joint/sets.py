@@ -17,7 +17,7 @@ from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogg
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
-from bench.discrepancy.joint.dense import is_dense
+from bench.discrepancy.joint.dense import dense_of
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
@@ -92,24 +92,21 @@ class Sets:
         self._grow()
         best, rivals = self._settled()
         best = self._plain(best)
-        marked = self.start.names
         explained = self.worth(best) - self.worth(self.none)
         free = left_free(self.given, with_own_curve(best), best.responses, best.parameters)
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
         least = max(LEFT_NATS, SCATTERED_SHARE * explained)
         much = much or (scatters_more(best, self.none) and free[1] > least)
-        much = much or (best.names != marked and off(self.given, best, self.none))
+        much = much or (best.names != self.start.names and off(self.given, best, self.none))
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if scatters_more(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
         beyond = {one: beyond_forms(self.given, best, one) for one in best.names}
         shown = tuple(name for name in best.names if self._shown(best, name))
-        alike = (one.name for one in best.effects if type(one).resembles)
-        dense = tuple(name for name in alike if is_dense(self.grain, best.effects, name))
         return WaveChoice(
-            best.effects, rivals, brings, explained, left, much, marked, wider, doubted, beyond,
-            shown, dense,
+            best.effects, rivals, brings, explained, left, much, self.start.names, wider, doubted,
+            beyond, shown, dense_of(self.grain, best.effects),
         )  # fmt: skip
 
     def _shown(self, fit: Fit, name: str) -> bool:
