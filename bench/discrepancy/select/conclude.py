@@ -36,7 +36,6 @@ from bench.discrepancy.select.verdict import (
     Verdict,
 )
 from bench.discrepancy.select.within_links import rows_beyond
-from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import (
@@ -90,7 +89,7 @@ def verdicts(
     worth = worth and not (added and _within_forms(search, share))
     if unexplained and added and last.explanation and not search.fit.waveform:
         worth = worth or bool(left_at_device(last.located.findings))
-        worth = worth or any(map(is_fault, search.choice.others))
+        worth = worth or bool(search.choice.faults)
     return (*named, _unknown(last, _why_left(last, named))) if worth else named
 
 

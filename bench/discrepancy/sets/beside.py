@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
-from bench.discrepancy.sets.blocks import PLACE
+from bench.discrepancy.sets.blocks import PLACE, is_fault
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
 from bench.discrepancy.sets.settings import (
@@ -116,6 +116,13 @@ def elsewhere(contest: Contest, causes: Set) -> Set:
     least = contest.nats(causes) + TIED_NATS
     able = (one for one in places if contest.nats((*rest, one)) > least)
     return tuple(one.removeprefix(PLACE) for one in able)
+
+
+def leading_faults(contest: Contest, causes: Set) -> Set:
+    """Return the faults of the set-up in a set that bring more than any name beside them."""
+    brings = {one: contest.brings(causes, one) for one in causes}
+    most = max((nats for one, nats in brings.items() if one in contest.library), default=0.0)
+    return tuple(one for one, nats in brings.items() if is_fault(one) and nats > most)
 
 
 def nats_with(contest: Contest, rest: Set, more: Columns) -> float:

@@ -23,7 +23,8 @@ class Choice:
     `beside`: the effects that were in place, `view` the number of the rows. `mistaken`: columns set
     aside as measured that a law says are known before (see `mistaken`). `tied`: names that a device
     which stands elsewhere took the place of, though these do as well. `elsewhere`: devices of
-    which one may stand elsewhere instead of the antenna delays. `forms_do`: beside the names,
+    which one may stand elsewhere instead of the antenna delays. `faults`: of the set-up, that bring
+    more than any name. `forms_do`: beside the names,
     no cause is worth its price beyond what another detector makes of waveforms that differ.
     """
 
@@ -39,6 +40,7 @@ class Choice:
     constants_m: dict[str, float] = field(default_factory=dict)
     tied: Set = ()
     elsewhere: Set = ()
+    faults: Set = ()
     forms_do: bool = False
 
 

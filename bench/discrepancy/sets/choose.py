@@ -13,7 +13,13 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.sets.beside import elsewhere, misplaced, told_law, without_constants
+from bench.discrepancy.sets.beside import (
+    elsewhere,
+    leading_faults,
+    misplaced,
+    told_law,
+    without_constants,
+)
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
     kept_rows,
@@ -172,6 +178,7 @@ class Contest:
             constants_m={o: m for some in (delays, *beside.values()) for o, m in some.items()},
             tied=tied if set(but_not(placed, first)) <= set(best) else (),
             elsewhere=elsewhere(self, best),
+            faults=leading_faults(self, best),
         )
 
     def _about_as_good(self, causes: Set, other: Set) -> bool:

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from bench.discrepancy.sets.beside import elsewhere, misplaced
+from bench.discrepancy.sets.beside import elsewhere, leading_faults, misplaced
 
 MOVED = "the position of a2"
 
@@ -34,3 +34,15 @@ def test_a_device_that_stands_elsewhere_goes_before_its_delay_or_clock_where_it_
     assert found == {own if kept else MOVED, "time-lag"}
     beside = elsewhere(cast("Any", contest), (own, "time-lag"))
     assert beside == (("a2",) if moved_nats > 97 else ())
+
+
+@pytest.mark.parametrize(("brought", "leads"), [(90.0, True), (20.0, False)])
+def test_a_fault_is_left_to_say_where_it_brings_more_than_any_name(
+    brought: float, leads: bool
+) -> None:
+    nats = {MOVED: brought, "time-lag": 50.0, "a law of z": 99.0}
+    contest: Any = SimpleNamespace(
+        library={"time-lag"}, brings=lambda causes, one: nats[one] if one in causes else 0.0
+    )
+    found = leading_faults(cast("Any", contest), tuple(nats))
+    assert found == ((MOVED,) if leads else ())
