@@ -15,6 +15,7 @@ from bench.challenge.families import (
     opera_console,
     printworks_console,
     roundhouse_recorder,
+    sawmill_decoder,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
 
@@ -26,6 +27,7 @@ OF_ITS_OWN = {
     "roundhouse": {"from_r", "go_rad", "into_s"},
     "printworks": {"aim", "bend", "into_s"},
     "aviary": {"heads", "wheel", "into_s"},
+    "sawmill": {"pace", "curl", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -42,6 +44,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (roundhouse_recorder.crackle, roundhouse_recorder.OF_SIZES, -0.2),
         (printworks_console.rush, printworks_console.OF_SIZES, -0.2),
         (aviary_listener.murmur, aviary_listener.OF_SIZES, -0.2),
+        (sawmill_decoder.rasp, sawmill_decoder.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -63,6 +66,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (roundhouse_recorder.pulses, roundhouse_recorder.held_back, 0.02),
         (printworks_console.pulses, printworks_console.postponed, 0.02),
         (aviary_listener.calls, aviary_listener.deferred, 0.02),
+        (sawmill_decoder.humps, sawmill_decoder.held, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
