@@ -150,21 +150,20 @@ def _gladstone(stint: Stint, strength: float) -> Change:
     deep = stint.by_link(lambda n: drawn.gamma(5.0, 0.042, n).clip(0.06, 0.42))
     dense = stint.by_link(lambda n: drawn.uniform(0.36, 0.62, n))
     moist = dense * stint.by_link(lambda n: drawn.beta(1.6, 2.6, n)) * 0.75
-    late = {
+    late: dict[str, Floats] = {
         "wood": deep * (INDEX * dense + WATER * moist),
         "chipboard": stint.by_link(lambda n: drawn.uniform(0.06, 0.15, n)) * (2.58**0.5 - 1),
         "brick": stint.by_link(lambda n: drawn.choice([0.115, 0.24], n)) * (3.91**0.5 - 1),
         "glass": stint.by_link(lambda n: drawn.uniform(0.012, 0.035, n)) * (6.31**0.5 - 1),
     }
-    lost = {
+    lost: dict[str, Floats | float] = {
         "wood": 9.0 * deep * (1 + 3 * moist) + 1.2,
         "chipboard": 2.1,
         "brick": 4.2,
         "glass": 1.7,
     }
-    metres, db = (
-        sum(stint.has(what) * one for what, one in every.items()) for every in (late, lost)
-    )
+    metres = np.sum([stint.has(what) * one for what, one in late.items()], axis=0)
+    db = np.sum([stint.has(what) * one for what, one in lost.items()], axis=0)
     return Change(strength * metres, first_db=-min(strength, 1.5) * db)
 
 

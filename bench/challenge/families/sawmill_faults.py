@@ -111,7 +111,7 @@ def _corner(stint: Stint, strength: float) -> Change:
 
 def _first_asked(stint: Stint, strength: float) -> Change:
     """Answer late what asks first in each round, as a tag's loop is not yet locked."""
-    return Change(FIRST_M * strength * (stint.column("asked") < 0.5))
+    return Change(np.where(stint.column("asked") < 0.5, FIRST_M * strength, 0.0))
 
 
 def _bent(stint: Stint, strength: float) -> Change:

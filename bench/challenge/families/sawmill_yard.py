@@ -155,12 +155,12 @@ class Stint:
     @cached_property
     def brace(self) -> Integers:
         """Numbers of braces [n]."""
-        return self.table["rx"].str[len("brace") :].astype(np.int64).to_numpy()
+        return np.array([int(name[len("brace") :]) for name in self.table["rx"]], np.int64)
 
     @cached_property
     def tag(self) -> Integers:
         """Numbers of tags [n], as in TAGS."""
-        return self.table["tx"].map({name: k for k, name in enumerate(TAGS)}).to_numpy(np.int64)
+        return np.array([TAGS.index(name) for name in self.table["tx"]], np.int64)
 
     def of_kind(self, kind: str) -> Floats:
         """Return 1 at rows of such tags, else 0 [n]."""
@@ -169,13 +169,13 @@ class Stint:
     @cached_property
     def link(self) -> Integers:
         """Numbers of links [n], from 0 on, by their names."""
-        return self.table["link"].astype("category").cat.codes.to_numpy(np.int64)
+        return np.asarray(self.table["link"].astype("category").cat.codes, np.int64)
 
     @cached_property
     def stint(self) -> Integers:
         """Numbers of stints [n], from 0 on, by their names."""
         name = self.table["link"].str.split(" from ").str[0]
-        return name.astype("category").cat.codes.to_numpy(np.int64)
+        return np.asarray(name.astype("category").cat.codes, np.int64)
 
     def by_link(self, lots: Callable[[int], NDArray[np.generic]]) -> Floats:
         """Return what each link draws, at its rows [n]."""

@@ -73,7 +73,6 @@ WORLD_OF_DEVICE = {
     "beacon": "rx",
     "lamp": "rx",
     "pillar": "rx",
-    "reader": "rx",
     "gutter": "rx",
     "mast": "rx",
     "truss": "rx",
