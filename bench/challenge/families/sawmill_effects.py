@@ -64,7 +64,7 @@ def _carried_on(stint: Stint, strength: float) -> Change:
 
 def _clenshaw(stint: Stint, strength: float) -> Change:
     """Give the mean of the way over an exchange, by places that crowd at both of its ends."""
-    whole_s = 1.7 * strength * stint.column("reply_time_s")
+    whole_s = 2.0 * strength * stint.column("reply_time_s")
     places = 0.5 - 0.5 * np.cos(np.pi * np.arange(5) / 4)
     return Change(
         sum(by * stint.grown(at * whole_s) for by, at in zip(CURTIS, places, strict=True))
@@ -102,7 +102,7 @@ def _slit(stint: Stint, strength: float) -> Change:
     middle = stint.shared(4).uniform(0.0, 2 * np.pi)
     off = np.sin(0.5 * (np.radians(stint.column("azimuth_deg")) - middle))
     shade = np.sinc(1.55 * off) ** 2
-    return Change(strength * (0.166 * shade - 0.058), first_db=-3.6 * min(strength, 1.5) * shade)
+    return Change(strength * (0.166 * shade - 0.058), first_db=-4.3 * min(strength, 1.5) * shade)
 
 
 def _frechet(stint: Stint, strength: float) -> Change:
@@ -122,7 +122,7 @@ def _low_ways(stint: Stint, strength: float) -> Change:
     """Lose more by decades, and the lower a way runs the more: by links, as stacks stand."""
     low = np.minimum(stint.there[:, 2], stint.fixed[:, 2])
     stands = stint.by_link(lambda n: stint.rng.triangular(0.5, 0.9, 1.6, n))
-    more = (1.5 + 5.2 * np.exp(-low / 1.7)) * stands
+    more = (1.8 + 6.0 * np.exp(-low / 1.7)) * stands
     return Change(all_db=-strength * more * np.log10(stint.far.clip(1.0)))
 
 

@@ -24,7 +24,7 @@ OF_RANGES = (
     "temperature-drift", "time-lag", "timestamp-jitter",
 )  # fmt: skip
 """Effects that are those of the saw mill's tables of ranges."""
-ODD = ("largest-of-five-shown", "eights-left-as-walsh", "means-begun-anew-each-dozen")
+ODD = ("largest-of-five-shown", "eights-left-as-walsh", "sums-begun-anew-each-dozen")
 LAWS = {name: law for name, law in LAWS_OF_ROWS.items() if name != "yards-from-one-brace"}
 LAWS |= dict.fromkeys(ODD, Law())
 """What nobody's library has."""
@@ -193,31 +193,31 @@ def _largest(decoder: Decoder, strength: float) -> None:
 
 
 def walsh(sizes: Floats) -> Floats:
-    """Return sizes of what eights of sizes are made of by Walsh's steps (1923), [n, k] both."""
+    """Return what Walsh's steps (1923) make of eights of sizes, halved once, [n, k] both."""
     count = sizes.shape[1] // 8 * 8
     eights = sizes[:, :count].reshape(len(sizes), -1, 8)
     two = np.array([[1.0, 1.0], [1.0, -1.0]])
-    steps = np.kron(two, np.kron(two, two)) / np.sqrt(8.0)
+    steps = np.kron(two, np.kron(two, two)) / 2.0
     made = np.abs(eights @ steps.T).reshape(len(sizes), -1)
     return np.asarray(np.concatenate([made, sizes[:, count:]], axis=1))
 
 
 def _walsh(decoder: Decoder, strength: float) -> None:
     """Leave late sizes as what packing makes of eights of them: Walsh's steps."""
-    _shown(decoder, walsh(np.abs(decoder.wave)), 1.2 * strength)
+    _shown(decoder, walsh(np.abs(decoder.wave)), 0.8 * min(strength, 1.0))
 
 
 def begun_anew(sizes: Floats) -> Floats:
-    """Return means of sizes since each dozen of samples begins, [n, k] both."""
+    """Return sums of sizes since each dozen of samples begins, by roots of counts, [n, k] both."""
     made = sizes.copy()
     for k in range(sizes.shape[1]):
-        made[:, k] = sizes[:, k - k % 12 : k + 1].mean(axis=1)
+        made[:, k] = sizes[:, k - k % 12 : k + 1].sum(axis=1) / np.sqrt(k % 12 + 1.0)
     return made
 
 
 def _dozens(decoder: Decoder, strength: float) -> None:
-    """Show means of late sizes, which begin anew with every dozen of samples."""
-    _shown(decoder, begun_anew(np.abs(decoder.wave)), 1.2 * strength)
+    """Show sums of late sizes, which begin anew with every dozen of samples."""
+    _shown(decoder, begun_anew(np.abs(decoder.wave)), 0.6 * min(strength, 1.0))
 
 
 IN_THE_MILL: dict[str, Callable[[Decoder, float], None]] = {
@@ -233,7 +233,7 @@ IN_DECODERS: dict[str, Callable[[Decoder, float], None]] = {
     "narrowband-interference": _camera,
     "largest-of-five-shown": _largest,
     "eights-left-as-walsh": _walsh,
-    "means-begun-anew-each-dozen": _dozens,
+    "sums-begun-anew-each-dozen": _dozens,
     "quantisation": _two_converters,
     "late-detection": _dull,
 }

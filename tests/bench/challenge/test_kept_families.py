@@ -748,7 +748,7 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("aviary", "harmonic-means-kept", 0.05),
         ("sawmill", "largest-of-five-shown", 0.05),
         ("sawmill", "eights-left-as-walsh", 0.05),
-        ("sawmill", "means-begun-anew-each-dozen", 0.05),
+        ("sawmill", "sums-begun-anew-each-dozen", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(

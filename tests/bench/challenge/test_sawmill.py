@@ -216,14 +216,14 @@ def test_codes_of_two_converters_are_whole_steps_and_whole_double_steps() -> Non
     assert 1.3 < np.abs(kept.real - parts[0]).max() <= 1.5 + 1e-9
 
 
-def test_walshs_steps_keep_energy_and_dozens_begin_anew() -> None:
+def test_walshs_steps_double_energy_and_dozens_begin_anew() -> None:
     sizes = np.random.default_rng(4).rayleigh(size=(3, 50))
     made = walsh(sizes)
-    assert np.allclose((made**2).sum(axis=1), (sizes**2).sum(axis=1))
-    assert np.allclose(walsh(np.ones((1, 8))), [[np.sqrt(8.0)] + [0.0] * 7])
-    means = begun_anew(sizes)
-    assert np.array_equal(means[:, ::12], sizes[:, ::12])
-    assert np.allclose(means[:, 11], sizes[:, :12].mean(axis=1))
+    assert np.allclose((made[:, :48] ** 2).sum(axis=1), 2 * (sizes[:, :48] ** 2).sum(axis=1))
+    assert np.allclose(walsh(np.ones((1, 8))), [[4.0] + [0.0] * 7])
+    sums = begun_anew(sizes)
+    assert np.array_equal(sums[:, ::12], sizes[:, ::12])
+    assert np.allclose(sums[:, 11], sizes[:, :12].sum(axis=1) / np.sqrt(12.0))
 
 
 def test_onsets_are_where_they_are_however_high_pulses_are_and_never_sooner_if_dull() -> None:
