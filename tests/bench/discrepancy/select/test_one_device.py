@@ -14,6 +14,7 @@ from bench.discrepancy.select import conclude
 from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.ranging.time_lag import TimeLag
 
 GAIN = Estimate(0.3, 0.2, 0.4, "nats")
@@ -33,14 +34,30 @@ def seen(place: str, moment: Moment = "mean", value: float = 0.2, p: float = 0.0
 def test_what_names_leave_at_one_device_is_said_though_no_regression_foretells_it(
     one: Finding, waveform: bool, said: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    assert said_beside_a_lag(one, waveform, (), monkeypatch) is said
+
+
+@pytest.mark.parametrize(("waveform", "said"), [(False, True), (True, False)])
+def test_a_fault_that_the_set_holds_is_left_to_say(
+    waveform: bool, said: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    faults = ("the places of a1 and a2",)
+    assert said_beside_a_lag(seen("obstacle=glass"), waveform, faults, monkeypatch) is said
+
+
+def said_beside_a_lag(
+    one: Finding, waveform: bool, faults: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> bool:
+    """Return whether something is left beside a named lag where one finding is."""
     explained = SimpleNamespace(removable=Estimate(0.0, -0.1, 0.1, "nats"), contenders=())
     located = Located((one,), 0.002, 9.0, 3.0, 1, {})
     rounds = (Round(located, explained, None),)  # type: ignore[arg-type]
     for name, value in (("_share", 1.0), ("_form_leaves", 0.01), ("_named", (LAG,))):
         monkeypatch.setattr(conclude, name, lambda *_, value=value: value)
-    search = SimpleNamespace(fit=SimpleNamespace(waveform=waveform))
+    search = SimpleNamespace(fit=SimpleNamespace(waveform=waveform), choice=Choice(faults=faults))
     made = conclude.verdicts(search, rounds, (TimeLag(),))  # type: ignore[arg-type]
-    assert [type(verdict) for verdict in made] == [LeftOut, *([Unknown] if said else [])]
+    assert isinstance(made[0], LeftOut)
+    return [type(verdict) for verdict in made[1:]] == [Unknown]
 
 
 @pytest.mark.parametrize(
