@@ -113,7 +113,7 @@ class Served:
 
     def __str__(self) -> str:
         if self.idle:
-            return "in sealed links it has nothing to act on"
+            return "it changes nothing in sealed links: what it acts on is not there, or overruled"
         score = "better" if self.gain.value > 0 else "no better"
         which, means = "mean", (self.before_m, self.missed_m)
         if means[1] <= means[0] and much_farther(*self.medians_m):  # it is the typical link that is

@@ -195,8 +195,8 @@ def diagnose(
     said = borne_out(comparison, sealed, weighing, asked.seed)
     found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
     found, kept_more = unrefused(comparison, sealed, found, more, asked.seed)
-    found = with_struck_in_sight(search, found)
     law = said.law if more == kept_more else None
+    found = found if law else with_struck_in_sight(search, found)
     added = (*found.added, *kept_more)
     confirmed = confirm(untimed(comparison, found.untimed), sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None

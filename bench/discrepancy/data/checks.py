@@ -13,6 +13,8 @@ from bench.discrepancy.data.settings import (
     SAME_PERIOD,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
+    STUCK_APART_M,
+    STUCK_ROWS,
     UNIT_MISTAKE,
 )
 from bench.discrepancy.data.truth import check_truth
@@ -78,8 +80,8 @@ def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
 def check_recorded(recorded: Recordings) -> None:
     """Raise BenchError where a recorded table cannot be diagnosed, naming column and expectation.
 
-    Looks for: no rows, no truth, no link column, units off by 1000, figures beyond any instrument,
-    time going backwards.
+    Looks for: no rows, no truth, no link column, units off by 1000, a range that never changes,
+    figures beyond any instrument, time going backwards.
     """
     frame, source = recorded.frame, recorded.source
     if not len(frame):
@@ -97,8 +99,24 @@ def check_recorded(recorded: Recordings) -> None:
         raise BenchError(f"{source}: no column 'true_range_m' and no antenna positions")
     _check_names(frame, source)
     _check_units(frame, source)
+    _check_stuck(frame, source)
     check_figures(frame, source)
     _check_time(frame, source)
+
+
+def _check_stuck(frame: pd.DataFrame, source: str) -> None:
+    """Raise where the range is one value in many rows though antennas are not always as far."""
+    if not {"range_m", "true_range_m"} <= set(frame):
+        return
+    range_m, true_m = (numeric(frame, name) for name in ("range_m", "true_range_m"))
+    known = np.isfinite(range_m) & np.isfinite(true_m)
+    if known.sum() < STUCK_ROWS or np.ptp(range_m[known]) > 0:
+        return
+    if (apart := float(np.ptp(true_m[known]))) > STUCK_APART_M:
+        raise BenchError(
+            f"{source}: range_m is {range_m[known][0]:g} m in every row while true ranges differ "
+            f"by up to {apart:.3g} m: a receiver that is stuck; expected a measurement in each"
+        )
 
 
 def _check_names(frame: pd.DataFrame, source: str) -> None:

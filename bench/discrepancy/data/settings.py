@@ -34,3 +34,7 @@ FAR_OFF_LINK_M: Final = (
 FEWEST_FAR: Final = 3  # rows, to be worth a line [convention]
 FAR_OFF_LINK_TIMES: Final = 3.0  # the share of simulated rows that are as far [convention]
 SHOWN_FAR: Final = 5  # numbers of rows in the line [convention]
+
+# --- Ranges that never change (data/checks) -------------------------------------------------------
+STUCK_ROWS: Final = 10  # of one range, to say that a receiver is stuck [convention]
+STUCK_APART_M: Final = 2.0  # that true ranges differ by then: no rounding is so coarse [convention]

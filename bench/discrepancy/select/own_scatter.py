@@ -119,9 +119,10 @@ def of_one_device(made: Ensemble, rows: View) -> list[str]:
     ends = [one for one in ENDS if one in rows.frame]
     names = {end: rows.frame[end].astype(str).to_numpy(object) for end in ends}
     every = {(end, one): names[end] == one for end in ends for one in np.unique(names[end])}
-    some = {key: mask for key, mask in every.items() if mask.sum() >= DEVICE_ROWS < (~mask).sum()}
-    wide = {key: float(np.nanmean(left[mask] ** 2)) for key, mask in some.items()}
-    end, one = max(wide, key=lambda key: np.nan_to_num(wide[key]), default=("", ""))
+    some = {key: mask & np.isfinite(left) for key, mask in every.items()}
+    some = {key: mask for key, mask in some.items() if mask.sum() >= DEVICE_ROWS < (~mask).sum()}
+    wide = {key: float(np.mean(left[mask] ** 2)) for key, mask in some.items()}
+    end, one = max(wide, key=lambda key: wide[key], default=("", ""))
     if not one or not _grows(left, simulated, some[end, one] * 1.0, float(np.log(len(some)))):
         return []
     return [f"it scatters where {end} is {one} alone"]

@@ -98,7 +98,7 @@ def test_sealed_links_refuse_no_name_of_what_does_nothing_there(
     made = unrefused(None, rows, found, (), 0)[0]  # type: ignore[arg-type]
     assert made.added == ()
     assert bool(made.names) is said
-    assert ("nothing to act on" in made.withheld.get("time-lag", "")) is said
+    assert ("changes nothing in sealed links" in made.withheld.get("time-lag", "")) is said
 
 
 @pytest.mark.parametrize(
