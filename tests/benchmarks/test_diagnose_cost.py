@@ -30,15 +30,16 @@ import json, resource, sys, time
 from bench.cli.main import group
 started = time.perf_counter()
 group(sys.argv[1:], standalone_mode=False)
-used = resource.getrusage(resource.RUSAGE_SELF)
-print(json.dumps([time.perf_counter() - started, used.ru_utime + used.ru_stime,
-                  used.ru_maxrss / 1024]))
+wall_s = time.perf_counter() - started
+used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+print(json.dumps([wall_s, sum(one.ru_utime + one.ru_stime for one in used),
+                  sum(one.ru_maxrss for one in used) / 1024]))
 """
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What one diagnosis took."""
+    """What one diagnosis took, with its forks; of these `peak_mib` has the largest once more."""
 
     rows: int
     wall_s: float
