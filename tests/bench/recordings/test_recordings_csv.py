@@ -82,10 +82,13 @@ def test_parquet_of_another_name_and_dates_say_what_is_expected(tmp_path: Path) 
         read_recordings(tmp_path / "dates.csv")
 
 
+GZIP = gzip.compress(b"range_m,true_range_m\n5.1,5.0\n", mtime=0)  # a test's id holds its bytes
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (gzip.compress(b"range_m,true_range_m\n5.1,5.0\n", mtime=0), "compressed with gzip.*in .csv.gz"),
+        (GZIP, "compressed with gzip.*in .csv.gz"),
         (b"PK\x03\x04 and so on", "a zip archive or a spreadsheet"),
         (b"\x7fELF\0\0\xff\xfe,\xf3", "no text"),
         (b"a,b\n\xff\xfe\xf3\x1b[31m\n\xff,\xf1,\xf2,3\n", "bytes of no text|not a CSV"),
