@@ -28,7 +28,7 @@ from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
-from bench.discrepancy.sets.blocks import SETUP
+from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 
@@ -85,9 +85,7 @@ def _more_in_ranges(search: Search, last: Round) -> bool:
 def _faulty(search: Search) -> bool:
     """Return whether what ranges speak for is a fault of the set-up."""
     found = search.choice
-    return any(one.startswith(SETUP) for one in found.others) or bool(
-        found.tied and not found.names
-    )
+    return any(map(is_fault, found.others)) or bool(found.tied and not found.names)
 
 
 def without_idle(
@@ -133,13 +131,14 @@ def _scatters_beside(said: Verdict, but: Collection[str]) -> bool:
 def _more(search: Search, rounds: tuple[Round, ...]) -> bool:
     """Return whether something is there, beside links that were struck where some were.
 
-    One that was struck and not told from the others leaves an offset that nothing predicts.
+    One that was struck and not told from the others leaves an offset that nothing predicts. A fault
+    of the set-up that the set of ranges holds is there, whether or not a regression foretells it.
     """
     last = rounds[-1]
-    if not any(turn.strike for turn in rounds):
-        return real(search, last)
     if _faulty(search):
         return True
+    if not any(turn.strike for turn in rounds):
+        return real(search, last)
     removable = last.explanation.removable if last.explanation else Estimate(0, 0, 0)
     return removable.above_zero and removable.value > MARGIN_NATS
 

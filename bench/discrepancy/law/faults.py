@@ -26,6 +26,7 @@ from bench.discrepancy.law.structures import Fitted, Structure
 
 Floats = NDArray[np.float64]
 _FAR_END = {"tx": "rx", "rx": "tx"}
+UNDETERMINED = "an undetermined length"
 
 
 def faults(given: Material) -> Iterator[Position | Swap | Unit]:
@@ -109,8 +110,11 @@ class Position:
     def words(self, shown: dict[str, str]) -> str:
         """Return it for people."""
         who = f"device {self.device}" if self.device else f"every {self.ends[0]}"
-        by = ", ".join(f"{shown[f'd{axis}']} along {axis}" for axis in self.axis_names)
-        return f"{who} stands elsewhere than its position says, by {by}"
+        said = {axis: shown[f"d{axis}"] for axis in self.axis_names}
+        elsewhere = f"{who} stands elsewhere than its position says"
+        if set(said.values()) == {UNDETERMINED}:
+            return f"{elsewhere}; how far, these recordings do not determine"
+        return f"{elsewhere}, by {', '.join(f'{by} along {axis}' for axis, by in said.items())}"
 
     @property
     def axis_names(self) -> str:

@@ -7,14 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
-from bench.discrepancy.law.faults import of_a_rate
+from bench.discrepancy.law.faults import UNDETERMINED, of_a_rate
 from bench.discrepancy.law.found import FoundLaw, LawConstant, Rival, SetupFault
 from bench.discrepancy.law.likelihood import log_density
 from bench.discrepancy.law.material import Floats, Material
 from bench.discrepancy.law.meaning import looks_like
 from bench.discrepancy.law.search import Candidate, Proposal
-from bench.discrepancy.law.settings import LAW_RATIO_DOUBT
+from bench.discrepancy.law.settings import LAW_RATIO_DOUBT, UNDETERMINED_M
 from bench.discrepancy.settings import ONE_SIDED_95
+
+SHIFTS = ("dx", "dy", "dz")
 
 
 def judged(proposal: Proposal, sealed: Material, seed: int) -> FoundLaw | None:
@@ -85,8 +87,13 @@ def _rival(one: Candidate, behind: float) -> Rival:
 
 
 def shown(constants: Sequence[LawConstant]) -> dict[str, str]:
-    """Return constants as texts by name."""
-    return {c.name: str(c) for c in constants}
+    """Return constants as texts by name; a shift that no row determines is said to be one."""
+    return {c.name: UNDETERMINED if _undetermined(c) else str(c) for c in constants}
+
+
+def _undetermined(constant: LawConstant) -> bool:
+    """Return whether a shift along an axis may be anything."""
+    return constant.name in SHIFTS and constant.high - constant.low > UNDETERMINED_M
 
 
 def setup_fault(proposal: Proposal) -> SetupFault | None:

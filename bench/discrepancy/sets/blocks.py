@@ -149,7 +149,7 @@ def of_setup(rows: View) -> Blocks:
 
 def is_fault(cause: str) -> bool:
     """Return whether a cause is a fault of the set-up (see `of_setup`)."""
-    return cause.startswith((PLACE, PLACES, UNIT))
+    return cause.startswith(SETUP)
 
 
 def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks:

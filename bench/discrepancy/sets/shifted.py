@@ -11,7 +11,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.sets.blocks import SETUP
+from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.sets.calibrated import TAKEN_OFF
 
 
@@ -42,7 +42,7 @@ def beside_faults(search: Search, rows: View) -> Comparison:
     scale of what a calibration took off. Only for the rows that the choice is of.
     """
     shifts_m = search.choice.shifts_m
-    faults = [m for o, m in shifts_m.items() if o.startswith(SETUP) or o == TAKEN_OFF]
+    faults = [m for o, m in shifts_m.items() if is_fault(o) or o == TAKEN_OFF]
     if not faults or search.choice.view != rows.number:
         return search.comparison
     return Shifted(search.comparison, np.sum(faults, axis=0))

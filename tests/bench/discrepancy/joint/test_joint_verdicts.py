@@ -150,6 +150,14 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
         assert len(made) == count
 
 
+def test_a_fault_of_ranges_is_there_though_no_regression_foretells_it(monkeypatch):
+    monkeypatch.setattr(verdicts, "real", lambda *_: False)
+    rounds = (SimpleNamespace(strike=None),)
+    for others, more in ((("the position of a3",), True), (("a law of time_s",), False)):
+        search = SimpleNamespace(choice=Choice((), others))
+        assert verdicts._more(search, rounds) is more
+
+
 def test_what_a_log_shows_is_refused_by_no_interval(monkeypatch):
     """Its log is a measurement of it, however small it is; a failed control is none."""
     noise = NoiseFloor(level_db=0.5)
