@@ -106,7 +106,7 @@ def nameless_lines(diagnosis: Diagnosis) -> list[str]:
 
 def _behind(nats: float) -> str:
     """Return how far something is behind, in words: what fits better and costs more is ahead."""
-    return f"{abs(nats):.1f} nats {'ahead' if nats <= -0.05 else 'behind'}"
+    return f"{abs(nats):.1f} nats {'ahead' if round(nats, 1) < 0 else 'behind'}"
 
 
 def law_lines(law: FoundLaw) -> list[str]:

@@ -39,7 +39,7 @@ def _alone(number: int) -> bool:
 @pytest.mark.parametrize("mode", ["CIR", "CIR again"])
 def test_of_several_causes_the_weakest_beside_the_others_is_asked_for(mode: str) -> None:
     """A loud tail or echo does not make a quiet shift of ranges one that must be found."""
-    made = make_case(next(n for n in range(2000) if _hides_both(n, mode)), 6)
+    made = make_case(next(n for n in range(20_000) if _hides_both(n, mode)), 6)
     assert 0 < made.strength_z < cases._moved(made.clean, made.recorded.frame)
 
 
