@@ -33,13 +33,13 @@ group(sys.argv[1:], standalone_mode=False)
 wall_s = time.perf_counter() - started
 used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
 print(json.dumps([wall_s, sum(one.ru_utime + one.ru_stime for one in used),
-                  sum(one.ru_maxrss for one in used) / 1024]))
+                  used[0].ru_maxrss / 1024]))
 """
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What one diagnosis took, with its forks; of these `peak_mib` has the largest once more."""
+    """What one diagnosis took, with its forks; `peak_mib` without what these write of their own."""
 
     rows: int
     wall_s: float
