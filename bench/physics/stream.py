@@ -18,6 +18,7 @@ from bench.errors import BenchError
 from bench.files import atomic_path
 from bench.parallel import a_few_at_once, in_processes, threads
 from bench.physics.memory import keep_freed
+from bench.physics.ours import is_ours
 from bench.physics.outcome import Outcome
 from bench.physics.randomness import BLOCK
 from bench.physics.room_geometry import room_geometry
@@ -131,10 +132,15 @@ def _observed(
 
     Effects of the user's own stay in this process, which another might not find.
     """
-    if many and threads() > 1 and all(map(_is_ours, (simulator.base, *simulator.effects))):
+    if many and threads() > 1 and _all_ours(simulator):
         yield from in_processes(_observe, simulator, chunks, threads())
     else:
         yield from a_few_at_once(partial(_observe, simulator), chunks)
+
+
+def _all_ours(simulator: Simulator) -> bool:
+    """Return whether all of a simulator is of this package."""
+    return all(is_ours(type(part)) for part in (simulator.base, *simulator.effects))
 
 
 def _observe(simulator: Simulator, chunk: Chunk) -> Outcome:
@@ -143,15 +149,10 @@ def _observe(simulator: Simulator, chunk: Chunk) -> Outcome:
     return simulator.observe(rows, first_row=first_row)
 
 
-def _is_ours(part: object) -> bool:
-    """Return whether a part of a simulator is one of this package."""
-    return type(part).__module__.startswith("bench.physics.")
-
-
 def _asks_for_speed(simulator: Simulator) -> bool:
     """Return whether an effect may read the radial speed: ours say what they need."""
     return any(
-        not _is_ours(effect) or any(SPEED in way for way in effect.needs)
+        not is_ours(type(effect)) or any(SPEED in way for way in effect.needs)
         for effect in simulator.effects
     )
 

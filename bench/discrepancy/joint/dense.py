@@ -9,6 +9,7 @@ of a zone is what was added, and its samples scatter as a tail's, none of it is 
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,9 +31,12 @@ class Zone:
     error: float
 
 
-def dense_of(grain: Grain, effects: Added) -> tuple[str, ...]:
-    """Return the names of effects that resemble walls' but are denser than what these reflect."""
-    alike = (one.name for one in effects if type(one).resembles)
+def dense_of(grain: Grain, effects: Added, untried: Container[str]) -> tuple[str, ...]:
+    """Return the names of effects that resemble walls' but are denser than what these reflect.
+
+    Asked where walls are `untried` alone: elsewhere nothing hangs on it.
+    """
+    alike = (one.name for one in effects if type(one).resembles in untried)
     return tuple(name for name in alike if is_dense(grain, effects, name))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.select.state import Search
+from bench.physics.ours import is_ours
 
 
 def runs_own_code(search: Search) -> bool:
@@ -12,4 +13,4 @@ def runs_own_code(search: Search) -> bool:
     if isinstance(search.comparison, Resimulation):
         simulator = search.comparison.simulator
         parts += map(type, (simulator, simulator.base, *simulator.effects))
-    return all(part.__module__.startswith("bench.") for part in parts)
+    return all(map(is_ours, parts))

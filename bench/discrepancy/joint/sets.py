@@ -17,7 +17,6 @@ from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogg
 from bench.discrepancy.joint.chance import by_chance, off
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
-from bench.discrepancy.joint.dense import dense_of
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
@@ -106,7 +105,7 @@ class Sets:
         shown = tuple(name for name in best.names if self._shown(best, name))
         return WaveChoice(
             best.effects, rivals, brings, explained, left, much, self.start.names, wider, doubted,
-            beyond, shown, dense_of(self.grain, best.effects),
+            beyond, shown,
         )  # fmt: skip
 
     def _shown(self, fit: Fit, name: str) -> bool:
@@ -306,7 +305,8 @@ class Sets:
         """Return the effects that would do as well in the place of a member, likeliest first."""
         rest = self._without(fit, name)
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
-        made, whole = self._fit([(*rest.effects, o) for o in others[:2]]), self.evidence(fit)
+        made = self._fit([(*rest.effects, other) for other in others[:2]])
+        whole = self.evidence(fit)
         least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
         near = [one for one in made if self.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]

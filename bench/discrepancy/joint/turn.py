@@ -13,6 +13,7 @@ from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.dense import dense_of
 from bench.discrepancy.joint.late import found_late, holds, moved, with_late
 from bench.discrepancy.joint.own_code import runs_own_code
 from bench.discrepancy.joint.rows import compared_rows, fewer
@@ -109,7 +110,9 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     rows = compared_rows(search)
     few = fewer(search.fit, SCREEN_ROWS)
     with forking(runs_own_code(search)):
-        return Sets(search.comparison, rows, few, kinds, tries, struck).chosen()
+        sets = Sets(search.comparison, rows, few, kinds, tries, struck)
+        choice = sets.chosen()
+    return replace(choice, dense=dense_of(sets.grain, choice.added, search.untried))
 
 
 def in_waveforms(kind: type[Effect], search: Search) -> type[Effect]:
