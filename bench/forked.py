@@ -58,6 +58,13 @@ def in_forks(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
     return [done[at] if at in done else work(item) for at, item in enumerate(items)]
 
 
+def both(one: Callable[[], T], other: Callable[[], R]) -> tuple[T, R]:
+    """Return what two pieces of work give, done beside one another as `in_forks` does."""
+    works: list[Callable[[], Any]] = [one, other]
+    made = in_forks(lambda work: work(), works)
+    return cast("T", made[0]), cast("R", made[1])
+
+
 @contextmanager
 def forking(allowed: bool) -> Iterator[None]:
     """Allow `in_forks` to fork, for work that runs nobody else's code.

@@ -12,7 +12,7 @@ from threading import Lock
 import pytest
 
 from bench import forked
-from bench.forked import forking, in_forks
+from bench.forked import both, forking, in_forks
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="forks are for Linux")
 
@@ -30,6 +30,10 @@ def _who(item: int) -> tuple[int, int]:
 
 def test_what_comes_back_is_in_order() -> None:
     assert [square for square, _ in in_forks(_who, range(100))] == [n * n for n in range(100)]
+
+
+def test_two_pieces_of_work_each_give_their_own() -> None:
+    assert both(lambda: 3, lambda: "three") == (3, "three")
 
 
 @linux

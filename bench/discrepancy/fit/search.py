@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -41,6 +41,7 @@ from bench.discrepancy.settings import (
     STRIKING_RICHER,
 )
 from bench.errors import BenchError
+from bench.forked import in_forks
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
@@ -81,7 +82,26 @@ class Objective:
 
         Raises BenchError where the effect itself fails.
         """
+        return self._noted(self._tried(values))
+
+    def each(self, several: Iterable[dict[str, float]]) -> None:
+        """Try parameter values beside one another, where forks may.
+
+        Raises BenchError where the effect itself fails.
+        """
+        for tried in in_forks(self._tried, several):
+            self._noted(tried)
+
+    def _noted(self, tried: tuple[float, Effect]) -> float:
+        """Return the gain of an effect that was tried, which may be the best so far."""
         self.evaluations += 1
+        found, effect = tried
+        if found > NOTHING_NATS and (self.best is None or found > self.best[0]):
+            self.best = (found, effect)
+        return found
+
+    def _tried(self, values: dict[str, float]) -> tuple[float, Effect]:
+        """Return the gain of parameter values, and the effect."""
         effect = valued(self.kind, {**self.held, **values})
         members = members_for(self.kind, self.view, FIT_MEMBERS)
         try:
@@ -96,10 +116,8 @@ class Objective:
             raise BenchError(f"effect {self.kind.name!r} failed: {problem}") from problem
         found = gain(self.base, tally(made))
         if set(made.names) < set(self.base.names) or not np.isfinite(found):
-            return NOTHING_NATS
-        if self.best is None or found > self.best[0]:
-            self.best = (found, effect)
-        return found
+            found = NOTHING_NATS
+        return found, effect
 
 
 def members_for(kind: type[Effect], view: View, members: int) -> int:
@@ -119,16 +137,13 @@ def screen(objective: Objective, on_ranges: bool = False) -> Fitted:
     """
     thorough = not objective.view.waveform  # paths alone cost next to nothing
     several = len(objective.view.recorded.names) > 1
-    for values in starts(objective.kind, thorough, several):
-        objective(values)
+    objective.each(starts(objective.kind, thorough, several))
     if objective.best is None:
         raise BenchError(f"effect {objective.kind.name!r} gives values that are not finite")
-    for values in elsewhere(objective.kind, objective.best[1], thorough):
-        objective(values)
-    for values in delayed(objective.kind, objective.best[1]):
-        objective(values)
-    for values in switched_off(objective.kind) if several and (thorough or on_ranges) else ():
-        objective(values)
+    objective.each(elsewhere(objective.kind, objective.best[1], thorough))
+    objective.each(delayed(objective.kind, objective.best[1]))
+    if several and (thorough or on_ranges):
+        objective.each(switched_off(objective.kind))
     return Fitted(objective.best[1], objective.best[0], objective.evaluations)
 
 

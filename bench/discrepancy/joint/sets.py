@@ -20,9 +20,9 @@ from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
-from bench.discrepancy.joint.likelihood import evidence, left_free
+from bench.discrepancy.joint.likelihood import left_free
 from bench.discrepancy.joint.nested import Nested
-from bench.discrepancy.joint.plainer import flat_gain, plainer
+from bench.discrepancy.joint.plainer import flat_gain
 from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.screen import Screen
@@ -30,7 +30,6 @@ from bench.discrepancy.joint.settings import (
     BEAM,
     CLASS_NATS,
     CLASS_SHARE,
-    KEPT,
     LEFT_NATS,
     LEFT_SHARE,
     MOST,
@@ -41,16 +40,15 @@ from bench.discrepancy.joint.settings import (
     SCATTERED_SHARE,
     SETTLED,
     STEPS,
-    WEIGHED,
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.tone_or_noise import counterparts, steady, told_apart, with_tone
 from bench.discrepancy.joint.unformed import beside_unformed
+from bench.discrepancy.joint.weighing import Weighing
 from bench.errors import BenchError
 from bench.forked import in_forks
 from bench.physics.effect import Effect
 from bench.physics.effects.receiver.interference import NarrowbandInterference
-from bench.physics.memory import Memory
 
 
 class Sets:
@@ -83,15 +81,15 @@ class Sets:
         self.quiet, self.grain = Quiet(self.given), Grain(self.given)
         self.nested = Nested(self.given, self.fits, self._fit)
         self.idle: set[str] = set()
-        self._plains: Memory[Fit] = Memory(KEPT)
-        self._evidences: Memory[float] = Memory(KEPT)
+        self.weighing = Weighing(self.given, self.quiet)
+        self._refitted: set[Added] = set()
 
     def chosen(self) -> WaveChoice:
         """Return what the sets say."""
         self._grow()
         best, rivals = self._settled()
-        best = self._plain(best)
-        explained = self.worth(best) - self.worth(self.none)
+        best = self.weighing.plain(best)
+        explained = self.weighing.worth(best) - self.weighing.worth(self.none)
         free = left_free(self.given, with_own_curve(best), best.responses, best.parameters)
         left = max(free)
         much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
@@ -125,7 +123,7 @@ class Sets:
         rest = self._without(fit, name)
         keys = {one.name: key_of((*rest.effects, one)) for one in self._counterparts(fit, name)}
         alike = {name: fit} | {one: self.fits[key] for one, key in keys.items() if key in self.fits}
-        plain = self._plain(rest)
+        plain = self.weighing.plain(rest)
         return any(logged(self.given, made, plain, one) for one, made in alike.items())
 
     def _doubted(self, best: Fit) -> tuple[str, ...]:
@@ -134,7 +132,7 @@ class Sets:
         Or that scatter late samples otherwise. None of what is logged as such.
         """
         whole = beside_unformed(self.given, best)
-        less = {name: self._plain(self._without(best, name)) for name in best.names}
+        less = {name: self.weighing.plain(self._without(best, name)) for name in best.names}
         less = {n: rest for n, rest in less.items() if not self._logged(best, n)}
         rests = {name: beside_unformed(self.given, one, best) for name, one in less.items()}
         few = {name for name, rest in rests.items() if whole - rest < NAME_NATS}
@@ -176,41 +174,13 @@ class Sets:
         Where all forms may differ, what does quite another thing may come out as well. A name costs
         what it must bring: two may do together what one does.
         """
-        self._weigh(some := list(fits))
-        priced = {id(fit): self.evidence(fit) - NAME_NATS * len(fit.names) for fit in some}
+        self.weighing.weigh(some := list(fits))
+        priced = {id(fit): self.weighing.evidence(fit) - NAME_NATS * len(fit.names) for fit in some}
         first = max(some, key=lambda fit: priced[id(fit)])
         most = priced[id(first)]
-        gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.evidence(self.none)))
+        gap = max(CLASS_NATS, (1 - CLASS_SHARE) * (most - self.weighing.evidence(self.none)))
         near = (f for f in some if priced[id(f)] >= most - gap and not self._told(first, f))
         return max(near, key=lambda fit: fit.nats)
-
-    def evidence(self, fit: Fit) -> float:
-        """Return the evidence of a set, whatever forms its effects have, in nats.
-
-        By this sets are compared: how likely a fit is says nothing of what devices have of their
-        own, so one cause that differs from device to device would lose to another that scatters.
-        With what samples of noise alone say of a tone, which the statistics of rows do not show.
-        """
-        return self._evidences.get(fit.effects, lambda: self._evidence(fit))
-
-    def _weigh(self, fits: Sequence[Fit]) -> None:
-        """Weigh sets beside one another, where many were not."""
-        new = [fit for fit in fits if self._evidences.find(fit.effects) is None]
-        if len(new) >= WEIGHED:
-            for fit, nats in zip(new, in_forks(self._evidence, new), strict=True):
-                self._evidences.keep(fit.effects, nats)
-
-    def _evidence(self, fit: Fit) -> float:
-        quiet = self.quiet.nats(fit.effects)
-        return quiet + evidence(self.given, fit.moments, fit.responses, fit.parameters)
-
-    def worth(self, fit: Fit) -> float:
-        """Return the evidence of a set without what it does not need, in nats."""
-        return self.evidence(self._plain(fit))
-
-    def _plain(self, fit: Fit) -> Fit:
-        """Return a set without the amplitudes that it does not need."""
-        return self._plains.get(fit.effects, lambda: plainer(self.given, fit, self.evidence))
 
     def _grow(self) -> None:
         """Fit the likeliest sets of one, two, three ... effects more."""
@@ -234,9 +204,11 @@ class Sets:
     def _needed(self, fit: Fit) -> Fit:
         """Return a set without members that do not bring enough, least first."""
         while len(fit.names) > len(self.start.names):
+            self._refit(fit, fit.names)
             for name in fit.names:
                 fit = self.nested.on(self._without(fit, name), fit)
-            whole = self.worth(fit) - self.worth(self._exact)
+            self.weighing.weigh_plain([fit, *(self._without(fit, name) for name in fit.names)])
+            whole = self.weighing.worth(fit) - self.weighing.worth(self._exact)
             brings = {n: self._brings(fit, n) for n in fit.names if n not in self.start.names}
             spare = {n: nats - self._asked(fit, n, whole) for n, nats in brings.items()}
             if min(spare.values()) >= 0:
@@ -281,38 +253,47 @@ class Sets:
 
     def _own(self, fit: Fit, rest: Fit) -> bool:
         """Return whether a set does more than its rest and a level, and links agree on that."""
-        if flat_gain(self.given, fit, rest, self.evidence):
+        if flat_gain(self.given, fit, rest, self.weighing.evidence):
             return False
-        return brings_its_own(self.given, self._plain(fit), self._plain(rest), self.struck)
+        return brings_its_own(
+            self.given, self.weighing.plain(fit), self.weighing.plain(rest), self.struck
+        )
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""
-        return by_chance(self.given, self._plain(fit), self._plain(self._without(fit, name)))
+        return by_chance(
+            self.given, self.weighing.plain(fit), self.weighing.plain(self._without(fit, name))
+        )
 
     def _brings(self, fit: Fit, name: str) -> float:
         """Return the evidence that one member brings beside the others, in nats."""
-        return self.worth(fit) - self.worth(self._without(fit, name))
+        return self.weighing.worth(fit) - self.weighing.worth(self._without(fit, name))
 
     def _without(self, fit: Fit, name: str) -> Fit:
         """Return a set without a member, the rest fitted again."""
+        self._refit(fit, (name,))
         rest = tuple(effect for effect in fit.effects if effect.name != name)
-        if not rest:
-            return self.none
-        self._fit([rest], REFITTED)
-        return self.fits.get(key_of(rest)) or self.start
+        return (self.fits.get(key_of(rest)) or self.start) if rest else self.none
+
+    def _refit(self, fit: Fit, names: Iterable[str]) -> None:
+        """Fit a set without each of some members again, beside one another and each once."""
+        rests = [tuple(e for e in fit.effects if e.name != name) for name in names]
+        new = [rest for rest in rests if rest and rest not in self._refitted]
+        self._fit(new, REFITTED)
+        self._refitted.update(new)
 
     def _rivals(self, fit: Fit, name: str) -> Added:
         """Return the effects that would do as well in the place of a member, likeliest first."""
         rest = self._without(fit, name)
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
         made = self._fit([(*rest.effects, other) for other in others[:2]])
-        whole = self.evidence(fit)
-        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.evidence(rest)))
-        near = [one for one in made if self.evidence(one) > least]
+        whole = self.weighing.evidence(fit)
+        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.weighing.evidence(rest)))
+        near = [one for one in made if self.weighing.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]
         able = [one for one in (*near, *same) if not self._told(fit, one)]
-        able = [one for one in able if not flat_gain(self.given, one, rest, self.evidence)]
-        best = {one.names[-1]: one.effects[-1] for one in sorted(able, key=self.evidence)}
+        able = [one for one in able if not flat_gain(self.given, one, rest, self.weighing.evidence)]
+        best = {one.names[-1]: one.effects[-1] for one in sorted(able, key=self.weighing.evidence)}
         return tuple(best[one] for one in reversed(best) if one != name)
 
     def _told(self, fit: Fit, other: Fit) -> bool:
@@ -320,7 +301,7 @@ class Sets:
 
         No form of a noise floor makes these alike within a record, as a tone does.
         """
-        if self.evidence(fit) - self.evidence(other) < CLASS_NATS:
+        if self.weighing.evidence(fit) - self.weighing.evidence(other) < CLASS_NATS:
             return False
         said = self.quiet.nats(fit.effects) - self._quiet_of(other, fit)
         if not steady(self.given, other):
@@ -342,7 +323,7 @@ class Sets:
         able = [one for one in self._counterparts(fit, member) if one.name not in rest.names]
         made = self._fit([(*rest.effects, one) for one in able])
         untold = bool(made) and told_apart(self.given, fit, member) < CLASS_NATS
-        return [one for one in made if untold or self.evidence(one) > least]
+        return [one for one in made if untold or self.weighing.evidence(one) > least]
 
     def _counterparts(self, fit: Fit, name: str) -> Added:
         """Return what may do the same as a member, of the effects that can be tried."""

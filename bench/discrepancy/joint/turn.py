@@ -52,6 +52,11 @@ from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 
 def selected(state: State, journal: Journal) -> Selection:
     """Return what waveforms and, beside what these name, ranges speak for."""
+    with forking(runs_own_code(state.search)):
+        return _selected(state, journal)
+
+
+def _selected(state: State, journal: Journal) -> Selection:
     search, kept, safely = state.search, journal.kept, state.guard.safely
     located = kept(with_ranges)(search, kept(locate_left)(search, (), 0))
     if not located.significant:
@@ -109,9 +114,8 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     tries = [tuple(forms) for forms in product(*forms_of_marks(search))]
     rows = compared_rows(search)
     few = fewer(search.fit, SCREEN_ROWS)
-    with forking(runs_own_code(search)):
-        sets = Sets(search.comparison, rows, few, kinds, tries, struck)
-        choice = sets.chosen()
+    sets = Sets(search.comparison, rows, few, kinds, tries, struck)
+    choice = sets.chosen()
     return replace(choice, dense=dense_of(sets.grain, choice.added, search.untried))
 
 

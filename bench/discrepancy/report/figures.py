@@ -22,6 +22,7 @@ from bench.discrepancy.settings import (
     ONE_SIDED_95,
 )
 from bench.files import atomic_path
+from bench.forked import forking, in_forks
 from bench.text import unmarked
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ def draw(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
         made = [one for one in made if one[0] != "ladder.png"]  # nothing was added: no steps
     if any(name.startswith("profile_db") for name in diagnosis.confirmed.before.names):
         made.insert(0, ("profile.png", profile_figure, "Median power-delay profile, confirm links"))
-    for name, figure, caption in made:
-        _save(folder / name, figure, diagnosis, caption)
+    with forking(True):
+        in_forks(lambda one: _save(folder / one[0], one[1], diagnosis, one[2]), made)
     return [(name, caption) for name, _, caption in made]
 
 

@@ -44,7 +44,7 @@ from bench.discrepancy.sets.blocks import (
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import Contest, judged_by_sets
 from bench.discrepancy.sets.evidence import Evidence
-from bench.discrepancy.sets.install import rounds_of, together
+from bench.discrepancy.sets.install import installed
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import LAW_SIZE
 from bench.discrepancy.settings import (
@@ -137,8 +137,7 @@ def _of_waves_alone(rows: View) -> set[str]:
 
 def _fitted(ranged: Search, beside: Added, first: Round) -> tuple[Added, Turns]:
     """Return the effects with those of the choice, and a round for each of these."""
-    added = together(ranged, beside, ranged.choice)
-    return added, rounds_of(ranged, beside, added, first.located, ranged.choice)
+    return installed(ranged, beside, first.located)
 
 
 def _installed(state: State, found: Choice, added: Added, turns: Turns) -> State:

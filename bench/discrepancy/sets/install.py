@@ -20,7 +20,6 @@ from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import struck_round, untouched
 from bench.discrepancy.sets.blocks import named_kinds
-from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.settings import NAMED_STRUCK, NAMED_STRUCK_P, RIVAL_NATS
 from bench.discrepancy.sets.shifted import Shifted, beside_calibration
 from bench.discrepancy.settings import (
@@ -32,19 +31,31 @@ from bench.discrepancy.settings import (
     SCORE_MEMBERS,
 )
 from bench.errors import BenchError
+from bench.forked import both
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.units import C_M_PER_NS
 
 
-def together(search: Search, beside: Added, choice: Choice) -> Added:
+def installed(search: Search, beside: Added, located: Located) -> tuple[Added, tuple[Round, ...]]:
+    """Return the effects with those of the choice, and a round for each of these.
+
+    What a regression would remove is learnt meanwhile.
+    """
+    added, nuisance = both(
+        lambda: together(search, beside), lambda: _regressed(search, beside, located)
+    )
+    return added, _rounds(search, beside, added, located, nuisance)
+
+
+def together(search: Search, beside: Added) -> Added:
     """Return the effects with those of the choice: each fitted to what the others leave.
 
     What they do is known from the set, where all were fitted at once: one fitted after the other
     would take of what they have in common.
     """
-    made = []
+    made, choice = [], search.choice
     for name in choice.names:
         others = [shift for one, shift in choice.shifts_m.items() if one != name]
         shift = np.sum([np.zeros(len(choice.shifts_m[name])), *others], axis=0)
@@ -144,14 +155,18 @@ def strikes_the_named(search: Search, rows: View, effect: Effect, struck: NDArra
     return bool(chance <= NAMED_STRUCK_P)
 
 
-def rounds_of(
-    search: Search, beside: Added, added: Added, located: Located, choice: Choice
+def _regressed(search: Search, beside: Added, located: Located) -> Tally:
+    """Return what is left once a regression removed what known columns tell of what was found."""
+    focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
+    return tally(regressed(search.comparison, search.fit, search.discover, beside, focus))
+
+
+def _rounds(
+    search: Search, beside: Added, added: Added, located: Located, nuisance: Tally
 ) -> tuple[Round, ...]:
     """Return one round for every effect of the choice, with those that could stand in its place."""
-    out = []
+    out, choice = [], search.choice
     reference = tally(_scores(search, beside))
-    focus = tuple(dict.fromkeys(f.cell.observable for f in located.findings))
-    nuisance = tally(regressed(search.comparison, search.fit, search.discover, beside, focus))
     removable = gain_interval(reference, nuisance, search.seed)
     for effect in added:
         if effect.physics in choice.names and effect not in beside:

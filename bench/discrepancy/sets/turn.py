@@ -13,7 +13,7 @@ from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import chosen, decided, judged_by_sets
-from bench.discrepancy.sets.install import rounds_of, struck_instead, together
+from bench.discrepancy.sets.install import installed, struck_instead
 from bench.discrepancy.sets.settings import SCATTER_NATS
 from bench.discrepancy.settings import SCATTER_MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.errors import BenchError
@@ -80,8 +80,7 @@ def _installed(
 
 def _fitted(search: Search, beside: Added, located: Located) -> tuple[Added, Turns, Round | None]:
     """Return the effects of the choice, their rounds, and a round with links struck instead."""
-    added = together(search, beside, search.choice)
-    turns = rounds_of(search, beside, added, located, search.choice)
+    added, turns = installed(search, beside, located)
     return added, turns, struck_instead(search, beside, added, turns[0]) if turns else None
 
 

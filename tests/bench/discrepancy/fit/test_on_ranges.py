@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -27,6 +28,10 @@ class Watched:
         if self.best is None or gain > self.best[0]:
             self.best = gain, effect
         return gain
+
+    def each(self, several: Iterable[dict[str, float]]) -> None:
+        for values in several:
+            self(values)
 
 
 def test_a_wall_that_only_delays_is_where_the_search_begins():

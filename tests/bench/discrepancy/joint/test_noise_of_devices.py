@@ -214,7 +214,7 @@ def test_a_tone_is_shown_by_samples_of_noise_or_by_a_noise_floor_that_is_logged(
     sets.screen = SimpleNamespace(points={floor.names[0]: ()})
     sets.quiet = SimpleNamespace(nats=lambda effects: heard)
     monkeypatch.setattr(Sets, "_without", lambda *_: SimpleNamespace(effects=()))
-    monkeypatch.setattr(Sets, "_plain", lambda _, fit: fit)
+    sets.weighing = SimpleNamespace(plain=lambda fit: fit)
     monkeypatch.setattr(module, "logged", lambda _, fit, rest, name: fit is floor and bool(logs))
     assert sets._shown(tone, tone.names[0]) is shown
     assert sets._logged(tone, tone.names[0]) is bool(logs)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import cast
+
 import pytest
 
 from bench.discrepancy.joint.polish import Fit, key_of
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.joint.weighing import Weighing
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from tests.bench.discrepancy.joint.test_growth import LOSS, NOISE, _fit
 
@@ -27,7 +31,6 @@ def test_two_names_must_lead_one_by_a_name(
     def evidence(fit: Fit) -> float:
         return nats[key_of(fit.effects)]
 
-    monkeypatch.setattr(sets, "evidence", evidence)
-    monkeypatch.setattr(sets, "_weigh", lambda fits: None)
+    sets.weighing = cast("Weighing", SimpleNamespace(evidence=evidence, weigh=list))
     monkeypatch.setattr(sets, "_told", lambda *_: False)
     assert sets._likeliest([one, both]) is (both if two else one)

@@ -143,7 +143,7 @@ def test_a_weak_tone_is_no_louder_noise_where_one_as_loud_would_be_heard(monkeyp
     sets.given = SimpleNamespace()
     said = {weak.effects: own, floor.effects: 0.0, with_tone((FLOOR,)): -6.0}
     sets.quiet = SimpleNamespace(nats=said.__getitem__)
-    monkeypatch.setattr(Sets, "evidence", lambda _, fit: 0.0 if fit is floor else -40.0)
+    sets.weighing = SimpleNamespace(evidence=lambda fit: 0.0 if fit is floor else -40.0)
     monkeypatch.setattr(module, "steady", lambda given, fit: 0.0)
 
     assert sets._told(floor, weak) is told
@@ -159,8 +159,7 @@ def test_what_quiet_samples_rule_out_is_not_taken_for_the_better_fit(monkeypatch
     sets = Sets.__new__(Sets)
     sets.none = SimpleNamespace(nats=-9000.0)
     known[id(sets.none)] = -9000.0
-    monkeypatch.setattr(Sets, "evidence", lambda _, fit: known[id(fit)])
-    monkeypatch.setattr(Sets, "_weigh", lambda *_: None)
+    sets.weighing = SimpleNamespace(evidence=lambda fit: known[id(fit)], weigh=list)
     for ruled_out, best in ((True, tone), (False, floor)):
         told = lambda _, one, other, out=ruled_out: out and (one, other) == (tone, floor)  # noqa: E731
         monkeypatch.setattr(Sets, "_told", told)

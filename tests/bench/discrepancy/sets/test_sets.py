@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -70,7 +71,7 @@ def test_a_law_takes_the_name_from_what_stands_in_for_it() -> None:
 def test_effects_that_have_much_in_common_are_fitted_at_once() -> None:
     search = search_of(both, 6)
     found = chosen(search, ())
-    made = {effect.physics: effect for effect in together(search, (), found)}
+    made = {effect.physics: effect for effect in together(replace(search, choice=found), ())}
     scale = made["range-scale"]
     assert isinstance(scale, RangeScale)
     assert scale.scale == pytest.approx(0.008, abs=0.0012)
