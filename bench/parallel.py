@@ -11,6 +11,7 @@ import os
 import pickle
 import signal
 import sys
+import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
@@ -110,22 +111,27 @@ def _in_order(
 
 
 def in_processes(
-    work: Work, shared: Any, items: Iterable[Any], jobs: int
+    work: Work, shared: Any, items: Iterable[Any], jobs: int, forks: bool = False
 ) -> Generator[Any, None, None]:
     """Yield work(shared, item) of every item in order, of some items at a time in `jobs` processes.
 
     For work that threads would wait with for the interpreter. Nothing that `shared` and the items
     hold may come from the user's script: it is not run again in these processes, so that it needs
-    no `if __name__ == "__main__"`. Memory holds 2 `jobs` items. Close it when done. Raises
-    BenchError where a process is ended from outside.
+    no `if __name__ == "__main__"`. Memory holds 2 `jobs` items. Close it when done. `forks`: they
+    begin as forks, at once, before the first item is made; where no thread here may hold what the
+    work needs. Raises BenchError where a process is ended from outside.
     """
-    pool, broken = _pool(jobs, shared), None
+    pool, broken = _pool(jobs, shared, "fork" if forks else "spawn"), None
 
     def submit(item: Any) -> Future[Any]:
         with _starting(), _no_script():
             return pool.submit(_call, work, item)
 
     try:
+        if forks:
+            with _starting(), warnings.catch_warnings():
+                warnings.simplefilter("ignore", DeprecationWarning)  # of threads a fork has not
+                pool.submit(sleep, 0).result()
         yield from _in_order(submit, items, AHEAD * jobs)
     except BrokenProcessPool as problem:
         broken = problem
@@ -214,12 +220,11 @@ def _in_processes(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _pool(jobs: int, shared: Any) -> ProcessPoolExecutor:
+def _pool(jobs: int, shared: Any, start: str = "spawn") -> ProcessPoolExecutor:
     """Return a pool of processes that hold what all tasks share."""
     # spawn: a forked child of a process with threads (torch, numba) may hang
-    start = multiprocessing.get_context("spawn")
     packed = pickle.dumps(shared)  # once, not once per process
-    return ProcessPoolExecutor(jobs, start, _install, (packed,))
+    return ProcessPoolExecutor(jobs, multiprocessing.get_context(start), _install, (packed,))
 
 
 @contextmanager

@@ -183,7 +183,7 @@ def _kinds(frame: pd.DataFrame) -> tuple[NDArray[np.int16], tuple[str, ...]]:
     """Return the `obstacles` column as codes [n, M], padded with -1, and the kinds' names."""
     if "obstacles" not in frame:
         return np.full((len(frame), 0), -1, np.int16), ()
-    cells = [cell if isinstance(cell, _SEQUENCES) else () for cell in frame["obstacles"]]
+    cells = _lists(frame["obstacles"])
     sizes = np.fromiter(map(len, cells), np.intp, len(cells))
     codes, names = pd.factorize(np.array([str(k) for cell in cells for k in cell], object))
     kinds = np.full((len(cells), sizes.max(initial=0)), -1, np.int16)
@@ -191,12 +191,20 @@ def _kinds(frame: pd.DataFrame) -> tuple[NDArray[np.int16], tuple[str, ...]]:
     return kinds, tuple(map(str, names))
 
 
+def _lists(column: pd.Series) -> Sequence[Any]:
+    """Return the cells of a column of lists, an empty one where a cell is none."""
+    cells = column.tolist()
+    if all(issubclass(kind, _SEQUENCES) for kind in set(map(type, cells))):
+        return cells  # some thousand cells are sooner looked at by their few types
+    return [cell if isinstance(cell, _SEQUENCES) else () for cell in cells]
+
+
 def _padded(column: pd.Series, kinds: NDArray[np.int16]) -> Floats:
     """Return a list-of-numbers column as [n, M] like `kinds`, padded with NaN.
 
     Raises BenchError where it does not hold one value per obstacle.
     """
-    cells = [cell if isinstance(cell, _SEQUENCES) else () for cell in column]
+    cells = _lists(column)
     sizes = np.fromiter(map(len, cells), np.intp, len(cells))
     if not np.array_equal(sizes, (kinds >= 0).sum(axis=1)):
         raise BenchError(f"{column.name}: expected one value per entry of 'obstacles'")

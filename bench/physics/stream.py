@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,6 +17,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.files import atomic_path
+from bench.forked import able
 from bench.parallel import a_few_at_once, in_processes, threads
 from bench.physics.memory import keep_freed
 from bench.physics.ours import is_ours
@@ -28,7 +30,7 @@ from bench.physics.simulator import Simulator
 from bench.physics.toml_file import to_toml
 from bench.physics.units import Floats
 from bench.recordings.motion import SPEED
-from bench.recordings.parquet import to_arrow
+from bench.recordings.parquet import lists, to_arrow
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
 if TYPE_CHECKING:
@@ -40,7 +42,7 @@ Chunk = tuple[Scene, int]
 """Rows to simulate at, and how many there are before them."""
 CHUNK = 16 * BLOCK
 MANY_ROWS = 100_000
-"""From so many on, processes (which take a second to start) are sooner done than threads."""
+"""From so many on, processes (which take up to a second to start) are sooner done than threads."""
 
 
 @dataclass
@@ -133,7 +135,8 @@ def _observed(
     Effects of the user's own stay in this process, which another might not find.
     """
     if many and threads() > 1 and _all_ours(simulator):
-        yield from in_processes(_observe, simulator, chunks, threads())
+        forks = able() and "torch" not in sys.modules  # whose threads no fork has
+        yield from in_processes(_observe, simulator, chunks, threads(), forks)
     else:
         yield from a_few_at_once(partial(_observe, simulator), chunks)
 
@@ -159,12 +162,11 @@ def _asks_for_speed(simulator: Simulator) -> bool:
 
 def _table(simulator: Simulator, frame: pd.DataFrame, made: Outcome) -> pa.Table:
     """Return the simulated recordings of a chunk as an Arrow table."""
-    text = to_toml(simulator)
-    return to_arrow(
-        Recordings(
-            made.table(frame), simulator.name, "simulated", simulator=text, seed=simulator.seed
-        )
+    plain, text = replace(made, cir=None).table(frame), to_toml(simulator)
+    table = to_arrow(
+        Recordings(plain, simulator.name, "simulated", simulator=text, seed=simulator.seed)
     )
+    return table if made.cir is None else table.append_column("cir", lists(made.cir))
 
 
 def ahead(items: Iterable[Item]) -> Generator[Item, None, None]:

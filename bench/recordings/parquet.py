@@ -68,8 +68,20 @@ def _to_array(name: str, column: pd.Series) -> pa.Array:
     if name not in CIR_COLUMNS:
         return pa.Array.from_pandas(column)
     sizes = np.fromiter((len(cell) for cell in column), np.int64, len(column))
+    return _lists(np.concatenate([np.empty(0, np.float32), *column], dtype=np.float32), sizes)
+
+
+def lists(cir: NDArray[np.float32]) -> pa.Array:
+    """Return CIRs of one length [n, S] as Arrow's list<float32>, a list per row."""
+    rows, samples = cir.shape
+    return _lists(np.ascontiguousarray(cir, np.float32).ravel(), np.full(rows, samples, np.int64))
+
+
+def _lists(values: NDArray[np.float32], sizes: NDArray[np.int64]) -> pa.Array:
+    """Return as many `values` as `sizes` say in one list after the other."""
+    import pyarrow as pa
+
     offsets = np.concatenate([[0], np.cumsum(sizes)])
-    values = np.concatenate([np.empty(0, np.float32), *column], dtype=np.float32)
     large = offsets[-1] > np.iinfo(np.int32).max
     kind = pa.LargeListArray if large else pa.ListArray
     offsets = offsets.astype(np.int64 if large else np.int32)

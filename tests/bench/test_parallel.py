@@ -18,6 +18,7 @@ import torch
 
 import bench
 from bench.errors import BenchError
+from bench.forked import able
 from bench.parallel import a_few_at_once, in_processes, obey, threads
 from zoo.none import NoMitigation
 
@@ -93,7 +94,7 @@ import signal, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
 from bench.parallel import in_processes
 print("run", flush=True)
-made = in_processes({work}, {shared}, [{item}] * 3, 2)
+made = in_processes({work}, {shared}, [{item}] * 3, 2, {forks})
 next(made)
 print("works", flush=True)
 list(made)
@@ -111,17 +112,26 @@ def script(tmp_path: Path, **words: str) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
-def test_a_script_needs_no_guard(tmp_path: Path) -> None:
+either = pytest.mark.parametrize(
+    "forks",
+    ["False", pytest.param("True", marks=pytest.mark.skipif(not able(), reason="no forks here"))],
+)
+
+
+@either
+def test_a_script_needs_no_guard(tmp_path: Path, forks: str) -> None:
     """Processes that start run a script again; this one would have started more, and failed."""
-    done = script(tmp_path, work="__import__('operator').add", shared="1", item="2")
+    add = "__import__('operator').add"
+    done = script(tmp_path, work=add, shared="1", item="2", forks=forks)
     assert (*done.communicate(timeout=60), done.returncode) == ("run\nworks\n", "", 0)
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no groups of processes here")
-def test_processes_end_without_a_word_when_interrupted(tmp_path: Path) -> None:
+@either
+def test_processes_end_without_a_word_when_interrupted(tmp_path: Path, forks: str) -> None:
     """Each printed a traceback of its own."""
-    asleep = "__import__('operator').call", "time.sleep", "1.5"
-    done = script(tmp_path, **dict(zip(("work", "shared", "item"), asleep, strict=True)))
+    call = "__import__('operator').call"
+    done = script(tmp_path, work=call, shared="time.sleep", item="1.5", forks=forks)
     assert done.stdout is not None
     while done.stdout.readline() != "works\n":
         pass

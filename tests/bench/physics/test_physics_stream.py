@@ -18,6 +18,7 @@ from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.rooms import Rooms
 from bench.recordings.io import read_recordings, write_recordings
 from bench.recordings.motion import with_radial_speed
+from bench.recordings.parquet import lists, to_arrow
 from bench.recordings.table import Recordings
 
 SIMULATOR = Simulator(effects=(DiffuseTail(), TimestampJitter()), seed=4, name="mine")
@@ -172,3 +173,11 @@ def test_no_geometry_is_said(tmp_path: Path) -> None:
     with pytest.raises(BenchError, match="no rows"):
         streaming.simulate_to(SIMULATOR, [], tmp_path / "out.parquet")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("samples", [0, 7])
+def test_cirs_of_a_block_are_written_like_those_of_rows(samples: int) -> None:
+    cir = np.arange(3 * samples, dtype=np.float32).reshape(3, samples)
+    made = pd.DataFrame({"range_m": np.ones(3), "cir": list(cir)})
+    assert to_arrow(Recordings(made, "mine"))["cir"].to_pylist() == lists(cir).to_pylist()
+    assert to_arrow(Recordings(made, "mine"))["cir"].type == lists(cir).type
