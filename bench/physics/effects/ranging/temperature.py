@@ -17,14 +17,16 @@ from bench.physics.ways import known_mostly
 TYPICAL_M, REFERENCE_C, SPAN_C = 0.05, 25.0, 20.0  # 2.15 mm per degree, at 20 degrees
 FARTHEST_C = 40.0  # from the temperature of the calibration
 WARM_UP_S = (200.0, 600.0, 1800.0, 5400.0)
+RELAXING_S = tuple(float(s) for s in np.geomspace(5, 20_000, 40))
 
 
 @dataclass(frozen=True)
 class TemperatureDrift(Effect):
     """Ranges grow by 2.15 mm per degree, and while the devices warm up.
 
-    Degrees over `reference_c` come from `temperature_c` where known. `warm_up_c` x
-    (1 - exp(-time / `warm_up_s`)) is added from `time_s`, for warming that is not recorded.
+    Degrees over `reference_c` come from `temperature_c`, 25 where that is not known. `warm_up_c` x
+    (1 - exp(-time / `warm_up_s`)) is added from `time_s`, for warming that is not recorded: what
+    was calibrated warm, its reference above, is off until it is.
     """
 
     name = "temperature-drift"
@@ -69,13 +71,15 @@ class TemperatureDrift(Effect):
     def like(cls, rows: Scene, shift_m: NDArray[np.float64]) -> dict[str, float]:
         """Return the slope and the reference of a line over the temperature, where it is known.
 
-        Both together: where it is cold, no slope about the default reference does any good.
+        Both together: where it is cold, no slope about the default reference does any good. Without
+        a temperature those of the likeliest warming.
         """
         warm = known_mostly(rows.number("temperature_c", np.nan))
-        if warm is None or not np.ptp(warm) or not np.ptp(shift_m):
+        time_s = known_mostly(rows.number("time_s", np.nan))
+        over = time_s if warm is None else warm
+        if over is None or not np.ptp(over) or not np.ptp(shift_m):
             return {}
-        slope, mean_m = np.polyfit(warm - warm.mean(), shift_m, 1)
-        line = {"slope_mm_per_c": 1000 * slope, "reference_c": warm.mean() - mean_m / slope}
+        line = _warming(over, shift_m) if warm is None else _line(over, shift_m)
         known = {item.name: item for item in cls.parameters()}
         return {o: float(np.clip(v, known[o].low, known[o].high)) for o, v in line.items()}
 
@@ -91,5 +95,30 @@ class TemperatureDrift(Effect):
         """Return the degrees over the reference [n]."""
         time_s = np.maximum(batch.rows.number("time_s", 0.0), 0)
         rise = self.warm_up_c * (1 - np.exp(-time_s / self.warm_up_s))
-        known = batch.rows.number("temperature_c", self.reference_c)
+        known = batch.rows.number("temperature_c", REFERENCE_C)
         return np.asarray(known - self.reference_c + rise)
+
+
+def _line(warm_c: Floats, shift_m: Floats) -> dict[str, float]:
+    """Return the slope and the reference of ranges [n] that follow a temperature [n]."""
+    slope, mean_m = np.polyfit(warm_c - warm_c.mean(), shift_m, 1)
+    return {"slope_mm_per_c": 1000 * slope, "reference_c": warm_c.mean() - mean_m / slope}
+
+
+def _warming(time_s: Floats, shift_m: Floats) -> dict[str, float]:
+    """Return the parameters of ranges [n] that relax over time [n], by `SPAN_C` degrees."""
+
+    def relaxing(tau_s: float) -> tuple[float, Floats]:
+        parts = np.stack([np.ones(len(time_s)), np.exp(-np.maximum(time_s, 0) / tau_s)], axis=1)
+        made = np.linalg.lstsq(parts, shift_m, rcond=None)[0]
+        return float(np.sum((shift_m - parts @ made) ** 2)), made
+
+    tau_s = min(RELAXING_S, key=lambda one: relaxing(one)[0])
+    warm_m, cold_m = relaxing(tau_s)[1]
+    slope = -cold_m / SPAN_C or 1e-9
+    return {
+        "slope_mm_per_c": 1000 * slope,
+        "reference_c": REFERENCE_C + SPAN_C - warm_m / slope,
+        "warm_up_c": SPAN_C,
+        "warm_up_s": tau_s,
+    }

@@ -16,6 +16,7 @@ from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.scene import Scene, scene
+from bench.physics.simulator import Simulator
 
 
 def cold(rows: int = 40) -> Scene:
@@ -32,6 +33,20 @@ def test_a_drift_is_like_a_line_over_the_temperature() -> None:
     assert like["reference_c"] == pytest.approx(-6)
     assert TemperatureDrift.like(rows, np.ones(len(rows))) == {}
     assert RangeScale.like(rows, shift) == {}
+
+
+@pytest.mark.parametrize(("warm_m", "cold_m"), [(0.0, 0.12), (0.04, -0.1)])
+def test_a_drift_is_like_what_relaxes_where_no_temperature_is_known(
+    warm_m: float, cold_m: float
+) -> None:
+    """What was calibrated warm is off at first: no rise from nothing does that."""
+    time_s = np.linspace(0, 700, 90)
+    rows = scene(pd.DataFrame({"true_range_m": np.full(90, 5.0), "time_s": time_s}))
+    shift = warm_m + cold_m * np.exp(-time_s / 150)
+    drift = TemperatureDrift(**TemperatureDrift.like(rows, shift))
+    made = Simulator(effects=(drift,)).observe(rows, cir=False)
+    plain = Simulator().observe(rows, cir=False)
+    np.testing.assert_allclose(made.range_m - plain.range_m, shift, atol=0.003)
 
 
 @pytest.mark.parametrize("better", [True, False])
