@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.settings import PAIRS_SHARE
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
-from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.columns import known_columns, numeric
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.data.own_link import far_off_their_link
 from bench.discrepancy.settings import NOISE_APART_DB
@@ -19,18 +19,35 @@ from bench.recordings.table import Recordings
 
 DEVICE_COLUMNS = ("tx", "rx")
 RANGE_M = "range_m"
+WAVES = ("cir", "first_path_index")
 PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "xyz")
 
 
-def counted(recorded: Recordings, simulated: Simulator | Recordings) -> tuple[str, ...]:
-    """Return how many rows of how many links each table has, and what was left out, in words."""
+def counted(
+    recorded: Recordings, simulated: Simulator | Recordings, waveforms: bool = True
+) -> tuple[str, ...]:
+    """Return how many rows of how many links each table has, and what was left out, in words.
+
+    Also why `waveforms` are, if they are asked for.
+    """
     lines = [f"recorded: {_words(recorded)}"]
     more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_noise(recorded.frame, simulated.frame))
         more.append(far_off_their_link(recorded, simulated))
+    more.append(_not_compared(recorded, simulated) if waveforms else "")
     return (*lines, *(words for words in more if words))
+
+
+def _not_compared(recorded: Recordings, simulated: Simulator | Recordings) -> str:
+    """Return, in words, what waveforms would need to be compared; "" where they are or none is."""
+    tables = [one for one in (recorded, simulated) if isinstance(one, Recordings)]
+    if not any(WAVES[0] in known_columns(one.frame) for one in tables):
+        return ""
+    lacking = ((one, [n for n in WAVES if n not in known_columns(one.frame)]) for one in tables)
+    words = [f"{one.source} has no {' and no '.join(names)}" for one, names in lacking if names]
+    return f"CIRs are not compared: {', '.join(words)}" if words else ""
 
 
 def _lone_rows(frame: pd.DataFrame) -> str:

@@ -163,7 +163,7 @@ def diagnose(
     keep_freed()
     asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
     check_tables(recorded, simulated, bool(asked.waveform))
-    numbers = counted(recorded, simulated)
+    numbers = counted(recorded, simulated, options is None or options.waveform is None)
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
     if isinstance(simulated, Recordings):
         simulated = replace(simulated, frame=cut_into_places(simulated.frame))

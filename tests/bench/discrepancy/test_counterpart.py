@@ -67,3 +67,17 @@ def test_links_of_one_row_are_said_to_hide_what_rows_have_in_common() -> None:
     found = counted(Recordings(alone, "mine"), Simulator(Base()))
     assert found[-1].startswith("every link has one row only: what rows of one run have in common")
     assert len(counted(Recordings(ROWS, "mine"), Simulator(Base()))) == 1
+
+
+def test_what_cirs_lack_to_be_compared_is_said() -> None:
+    """A table without the index of first paths was found alike, and nothing was said of its CIRs."""
+    whole = ROWS.assign(cir=[[1.0, 2.0]] * 3, first_path_index=0.5)
+    short = whole.drop(columns="first_path_index")
+    ours, theirs = Recordings(whole, "mine"), Recordings(short, "theirs")
+    words = "CIRs are not compared: theirs has no first_path_index"
+    assert words in counted(ours, theirs)
+    assert words in counted(theirs, Simulator(Base()))
+    assert words not in counted(ours, theirs, waveforms=False)
+    assert not any("CIRs" in line for line in counted(ours, ours))
+    bare = "CIRs are not compared: bare has no cir and no first_path_index"
+    assert bare in counted(Recordings(ROWS, "bare"), ours)
