@@ -9,17 +9,16 @@ responses, and small shifts over everything known, take part as what has no name
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.covariates import OF_DEVICES
 from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.select.flattened import Ranged, unsure_by_size
 from bench.discrepancy.select.row_weights import row_weights
 from bench.discrepancy.select.settings import (
     DETECTION_M,
@@ -29,26 +28,21 @@ from bench.discrepancy.select.settings import (
 )
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.select.stepwise import locate_left, loses
-from bench.discrepancy.sets.beside import varies
 from bench.discrepancy.sets.blocks import (
     OF_CLOCKS,
-    Blocks,
     deformed,
     kept_rows,
     named_kinds,
     of_laws,
     of_library,
     of_setup,
-    usual_levels,
 )
 from bench.discrepancy.sets.choice import Choice
-from bench.discrepancy.sets.choose import Contest, judged_by_sets
-from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.choose import judged_by_sets
 from bench.discrepancy.sets.install import installed
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import LAW_SIZE
 from bench.discrepancy.settings import (
-    MAD_TO_STD,
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effect import Effect
@@ -167,59 +161,22 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     if unlisted:
         forms = np.hstack([forms, unlisted_forms(rows)[known]])
     level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else left * np.nan
-    weights = row_weights(left[known], level[known], rows.links[known])
-    flat = whitening(weights[:, None] * forms, weights * left[known]) * weights
     library = kept_rows(of_library(ranged.kinds, rows), known)
     laws = kept_rows(of_laws(ranged.kinds, rows) | of_setup(rows), known)
-    raw, widest = library | laws, dict.fromkeys(laws, LAW_SIZE)
-    blocks = {name: tuple(flat @ part for part in block) for name, block in raw.items()}
-    evidence = Evidence(flat @ left[known], rows.links[known], blocks, widest)
-    evidence.offset_mean = False  # what a receiver makes of all rows is in the forms
     every = named_kinds(ranged.kinds, rows)
-    kinds = {name: every[name] for name in library}
-    crowding = ranged.comparison.crowding(rows) ** 2
-    contest = Flattened(evidence, kinds, crowding, rows, known, raw, flat, weights)
+    given = Ranged(
+        left[known], row_weights(left[known], level[known], rows.links[known]),
+        library | laws, dict.fromkeys(laws, LAW_SIZE), {name: every[name] for name in library},
+        ranged.comparison.crowding(rows) ** 2, rows, known,
+    )  # fmt: skip
+    contest = given.beside(forms)
     best = contest.settled()
+    best = replace(best, unsure=unsure_by_size(given, forms, contest, best))
     if forms.size:  # a detector may follow a column too
         likeliest = set(contest.physical(contest.able))
         return replace(best, forms_do=not unlisted and likeliest <= set(best.names))
     causes = (*best.names, *best.others)
     return replace(best, mistaken=mistaken(contest, causes, ranged.doubtful, ensemble))
-
-
-class Flattened(Contest):
-    """A contest on rows that `flat` [n, n] flattened; what causes do to ranges is said as it is.
-
-    `raw` has the parts of causes as they are; `weights` [n] are those of rows in `flat`.
-    """
-
-    def __init__(
-        self,
-        evidence: Evidence,
-        kinds: Mapping[str, type[Effect]],
-        crowding: float,
-        rows: View,
-        known: NDArray[np.intp],
-        raw: Blocks,
-        flat: Floats,
-        weights: Floats,
-    ) -> None:
-        super().__init__(evidence, kinds, crowding, rows, known, usual_levels(rows)[known])
-        self.weights = weights
-        self.raw = {name: np.hstack(block) for name, block in raw.items()}
-        self.flat = flat
-
-    def seen(self, columns: Floats) -> Floats:
-        """Return what flattened rows show of columns [n, k]."""
-        return np.asarray(self.flat @ columns)
-
-    def bare(self, cause: str) -> Floats:
-        """Return what a cause may do to the ranges of known rows [n, k], in metres."""
-        flat = super().bare(cause)  # all there is of a law made here
-        raw = self.raw.get(cause, flat)
-        if raw.shape[1] != flat.shape[1]:  # its constants are an antenna delay's
-            raw = raw[:, varies(self.seen(raw))]
-        return raw
 
 
 def receiver_forms(
@@ -267,14 +224,3 @@ def known_columns_of(rows: View, but: tuple[str, ...]) -> Floats:
     groups = rows.covariates.groups.items()
     columns += [mask.astype(np.float64) for name, mask in groups if not name.startswith(OF_DEVICES)]
     return np.stack(columns, axis=1)
-
-
-def whitening(forms: Floats, left_m: Floats) -> Floats:
-    """Return the matrix [n, n] that makes rows alike where `forms` [n, k] add to their scatter.
-
-    Every form has a normal factor of one; rows scatter as `left_m` [n] does.
-    """
-    scatter = max(MAD_TO_STD * float(np.median(np.abs(left_m - np.median(left_m)))), 1e-4)
-    ways, sizes, _ = np.linalg.svd(forms, full_matrices=False)
-    less = 1 - 1 / np.sqrt(1 + (sizes / scatter) ** 2)
-    return np.asarray(np.eye(len(left_m)) - (ways * less) @ ways.T)

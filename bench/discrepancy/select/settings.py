@@ -70,6 +70,7 @@ DETECTION_M: Final = (
 ALIKE_M: Final = 1e-3  # by which an effect moves ranges, below which it moves levels alone
 UNLISTED_M: Final = 0.5  # that a changed waveform of no known effect may shift a range [waves]
 DETECTION_SHARE: Final = 0.5  # of what an effect does to ranges, that depends on the detector
+FORM_SIZES: Final = (0.1, 0.3, 1.0)  # times all these, as forms may be: half decades
 
 # --- Weak signals scatter more (select/row_weights) -----------------------------------------------
 NOISE_PARTS: Final = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the variance, at the median level,

@@ -70,7 +70,7 @@ def test_links_of_one_row_are_said_to_hide_what_rows_have_in_common() -> None:
 
 
 def test_what_cirs_lack_to_be_compared_is_said() -> None:
-    """A table without the index of first paths was found alike, and nothing was said of its CIRs."""
+    """A table without the index of first paths was found alike without a word of its CIRs."""
     whole = ROWS.assign(cir=[[1.0, 2.0]] * 3, first_path_index=0.5)
     short = whole.drop(columns="first_path_index")
     ours, theirs = Recordings(whole, "mine"), Recordings(short, "theirs")

@@ -17,7 +17,8 @@ from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import range_part
 from bench.discrepancy.select.candidates import library, offered
-from bench.discrepancy.select.range_part import asked, chosen_beside, whitening, with_range_part
+from bench.discrepancy.select.flattened import whitening
+from bench.discrepancy.select.range_part import asked, chosen_beside, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
