@@ -30,7 +30,8 @@ from bench.physics.batch import Batch, altered
 from bench.physics.detection import edge_offset
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
-from bench.physics.own_noise import with_own_noise
+from bench.physics.own_base import noise_times, own_base
+from bench.physics.own_noise import unit_noise, with_own_noise
 from bench.physics.passed_over import begins
 from bench.physics.pipeline import Change, Pipeline
 from bench.physics.pulse import peak
@@ -67,6 +68,11 @@ class ForeignTable:
     def rows(self) -> Scene:
         """What is known of the rows. Raises BenchError where the true range is not."""
         return scene(self.frame, self.source)
+
+    @cached_property
+    def own(self) -> Base:
+        """The base at the table's own sample period."""
+        return own_base(self.base, self.rows)
 
     @cached_property
     def range_m(self) -> Floats:
@@ -119,7 +125,7 @@ class ForeignTable:
         if batch is None or kept != key:
             batch = self._detect(early, start, draws)
             self._detected[start] = key, batch
-        pipeline = Pipeline(effects, self.base.counted, self.base.detected)
+        pipeline = Pipeline(effects, self.own.counted, self.own.detected)
         return pipeline.ranged(batch, draws)
 
     @cached_property
@@ -132,7 +138,7 @@ class ForeignTable:
         phased = any(effect.with_phases for effect in early)
         part = slice(start, start + BLOCK)
         arriving = self.arriving(part, phased)
-        pipeline = Pipeline(early, self.receiver(part, arriving), self.base.detected)
+        pipeline = Pipeline(early, self.receiver(part, arriving), self.own.detected)
         return pipeline.detected(lambda: arriving, draws)
 
     def receiver(self, part: slice, arriving: Batch) -> Change:
@@ -140,17 +146,19 @@ class ForeignTable:
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
         peaks, edge, begin = self._peaks[part], arriving.free_gain, self._begin[part]
-        return partial(self._received, offset_db=offset_db, edge=edge, peaks=peaks, begin=begin)
+        return partial(
+            self._received, part=part, offset_db=offset_db, edge=edge, peaks=peaks, begin=begin
+        )
 
     def arriving(self, part: slice, phased: bool = False) -> Batch:
         """Return rows before the receiver: the CIR as a tail in sqrt(mW), or one path."""
-        batch = self.base.counted(self.base.paths(self.rows.slice(part.start, part.stop)))
+        batch = self.own.counted(self.own.paths(self.rows.slice(part.start, part.stop)))
         excess = ((self.range_m[part] - batch.rows.true_range_m) / C_M_PER_NS).astype(np.float32)
         batch = altered(batch, excess_ns=excess[:, None])
         if self.cir is None:
             given = batch.rows.number("first_path_power_dbm", np.nan)
             return batch.louder(np.nan_to_num(given - batch.level()))
-        scale = amplitude(self.base.power_offset_db) * there(batch.symbols)
+        scale = amplitude(self.own.power_offset_db) * there(batch.symbols)
         cir = self._phased[part] if phased else self.cir[part]
         return self._as_tail(batch, (cir / scale[:, None]).astype(np.complex64))
 
@@ -168,17 +176,30 @@ class ForeignTable:
         return np.asarray(whole.max(axis=1), np.float64)
 
     @cached_property
+    def _drawn(self) -> Complexes:
+        """Noise of power one for every CIR [n, K]."""
+        return unit_noise(self._peaks, 0 if self.cir is None else self.cir.shape[1])
+
+    @cached_property
     def _scaled(self) -> ScaledPeaks:
         """Whether the CIRs were scaled to one peak."""
         level, noise = (self.rows.number(n, np.nan) for n in ("rx_power_dbm", "noise_std"))
         return ScaledPeaks.of(self._peaks, level, noise)
 
     @cached_property
+    def _noise_times(self) -> float:
+        """How many times the noise that the table tells its samples have, in power."""
+        if self.cir is None or self._scaled.held:
+            return 1.0
+        stated = _noise_power(self.own.counted(self.own.paths(self.rows)))
+        return noise_times(absolute(self.cir), self._index(self.rows), stated)
+
+    @cached_property
     def _begin(self) -> Floats:
         """The sample of every CIR [n] before which the table's own detector finds no path."""
         if self.cir is None:
             return np.zeros(len(self.rows))
-        batch = self.base.counted(self.base.paths(self.rows))
+        batch = self.own.counted(self.own.paths(self.rows))
         noise = RAYLEIGH_STD * np.sqrt(_noise_power(batch) / 2)
         return begins(absolute(self.cir), there(batch.threshold) * noise, self._index(self.rows))
 
@@ -187,11 +208,11 @@ class ForeignTable:
 
         The path stays as a mark of where the first one arrives, with no power of its own.
         """
-        width = self.base.pulse_fwhm
+        width = self.own.pulse_fwhm
         centre = self._index(batch.rows) + edge_offset(width)
         column = np.clip(np.rint(centre).astype(np.intp), 0, taps.shape[1] - 1)
         edge = absolute(taps)[np.arange(len(taps)), column] / peak(width)
-        start = batch.excess_ns[:, 0] - centre * self.base.sample_period_ns
+        start = batch.excess_ns[:, 0] - centre * self.own.sample_period_ns
         return altered(
             batch,
             gain=np.zeros_like(batch.gain),
@@ -203,11 +224,12 @@ class ForeignTable:
 
     def _index(self, rows: Scene) -> Floats:
         """Return the first path's index in the table's CIRs [n]."""
-        return rows.number("first_path_index", float(self.base.cir_lead))
+        return rows.number("first_path_index", float(self.own.cir_lead))
 
     def _received(
         self,
         batch: Batch,
+        part: slice,
         offset_db: Floats,
         edge: Complexes | None,
         peaks: Floats,
@@ -218,18 +240,19 @@ class ForeignTable:
         `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge,
         `peaks` [n] its highest magnitude, `begin` [n] where the first path is looked for.
         """
-        batch = self.base.counted(batch)
+        batch = self.own.counted(batch)
         level = batch.level() + offset_db
         batch = altered(batch, level_dbm=level, nominal_symbols=batch.symbols, begin=begin)
-        power = _noise_power(batch)
+        power = _noise_power(batch) * self._noise_times
         batch = altered(batch, noise_power=power, as_given=True)
         if not batch.tail_fwhm:
             return batch
-        scale = (amplitude(self.base.power_offset_db) * there(batch.symbols)).astype(np.float32)
-        waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.base.pulse_fwhm)
+        scale = (amplitude(self.own.power_offset_db) * there(batch.symbols)).astype(np.float32)
+        waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.own.pulse_fwhm)
         waveform *= scale[:, None]
         if not self._scaled.held or self._scaled.with_noise:
-            waveform = with_own_noise(waveform, _louder_by(batch, edge), power)
+            drawn = self._drawn[part]
+            waveform = with_own_noise(waveform, _louder_by(batch, edge), power, drawn)
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch

@@ -48,7 +48,7 @@ class StackedTables:
         check_on_tables(effects)
         first, memory = self.tables[0], self.tables[0].memory
         draws = StackedDraws(seed, replicates[0], "base", 0, tuple(replicates), self.scenes, memory)
-        pipeline = Pipeline(effects, first.base.counted, first.base.detected)
+        pipeline = Pipeline(effects, first.own.counted, first.own.detected)
         changed = split(pipeline.ranged(self._detected(effects, draws), draws), self.scenes)
         pairs = zip(self.tables, changed, strict=True)
         return [table.outcome(0, batch, table.plain[0], cir) for table, batch in pairs]
@@ -73,7 +73,7 @@ class StackedTables:
             pairs = zip(receivers, split(batch, self.scenes), strict=True)
             return joined([received(own) for received, own in pairs], self.rows)
 
-        pipeline = Pipeline(early, receive, self.tables[0].base.detected)
+        pipeline = Pipeline(early, receive, self.tables[0].own.detected)
         return pipeline.detected(lambda: arriving, draws)
 
     @cached_property

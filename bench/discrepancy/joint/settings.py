@@ -24,6 +24,8 @@ DECIBELS: Final = {
     "early_scatter": 20.0,
 }
 # observables that are compared by their logarithm, and how many decibels a decade is [convention]
+LEAST_LOGGED: Final = 1e-3  # of the median, that such a value counts at least: none is zero
+LEAST_UNIT: Final = 1e-12  # of such a median, in counts of whatever scale [rounding]
 KEPT: Final = 500  # statistics of sets that are remembered (changes nothing but time)
 WEIGHED: Final = 4  # sets to weigh, from which on forks do it sooner (changes nothing but time)
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]

@@ -24,6 +24,7 @@ from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.covariances import Covariances, shrunk
+from bench.discrepancy.joint.decades import decades
 from bench.discrepancy.joint.row_likelihood import rows_nats
 from bench.discrepancy.joint.settings import (
     DECIBELS,
@@ -253,8 +254,7 @@ class Statistics:
         values = np.array(made.versions[:, :, places])
         for column, name in enumerate(self.names):
             if name in DECIBELS:
-                decade = DECIBELS[name]
-                values[..., column] = decade * np.log10(np.maximum(values[..., column], 1e-3))
+                values[..., column] = DECIBELS[name] * decades(values[..., column])
         return values
 
     def _compared(self, values: Floats) -> Moments:

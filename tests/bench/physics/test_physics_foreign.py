@@ -78,7 +78,7 @@ def test_all_paths_can_be_moved_and_weakened(table: ForeignTable) -> None:
     np.testing.assert_allclose(made.range_m - table.range_m, 0.1, atol=1e-4)
     np.testing.assert_allclose(made.cir, np.stack(frame["cir"]), rtol=1e-3, atol=1)
     weaker = table.observe((PathLoss(offset_db=6.0),))
-    np.testing.assert_allclose(weaker.rx_power_dbm, table.frame["rx_power_dbm"] - 6, atol=0.02)
+    np.testing.assert_allclose(weaker.rx_power_dbm, table.frame["rx_power_dbm"] - 6, atol=0.05)
 
 
 def test_reflections_and_tails_are_added_to_the_cir(table: ForeignTable) -> None:

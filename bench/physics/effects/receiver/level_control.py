@@ -74,7 +74,8 @@ class LevelControl(Effect):
         noise = scaled(batch.noise, np.sqrt(longer).astype(np.float32))
         waveform = scaled(batch.waveform, signal)
         if batch.as_given and power is not None:  # noise is in a table's samples: no gain moves it
-            waveform = with_own_noise(waveform, signal / np.sqrt(longer), power)
+            drawn = draws.complex_normal(*waveform.shape)
+            waveform = with_own_noise(waveform, signal / np.sqrt(longer), power, drawn)
         return altered(made, waveform=waveform, noise=noise)
 
     def _deviation_db(self, level_dbm: Floats) -> Floats:
