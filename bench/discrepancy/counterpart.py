@@ -7,6 +7,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.settings import PAIRS_SHARE
+from bench.discrepancy.compare.shared import unseen
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
 from bench.discrepancy.data.columns import known_columns, numeric
@@ -36,8 +37,18 @@ def counted(
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_noise(recorded.frame, simulated.frame))
         more.append(far_off_their_link(recorded, simulated))
+        more.append(_put_aside(recorded.frame, simulated.frame))
     more.append(_not_compared(recorded, simulated) if waveforms else "")
     return (*lines, *(words for words in more if words))
+
+
+def _put_aside(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
+    """Return, in words, which categories no simulated row has; "" where links are the same."""
+    ours, theirs = (
+        set(f["link"].astype(str)) if "link" in f else None for f in (recorded, simulated)
+    )
+    lone = "" if ours and theirs and ours <= theirs else unseen(recorded, simulated)
+    return f"no simulated row has {lone}: these recorded rows take no part" if lone else ""
 
 
 def _not_compared(recorded: Recordings, simulated: Simulator | Recordings) -> str:

@@ -38,3 +38,4 @@ SAME_M: Final = 1e-6  # by which they may be off: rounding [derived]
 # --- Constants (ensemble, locate/permutation_test) -----------------------------------------------
 ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off it [derived]
 LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]
+UNSEEN_NAMED: Final = 3  # categories that are listed (changes nothing but words)

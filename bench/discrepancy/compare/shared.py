@@ -22,6 +22,7 @@ from bench.discrepancy.compare.settings import (
     FAR_STD,
     LEAST_OVERLAP,
     LEAST_STD,
+    UNSEEN_NAMED,
 )
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.settings import MOST_CATEGORIES
@@ -72,6 +73,21 @@ def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> S
         if name not in DEVICES:
             unknown |= ~np.isin(ours, values)
     return Shared(np.hstack(left), np.hstack(right), names, unknown)
+
+
+def unseen(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
+    """Return, in words, which categories of recorded rows no simulated row has; "" without any.
+
+    Such rows have no counterpart. Devices and rooms that are all others are no categories.
+    """
+    words = []
+    for name, (ours, theirs) in _categories(recorded, simulated).items():
+        lone = sorted(set(ours) - set(theirs))
+        if lone and name not in DEVICES and set(ours) & set(theirs):
+            rows = int(np.isin(ours, lone).sum())
+            what = ", ".join(value or "none" for value in lone[:UNSEEN_NAMED])
+            words.append(f"{name} {what}{' ...' if lone[UNSEEN_NAMED:] else ''} ({rows} rows)")
+    return "; ".join(words)
 
 
 def kinds(recorded: pd.DataFrame, simulated: pd.DataFrame) -> NDArray[np.intp]:

@@ -81,3 +81,14 @@ def test_what_cirs_lack_to_be_compared_is_said() -> None:
     assert not any("CIRs" in line for line in counted(ours, ours))
     bare = "CIRs are not compared: bare has no cir and no first_path_index"
     assert bare in counted(Recordings(ROWS, "bare"), ours)
+
+
+def test_categories_that_no_simulated_row_has_are_said() -> None:
+    """Links without sight had been put aside where the simulator knows sight alone."""
+    ours = Recordings(ROWS.assign(los=[True, False, True]), "mine")
+    theirs = Recordings(ROWS.assign(los=True, link="c"), "theirs")
+    words = "no simulated row has los False (1 rows): these recorded rows take no part"
+    assert words in counted(ours, theirs)
+    assert not any("take no part" in line for line in counted(theirs, ours))
+    blind = Recordings(ROWS.assign(los=False, link="c"), "blind")
+    assert not any("take no part" in line for line in counted(theirs, blind))  # of none: no column
