@@ -118,14 +118,14 @@ def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | Non
     begun = fitted(given, effects)
     if begun is None or not len(shares(effects)):
         return begun
-    best = _as_logged(given, _in_rounds(given, begun, steps, ()), steps)
+    best = _as_logged(given, in_rounds(given, begun, steps, ()), steps)
     held = [place for place, rare in enumerate(_seldom(effects)) if rare]
     if not shares(best.effects)[held].any():
         return best
     at = shares(effects)
     at[held] = 0
     plain = fitted(given, with_shares(effects, at))
-    others = [_in_rounds(given, plain, steps, held)] if plain else []
+    others = [in_rounds(given, plain, steps, held)] if plain else []
     return max([best, *others], key=lambda fit: fit.nats)
 
 
@@ -150,7 +150,7 @@ def _as_logged(given: Statistics, fit: Fit, steps: int) -> Fit:
     other = fitted(given, tuple(map(other_log, fit.effects)))
     if other is None or other.nats <= fit.nats:
         return fit
-    return _in_rounds(given, other, steps, ())
+    return in_rounds(given, other, steps, ())
 
 
 def other_log(effect: Effect) -> Effect:
@@ -165,7 +165,7 @@ def _seldom(effects: Added) -> list[bool]:
     return [p.name == type(e).seldom for e in effects for p in free_parameters(type(e))]
 
 
-def _in_rounds(given: Statistics, best: Fit, steps: int, held: Sequence[int]) -> Fit:
+def in_rounds(given: Statistics, best: Fit, steps: int, held: Sequence[int]) -> Fit:
     """Return a fit on from `best`; one whose last step gained a name goes on with new slopes.
 
     The parameters in the places `held` stay as they are.

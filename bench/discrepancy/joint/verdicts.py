@@ -13,6 +13,7 @@ from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
+from bench.discrepancy.joint.at_null import needed
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.joint.sizes import sizes_seen
@@ -223,7 +224,7 @@ def _objection(
         return f"it is there too in {option.control.words}"
     if untold(option) and not shown:
         return "none of its values is told from zero"
-    if words := unused(option.effect) or _idle(option) or taken_away(option.effect):
+    if words := unused(option.effect) or _idle(search, added, option) or taken_away(option.effect):
         return words
     wider = first.name in choice.scattering and not shown
     if not wider or type(option.effect).essential:
@@ -261,12 +262,20 @@ def taken_away(effect: Effect) -> str:
     )
 
 
-def _idle(option: LeftOut) -> str:
-    """Return what is wrong with an essential parameter, in words, "" where nothing is."""
+def _idle(search: Search, added: Added, option: LeftOut) -> str:
+    """Return what is wrong with an essential parameter, in words, "" where nothing is.
+
+    Of one whose interval holds nothing it is asked what the set is without it.
+    """
     kind = type(option.effect)
     wanted = {p.name: p for p in kind.parameters() if p.name in kind.essential}
-    found = (idle(wanted[one.name], one) for one in option.parameters if one.name in wanted)
-    return next((words for words in found if words), "")
+    for one in (found for found in option.parameters if found.name in wanted):
+        words = idle(wanted[one.name], one)
+        if words and needed(search, added, option.effect, one.name):
+            words = idle(wanted[one.name], one, needed=True)
+        if words:
+            return words
+    return ""
 
 
 def _alike(turn: Round, effect: Effect) -> int:

@@ -21,11 +21,15 @@ def _close(item: Parameter) -> float:
     return ESSENTIAL_SHARE * (item.high - item.low)
 
 
-def idle(item: Parameter, found: ParameterEstimate) -> str:
-    """Return in words whether a parameter may do nothing, or would go beyond physics, else ""."""
+def idle(item: Parameter, found: ParameterEstimate, needed: bool = False) -> str:
+    """Return in words whether a parameter may do nothing, or would go beyond physics, else "".
+
+    `needed`: evidence says that it does something, whatever its interval.
+    """
     null, close = _along(item, float(item.null or 0.0)), ESSENTIAL_SHARE
     value, low, high = (_along(item, one) for one in (found.value, found.low, found.high))
-    if not found.determined or abs(value - null) < close or low <= null <= high:
+    none = not found.determined or abs(value - null) < close or low <= null <= high
+    if none and not needed:
         return f"without its {item.name} it would do as well"
     if min(value, 1 - value) < close:
         return f"only with its {item.name} at the bound of physics"

@@ -55,12 +55,12 @@ def test_a_fit_without_it_is_kept_where_it_is_likelier(monkeypatch: pytest.Monke
     given = beside(PulseRinging(ring_db=-12.0, ring_delay_ns=7.0))
     astray = fitted(given, (PulseRinging(ring_db=-12.0, ring_delay_ns=7.0, again=0.9),))
     assert astray
-    rounds = polish._in_rounds
+    rounds = polish.in_rounds
 
     def led_astray(given: Statistics, best: Fit, steps: int, held: list[int]) -> Fit:
         return rounds(given, best, steps, held) if held else astray
 
-    monkeypatch.setattr(polish, "_in_rounds", led_astray)
+    monkeypatch.setattr(polish, "in_rounds", led_astray)
     fit = polished(given, (BEGUN,))
     assert fit
     assert fit.nats > astray.nats

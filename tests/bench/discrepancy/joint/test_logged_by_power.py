@@ -19,6 +19,6 @@ def _fit(effects):
 @pytest.mark.parametrize(("again", "logged"), [(False, 1.0), (True, 0.0)])
 def test_the_log_of_a_table_is_read_as_is_likelier(again, logged, monkeypatch) -> None:
     monkeypatch.setattr(polish, "fitted", lambda _, effects: _fit(effects))
-    monkeypatch.setattr(polish, "_in_rounds", lambda _, fit, *__: fit)
+    monkeypatch.setattr(polish, "in_rounds", lambda _, fit, *__: fit)
     made = polish._as_logged(SimpleNamespace(by_rows=again), _fit((TONE,)), 5)
     assert made.effects[0].power_logged == logged

@@ -1,0 +1,45 @@
+"""Whether a set needs a parameter of an effect: how likely it is with that where it does nothing.
+
+Intervals are as wide as slopes and valleys leave them; where another parameter does nearly the same
+(an offset of levels beside their slope), the evidence tells more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.fit.starts import free_parameters
+from bench.discrepancy.joint.polish import Fit, fitted, in_rounds
+from bench.discrepancy.joint.rows import compared_rows
+from bench.discrepancy.joint.settings import NAME_NATS, STEPS
+from bench.discrepancy.joint.sizes import on_waveforms
+from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.select.state import Search
+from bench.physics.effect import Effect
+
+
+def needed(search: Search, added: Added, effect: Effect, name: str) -> bool:
+    """Return whether the waveforms of a search need a parameter of an effect (see `needs`)."""
+    waves = tuple(one for one in added if on_waveforms(one))
+    return needs(Statistics(search.comparison, compared_rows(search)), waves, effect, name)
+
+
+def needs(given: Statistics, waves: Added, effect: Effect, name: str) -> bool:
+    """Return whether effects are less likely by a name with one parameter of one at its null."""
+    item = next(one for one in free_parameters(type(effect)) if one.name == name)
+    off = replace(effect, **{name: float(item.null or 0.0)})
+    without = tuple(off if one.name == effect.name else one for one in waves)
+    whole, begun = (fitted(given, one) for one in (waves, without))
+    if whole is None or begun is None:
+        return False
+    rest = in_rounds(given, begun, STEPS, [_place(begun, effect.name, name)])
+    return whole.nats - rest.nats >= NAME_NATS
+
+
+def _place(fit: Fit, effect: str, name: str) -> int:
+    """Return where among the free parameters of a set one of an effect is."""
+    every = [(one.name, p.name) for one in fit.effects for p in free_parameters(type(one))]
+    return int(np.flatnonzero([one == (effect, name) for one in every])[0])
