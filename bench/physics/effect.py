@@ -21,7 +21,7 @@ and registers it under the entry-point group `bench.effects`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from math import isfinite
 from typing import Any, ClassVar, Literal, cast
@@ -161,7 +161,8 @@ class Effect(ABC):
     as a time shift: nothing of the radio, but of how it was measured. `essential`: parameters
     without which it is another effect; `essential_with_cir`, `essential_on_paths`: more of them,
     where waveforms are compared, and where they are not. `instead`: parameters any of which does
-    for all of these. `held`: fields beside these that no search over parameters changes.
+    for all of these. `held`: fields beside these that no search over parameters changes. `begins`:
+    other values of parameters, from which a search in waveforms begins as from the defaults.
     """
 
     name: ClassVar[str]
@@ -191,6 +192,7 @@ class Effect(ABC):
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""
     seldom: ClassVar[str] = ""
+    begins: ClassVar[tuple[Mapping[str, float], ...]] = ()
     adds: ClassVar[str] = ""
     everywhere: ClassVar[bool] = False
     stackable: ClassVar[bool] = False

@@ -61,6 +61,19 @@ def starts(kind: type[Effect], thorough: bool, several: bool) -> list[dict[str, 
     return out if amplitudes else out + _scattered(free, count)
 
 
+def begun(kind: type[Effect]) -> list[dict[str, float]]:
+    """Return points along the first amplitude from where else a search begins."""
+    free = free_parameters(kind)
+    defaults = {p.name: p.default for p in free}
+    first = [p for p in free if p.null is not None][:1]
+    return [
+        defaults | dict(begin) | {p.name: inside(p, between(p, float(p.null or 0), p.high, step))}
+        for begin in kind.begins
+        for p in first
+        for step in _steps(p, LINE_STEPS)
+    ]
+
+
 def _scattered(free: tuple[Parameter, ...], count: int) -> list[dict[str, float]]:
     """Return points spread evenly over all bounds, by ratio where these span decades.
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.search import valued
-from bench.discrepancy.fit.starts import delayed, elsewhere, free_parameters, onsets, starts
+from bench.discrepancy.fit.starts import begun, delayed, elsewhere, free_parameters, onsets, starts
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
-from bench.discrepancy.joint.polish import Fit, fitted
-from bench.discrepancy.joint.settings import TAIL, TOUCHES, TRIED_BESIDE
+from bench.discrepancy.joint.polish import Fit, fitted, polished
+from bench.discrepancy.joint.settings import ALIKE, BEGUN, FITTED_ON, TAIL, TOUCHES, TRIED_BESIDE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.errors import BenchError
 from bench.forked import in_forks
@@ -61,14 +61,39 @@ class Screen:
         points = starts(kind, False, True)
         made = self._points(kind, points)
         much = [one.nats < self._nothing if one else None for one in made]
-        made += self._points(kind, onsets(kind, points, much))
+        made += self._points(kind, onsets(kind, points, much) + begun(kind))
         found = [one for one in made if one]
         if not found:
             return []
         best = max(found, key=lambda one: one.nats).effect
-        begun = dict.fromkeys((best, _alone(best)))
-        more = [v for one in begun for v in elsewhere(kind, one, False) + delayed(kind, one)]
-        return found + [one for one in self._points(kind, more) if one]
+        around = dict.fromkeys((best, _alone(best), *_varied(best)))
+        more = [v for one in around for v in elsewhere(kind, one, False) + delayed(kind, one)]
+        found += [one for one in self._points(kind, more) if one]
+        return found + self._fitted_on(self.unlike(found, FITTED_ON))
+
+    def _fitted_on(self, points: Iterable[Tried]) -> list[Tried]:
+        """Return points fitted on from where they are: few parameters lie on the lines tried."""
+        fits = (polished(self.given, (*self.start, one.effect)) for one in points)
+        kept = [fit.effects[-1] for fit in fits if fit]
+        made = ((one, self.given.mean((*self.start, one))) for one in kept)
+        able = (self._point(one, mean) for one, mean in made)
+        return [one for one in able if one]
+
+    def unlike(self, points: Iterable[Tried], count: int) -> list[Tried]:
+        """Return the likeliest points that do unlike things, likeliest first: `count` at most.
+
+        A fit that begins where another did ends there.
+        """
+        out: list[Tried] = []
+        ways: list[Floats] = []
+        for one in sorted(points, key=lambda one: -one.nats):
+            way = white(self._flat, one.response).ravel()
+            way = way / max(float(np.linalg.norm(way)), 1e-9)
+            if all(float(way @ other) < ALIKE for other in ways):
+                out, ways = [*out, one], [*ways, way]
+            if len(out) == count:
+                break
+        return out
 
     def _points(self, kind: type[Effect], many: Iterable[dict[str, float]]) -> list[Tried | None]:
         """Return points, None where one cannot be simulated or changes nothing."""
@@ -103,6 +128,11 @@ class Screen:
         """Return the likeliest point of every effect, likeliest first."""
         best = [max(points, key=lambda one: one.nats) for points in self.points.values()]
         return sorted(best, key=lambda one: -one.nats)
+
+    def begun(self, count: int) -> list[Effect]:
+        """Return where fits of the `count` likeliest effects begin, at unlike points of each."""
+        names = [one.effect.name for one in self.singly()[:count]]
+        return [one.effect for n in names for one in self.unlike(self.points[n], BEGUN)]
 
     def beside(self, effects: Added) -> list[Tried]:
         """Return the likeliest point of every other effect beside a set, likeliest first."""
@@ -157,3 +187,9 @@ def _alone(effect: Effect) -> Effect:
     off = {p.name: float(p.null or 0.0) for p in amplitudes[1:]}
     values = {p.name: float(getattr(effect, p.name)) for p in free_parameters(type(effect))}
     return valued(type(effect), values | off)
+
+
+def _varied(effect: Effect) -> list[Effect]:
+    """Return an effect with the values from where else a search begins, its level as it is."""
+    values = {p.name: float(getattr(effect, p.name)) for p in free_parameters(type(effect))}
+    return [valued(type(effect), values | dict(one)) for one in type(effect).begins[:2]]

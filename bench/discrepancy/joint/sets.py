@@ -184,8 +184,9 @@ class Sets:
 
     def _grow(self) -> None:
         """Fit the likeliest sets of one, two, three ... effects more."""
-        first = [one.effect for one in self.screen.singly()[:POLISHED]]
-        beam = self._fit([(*self.start.effects, effect) for effect in first])
+        first = self.screen.begun(POLISHED)
+        self._fit([(*self.start.effects, effect) for effect in first])
+        beam = [fit for fit in self.fits.values() if fit is not self.start]
         for width in BEAM[: MOST - 1]:
             known = max(fit.nats for fit in self.fits.values())
             followed = sorted(beam, key=lambda fit: -fit.nats)[:width]

@@ -45,6 +45,9 @@ FEWEST_ALIKE: Final = 4  # links of a group, and outside, to ask whether it diff
 ACTS: Final = 0.05  # decibels or ns, below which a response is none [convention]
 TOUCHES: Final = 4.0  # squared scatters over all links, that an effect must move to be tried
 
+FITTED_ON: Final = 4  # points of an effect that do unlike things, fitted on few rows [cost]
+ALIKE: Final = 0.9  # of a correlation, from where on two points do the same [convention]
+BEGUN: Final = 2  # such points, from which an effect is fitted on all rows [cost]
 TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
 STARTED: Final = 8  # forms of what is marked that are fitted in full [cost]
 REFITTED: Final = 2  # steps of a fit that others began [cost]

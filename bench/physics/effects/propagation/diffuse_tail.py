@@ -46,6 +46,13 @@ class DiffuseTail(Effect):
     signature = "slope and level of the median log power-delay profile; RMS delay spread"
     needs = (("cir",),)
     resembles = "specular-reflections"
+    begins = tuple(
+        # one dense cluster that follows the straight path: other simulators' tails are as plain
+        {"distance_exponent": 2.0, "ray_decay_ns": decay_ns, "cluster_rate": 0.001}
+        | {"cluster_sigma_db": 0.0, "static": kept, "room_scaling": 0.0}
+        for decay_ns in (8.0, 15.0, 28.0)
+        for kept in (0.2, 0.7)
+    )
 
     level_db: float = parameter(-14, "dB", -60, 3, "total power over free space at 1 m", null=-60)
     distance_exponent: float = parameter(0.5, "1", 0, 6, "how the level falls with distance")

@@ -41,6 +41,7 @@ class PulseRinging(Effect):
     dies_away = True
     at_one_delay = True
     seldom = "again"
+    begins = ({"on_top": 1.0}, {"on_top": 1.0, "first_alone": 1.0})
 
     ring_db: float = parameter(-60, "dB", -60, 6, "echo over the path itself, in energy", null=-60)
     ring_delay_ns: float = parameter(2.9, "ns", 0.5, 40, "of the echo")
