@@ -28,10 +28,19 @@ def simulated_samples(
 
     `number` is that of the version: the same number gives the same random numbers.
     """
+    made = simulated_record(comparison, view, added, number)
+    return None if made is None else made[0]
+
+
+def simulated_record(
+    comparison: Comparison, view: View, added: Added, number: int
+) -> tuple[Samples, Floats] | None:
+    """Return `simulated_samples` and the noise [n] that is logged with them, in counts."""
     if not isinstance(comparison, Resimulation | TableComparison):
         return None
     made = comparison.outcome(view, added, number)
     if made.cir is None or made.first_path_index is None:
         return None
     period: NDArray[np.float64] = np.full(len(made), made.sample_period_ns)
-    return around(made.cir, made.first_path_index, period, comparison.window)
+    samples = around(made.cir, made.first_path_index, period, comparison.window)
+    return samples, np.asarray(made.noise_std, np.float64)

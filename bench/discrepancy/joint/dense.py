@@ -17,7 +17,7 @@ import numpy as np
 from bench.discrepancy.compare.records import Samples
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.joint.grain import Grain, within, zones_of
-from bench.discrepancy.joint.quiet import mean_known
+from bench.discrepancy.joint.quiet_moments import mean_known
 from bench.discrepancy.joint.settings import CLASS_NATS, DENSE_SHARE, GRAIN_LEAST, GRAIN_ZONES_NS
 from bench.discrepancy.joint.statistics import Floats
 

@@ -22,7 +22,7 @@ from scipy.stats import chi2
 
 from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.joint.quiet import error_of, mean_known, moments_of, ratio_of
+from bench.discrepancy.joint.quiet_moments import error_of, mean_known, moments_of, ratio_of
 from bench.discrepancy.joint.settings import (
     GRAIN_ABOUT,
     GRAIN_ALIKE,

@@ -6,22 +6,36 @@ power beside it takes K^2 / (1 + K)^2 off (Rice 1945), half as much where two to
 beat, and a louder noise nothing. So a set with a tone is likelier, or less likely, than one with a
 noise floor of the same power by how much the recorded samples have of that. The square of the mean
 is of pairs of samples that are too far apart for the colour of noise to make them alike. Both are
-summed over rows, so that the few samples before the path are enough.
+summed over rows, so that the few samples before the path are enough. Where another tool logs by how
+much they scatter, that log tells the same (see `quiet_moments`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bench.discrepancy.compare.records import recorded_samples, simulated_samples
+from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_record
 from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import NOISE
+from bench.discrepancy.joint.own_log import logs_scatter
+from bench.discrepancy.joint.quiet_moments import (
+    early_samples,
+    error_of,
+    log_moments,
+    loud_moments,
+    mean_known,
+    ratio_of,
+)
 from bench.discrepancy.joint.settings import (
-    COLOUR_SAMPLES,
+    CLASS_NATS,
     KEPT,
+    MODULATED,
     QUIET_EARLY,
     QUIET_ERROR,
     QUIET_FEWEST,
@@ -29,21 +43,32 @@ from bench.discrepancy.joint.settings import (
     QUIET_MEMBERS,
     QUIET_MOST_NATS,
     QUIET_SMOOTH,
+    SCATTER_LOGGED,
     STEADY_PARTS,
 )
 from bench.discrepancy.joint.statistics import Floats, Statistics
-from bench.discrepancy.joint.tone_or_noise import with_floor
-from bench.discrepancy.settings import NOISE_BEFORE_NS
+from bench.discrepancy.joint.tone_or_noise import scatter_logged, with_floor
 from bench.physics.memory import Memory
 
 
 @dataclass(frozen=True)
 class Heard:
-    """Recorded rows: which samples are `quiet` [K], their ratio and its standard error."""
+    """Recorded rows: which samples are `quiet` [K], and those before the path beside a log [K].
+
+    None of the latter where no log tells how much noise scatters. `ratios` [m]: that of quiet
+    samples, and that of what is logged where something is; `errors` [m]: their standard errors.
+    """
 
     quiet: NDArray[np.bool_]
-    ratio: float
-    error: float
+    beside_log: NDArray[np.bool_]
+    ratios: Floats
+    errors: Floats
+
+
+Figures = Sequence[Floats]
+"""Moments [n, 2] of the quiet samples of rows, and of what is logged of them where it is."""
+Record = tuple[Samples, Floats]
+"""Samples of rows, and the noise [n] that is logged with them."""
 
 
 class Quiet:
@@ -51,7 +76,7 @@ class Quiet:
 
     def __init__(self, given: Statistics) -> None:
         self.given = given
-        self._ratios: Memory[float] = Memory(KEPT)
+        self._ratios: Memory[Floats] = Memory(KEPT)
         self._heard = self._listened()
 
     def nats(self, effects: Added) -> float:
@@ -62,52 +87,90 @@ class Quiet:
         floor = with_floor(effects)
         if self._heard is None or floor == effects:
             return 0.0
-        before, after = self._ratio(floor, self._heard), self._ratio(effects, self._heard)
-        return speaks(self._heard.ratio - before, after - before, self._heard.error)
+        before, after = (self._ratio(one, self._heard) for one in (floor, scatter_logged(effects)))
+        told = np.abs(before[1:] - 1) < SCATTER_LOGGED  # in simulated samples with effects, too
+        some = slice(1 + np.count_nonzero(told))
+        left, tone = self._heard.ratios - before, after - before
+        return agreed(left[some], tone[some], self._heard.errors[some])
 
     def _listened(self) -> Heard | None:
         """Return the recorded rows as heard, None where too few samples are quiet."""
         given = self.given
         recorded = recorded_samples(given.comparison, given.rows)
-        bare = simulated_samples(given.comparison, given.rows, given.beside, 0)
-        if recorded is None or bare is None:
+        bare = self._bare() if recorded is not None else []
+        if recorded is None or not bare:
             return None
-        quiet = quiet_samples(*recorded) & quiet_samples(*bare)
-        if quiet.sum() < QUIET_FEWEST:
-            quiet = early_samples(recorded[1]) & early_samples(bare[1])
+        (magnitude, delay), _ = bare[0]
+        early = early_samples(recorded[1]) & early_samples(delay)
+        quiet = quiet_samples(*recorded) & quiet_samples(magnitude, delay)
+        quiet = quiet if quiet.sum() >= QUIET_FEWEST else early
         if quiet.sum() < QUIET_EARLY:
             return None
-        ours, theirs = (loud_moments(samples[0][:, quiet]) for samples in (recorded, bare))
-        own = error_of(np.unique(theirs, axis=0)) ** 2 / QUIET_MEMBERS
-        links = given.of_links(ours) * given.count[:, None]  # sums: the ratio is of all rows
-        square = error_of(links) ** 2 + own + QUIET_ERROR**2
-        return Heard(quiet, ratio_of(ours), float(np.sqrt(square)))
+        return self._heard_by(quiet, early & logs_scatter(given), recorded, bare)
 
-    def _ratio(self, added: Added, heard: Heard) -> float:
-        """Return the mean ratio of quiet samples of simulated rows with effects."""
+    def _bare(self) -> list[Record]:
+        """Return simulated versions as they are, with what is logged; none without samples."""
+        made = (self._record((), number) for number in range(QUIET_MEMBERS))
+        return [one for one in made if one is not None]
+
+    def _record(self, added: Added, number: int) -> Record | None:
+        given = self.given
+        return simulated_record(given.comparison, given.rows, (*given.beside, *added), number)
+
+    def _heard_by(
+        self,
+        quiet: NDArray[np.bool_],
+        beside_log: NDArray[np.bool_],
+        recorded: Samples,
+        bare: Sequence[Record],
+    ) -> Heard:
+        """Return recorded rows as heard, with errors of theirs and of simulated rows."""
+        logged = numeric(self.given.rows.frame, NOISE)
+        ours = _figures((recorded, logged), quiet, beside_log)
+        theirs = _figures_of(bare, quiet, beside_log)
+        own = [error_of(np.unique(one, axis=0)) for one in theirs]
+        links = [self.given.of_links(one) * self.given.count[:, None] for one in ours]  # sums
+        square = [error_of(one) ** 2 + QUIET_ERROR**2 for one in links]
+        return Heard(quiet, beside_log, _ratios(ours), np.hypot(np.sqrt(square), own))
+
+    def _ratio(self, added: Added, heard: Heard) -> Floats:
+        """Return the mean ratios [m] of simulated rows with effects."""
         return self._ratios.get(added, lambda: self._simulated(added, heard))
 
-    def _simulated(self, added: Added, heard: Heard) -> float:
-        given, every = self.given, []
-        for number in range(QUIET_MEMBERS):
-            effects = (*given.beside, *added)
-            made = simulated_samples(given.comparison, given.rows, effects, number)
-            assert made is not None  # the bare rows have samples
-            every.append(loud_moments(made[0][:, heard.quiet]))
-        return ratio_of(np.concatenate(every))
+    def _simulated(self, added: Added, heard: Heard) -> Floats:
+        made = [self._record(added, number) for number in range(QUIET_MEMBERS)]
+        known = [one for one in made if one is not None]  # all: the bare rows have samples
+        return _ratios(_figures_of(known, heard.quiet, heard.beside_log))
 
 
-def speaks(left: float, tone: float, error: float) -> float:
-    """Return the nats by which a ratio that is `left` is a `tone`'s rather than noise's.
+def agreed(left: Floats, tone: Floats, errors: Floats) -> float:
+    """Return the nats by which ratios [m] that are `left` are a `tone`'s, as `speaks`.
 
-    Both as differences from the ratio of noise, `tone` that of a steady tone: of one whose size
+    A tone that is modulated is steady over the few samples of a record, and need not be over the
+    many that a log is of: so the second ratio speaks against one only as far as few are. None where
+    it surely is one by its log, and surely is none by its samples: neither a steady tone nor noise.
+    """
+    alone = speaks(left[:1], tone[:1], errors[:1])
+    if len(left) == 1:
+        return alone
+    if alone <= -CLASS_NATS and speaks(left[1:], tone[1:], errors[1:]) >= CLASS_NATS:
+        return 0.0
+    both = speaks(left, tone, errors)
+    return float(np.logaddexp(np.log1p(-MODULATED) + both, np.log(MODULATED) + alone))
+
+
+def speaks(left: Floats, tone: Floats, errors: Floats) -> float:
+    """Return the nats by which ratios [m] that are `left` are a `tone`'s rather than noise's.
+
+    Both as differences from the ratios of noise, `tone` those of a steady tone: of one whose size
     changes within a record a part is seen, any as likely. What is farther on the other side than
     the error says that the error is larger.
     """
-    error, parts = max(error, left), np.linspace(*STEADY_PARTS, 11)
-    each = 0.5 * (left**2 - np.square(left - parts * tone)) / error**2
+    errors, steady = np.maximum(errors, left), np.minimum(tone, 0.0)
+    parts = np.linspace(*STEADY_PARTS, 11)[:, None] * steady
+    each = 0.5 * ((left**2 - np.square(left - parts)) / errors**2).sum(axis=1)
     nats = float(logsumexp(each)) - np.log(len(parts))
-    return float(np.clip(min(nats, 0.0) if left > 0 else nats, -QUIET_MOST_NATS, QUIET_MOST_NATS))
+    return float(np.clip(nats, -QUIET_MOST_NATS, QUIET_MOST_NATS))
 
 
 def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
@@ -123,58 +186,22 @@ def quiet_samples(magnitude: Floats, delay: Floats) -> NDArray[np.bool_]:
     return np.asarray(early | (np.arange(len(power)) > loud.max(initial=early.sum())))
 
 
-def early_samples(delay: Floats) -> NDArray[np.bool_]:
-    """Return which samples [K] of rows with such delays [n, K] lie before the path."""
-    return np.asarray(mean_known(delay, 0) < NOISE_BEFORE_NS)
+def _figures(record: Record, quiet: NDArray[np.bool_], beside_log: NDArray[np.bool_]) -> Figures:
+    """Return what is told of rows: moments of quiet samples, and of what is logged if anything."""
+    (magnitude, _), logged = record
+    moments = loud_moments(magnitude[:, quiet])
+    if not beside_log.any():
+        return (moments,)
+    return moments, log_moments(magnitude[:, beside_log], logged)
 
 
-def moments_of(magnitude: Floats) -> Floats:
-    """Return the mean squared power and the squared mean power of rows [n, 2] of samples [n, K].
-
-    Over the square of the row's own mean, so that loud rows count like others, and beside the mean
-    power of every sample, as some may hold a little of a tail. The squared mean is the mean product
-    of samples that are no neighbours: it is of noise of any colour.
-    """
-    power = magnitude**2
-    power = power / mean_known(power, 0)
-    power = power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None]
-    count = _products(np.isfinite(power).astype(np.float64))
-    power = np.where(count[:, None] > 0, power, np.nan)  # a row that ends early says nothing
-    pairs = _products(np.nan_to_num(power)) / np.maximum(count, 1.0)
-    squares = np.nan_to_num(power**2).sum(axis=1) / np.maximum(np.isfinite(power).sum(axis=1), 1)
-    return np.stack([squares, pairs], axis=1)
+def _figures_of(
+    records: Sequence[Record], quiet: NDArray[np.bool_], beside_log: NDArray[np.bool_]
+) -> Figures:
+    """Return the figures of several versions, one under the other."""
+    every = [_figures(one, quiet, beside_log) for one in records]
+    return [np.concatenate(one) for one in zip(*every, strict=True)]
 
 
-def loud_moments(magnitude: Floats) -> Floats:
-    """Return the moments of rows [n, 2] as `moments_of` does, times their mean power.
-
-    A tone that fades is in loud rows, which count the more, if not by the square of it.
-    """
-    power = mean_known(magnitude**2 / mean_known(magnitude**2, 0), 1)
-    return np.asarray(moments_of(magnitude) * np.nan_to_num(power)[:, None])
-
-
-def mean_known(values: Floats, axis: int) -> Floats:
-    """Return the mean of what is known along an axis, NaN where nothing is."""
-    known = np.isfinite(values)
-    count = known.sum(axis=axis)
-    return np.asarray(
-        np.where(known, values, 0.0).sum(axis=axis) / np.where(count > 0, count, np.nan)
-    )
-
-
-def ratio_of(moments: Floats) -> float:
-    """Return the mean squared power over the squared mean power of rows [n, 2]: 2 of noise."""
-    return float(moments[:, 0].sum() / moments[:, 1].sum())
-
-
-def error_of(moments: Floats) -> float:
-    """Return the standard error of `ratio_of` of rows or links [n, 2]: that of a ratio of means."""
-    left = moments[:, 0] - ratio_of(moments) * moments[:, 1]
-    return float(left.std() / np.sqrt(len(left)) / moments[:, 1].mean())
-
-
-def _products(values: Floats) -> Floats:
-    """Return the sum of products of samples that are `COLOUR_SAMPLES` apart or more [n]."""
-    near = sum((values[:, lag:] * values[:, :-lag]).sum(axis=1) for lag in range(1, COLOUR_SAMPLES))
-    return np.asarray(values.sum(axis=1) ** 2 - (values**2).sum(axis=1) - 2 * near)
+def _ratios(figures: Figures) -> Floats:
+    return np.array([ratio_of(one) for one in figures])

@@ -97,6 +97,12 @@ QUIET_MEMBERS: Final = 16  # simulated versions of them: their error is a quarte
 COLOUR_SAMPLES: Final = 4  # from here on noise has nothing in common, as `NoiseFloor` says
 QUIET_ERROR: Final = 0.01  # of the mean squared power over the square, 2 of noise, by which that of
 # a receiver is off: samples are whole numbers, and clipped [convention]
+SCATTER_LOGGED: Final = 0.15  # of the square of what is logged over the power of samples, by which
+# it may be off that of the scatter of noise: a component's is 2.3 times that [convention]
+MODULATED: Final = (
+    0.1  # of the tones, that scatter as noise does over the samples that a log is of:
+)
+# many carriers at once do [convention]
 QUIET_MOST_NATS: Final = 100.0  # that they may say: that is beyond doubt, and a share of it asks no
 # more of another name than NAME_NATS [derived]
 STEADY_PARTS: Final = (0.5, 1.0)  # of what a steady tone does, that another does: two that beat do

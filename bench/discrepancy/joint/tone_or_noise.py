@@ -15,6 +15,8 @@ power.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.special import ive
 
@@ -64,6 +66,14 @@ def with_floor(effects: Added) -> Added:
     if any(isinstance(one, NoiseFloor) for one in rest):
         return rest
     return (*rest, *(revalued(floor_of(tone), WHITE) for tone in tones))
+
+
+def scatter_logged(effects: Added) -> Added:
+    """Return effects with tones of which the scatter is logged."""
+    return tuple(
+        replace(one, power_logged=0.0) if isinstance(one, NarrowbandInterference) else one
+        for one in effects
+    )
 
 
 def told_apart(given: Statistics, fit: Fit, name: str) -> float:

@@ -3,19 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint import sets as module
-from bench.discrepancy.joint.quiet import (
-    Quiet,
-    error_of,
-    loud_moments,
-    moments_of,
-    quiet_samples,
-    ratio_of,
-    speaks,
-)
+from bench.discrepancy.joint.quiet import Quiet, quiet_samples, speaks
+from bench.discrepancy.joint.quiet_moments import error_of, loud_moments, moments_of, ratio_of
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -67,13 +61,14 @@ def test_the_colour_of_noise_does_not_make_quiet_samples_alike():
 
 
 def test_a_ratio_speaks_for_a_tone_or_for_noise_or_for_neither():
-    assert speaks(-0.2, -0.2, 0.03) > 10
-    assert speaks(0.0, -0.2, 0.03) < -3
-    assert speaks(0.12, -0.2, 0.03) > -3  # less alike than noise: some other thing
-    assert speaks(0.12, -0.2, 0.03) <= 0
-    assert abs(speaks(0.0, -0.01, 0.03)) < 0.1  # a weak tone does nothing to see
-    assert speaks(-0.1, -0.2, 0.03) > 0  # two tones that beat
-    assert speaks(0.025, -0.1, 0.03) < -3  # as far on the other side as chance may take it
+    says = lambda *numbers: speaks(*(np.array([one]) for one in numbers))  # noqa: E731
+    assert says(-0.2, -0.2, 0.03) > 10
+    assert says(0.0, -0.2, 0.03) < -3
+    assert says(0.12, -0.2, 0.03) > -3  # less alike than noise: some other thing
+    assert says(0.12, -0.2, 0.03) <= 0
+    assert abs(says(0.0, -0.01, 0.03)) < 0.1  # a weak tone does nothing to see
+    assert says(-0.1, -0.2, 0.03) > 0  # two tones that beat
+    assert says(0.025, -0.1, 0.03) < -3  # as far on the other side as chance may take it
 
 
 @pytest.mark.parametrize(("power", "for_a_tone"), [(1.0, True), (0.0, False)])
@@ -172,15 +167,17 @@ def _heard(monkeypatch, power: float, samples: int = SAMPLES) -> Quiet:
 
     def simulated(comparison, rows, added, number):
         tone = any(isinstance(one, NarrowbandInterference) for one in added)
-        return _samples(np.random.default_rng([3, number]), float(tone), 1.0, samples)
+        made = _samples(np.random.default_rng([3, number]), float(tone), 1.0, samples)
+        return made, np.full(ROWS, np.nan)
 
     monkeypatch.setattr(quiet, "recorded_samples", lambda comparison, rows: recorded)
-    monkeypatch.setattr(quiet, "simulated_samples", simulated)
+    monkeypatch.setattr(quiet, "simulated_record", simulated)
     links = np.repeat(np.arange(ROWS // 4), 4)
     means = lambda values: values.reshape(-1, 4, values.shape[1]).mean(axis=1)  # noqa: E731
     given = SimpleNamespace(
         comparison=None,
-        rows=None,
+        by_rows=True,
+        rows=SimpleNamespace(frame=pd.DataFrame()),
         beside=(),
         links=ROWS // 4,
         code=links,

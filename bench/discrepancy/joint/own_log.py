@@ -1,0 +1,39 @@
+"""What the log of noise in another tool's table is of: how much noise scatters, or its power.
+
+Its own simulated rows say: their noise has no tone, and its log is 0.46 of the root of mean squares
+of magnitudes where it is their scatter, 0.71 where it is that of one component, and 1 where it is
+that root itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.compare.records import simulated_record
+from bench.discrepancy.data.observables import NOISE
+from bench.discrepancy.joint.quiet_moments import early_samples, error_of, log_moments, ratio_of
+from bench.discrepancy.joint.settings import MEMBERS, SCATTER_LOGGED
+from bench.discrepancy.joint.statistics import Floats, Statistics
+
+
+def logs_scatter(given: Statistics) -> bool:
+    """Return whether another tool logs how much its noise scatters, as far as simulated rows say.
+
+    Not where a simulator is run again, whose log is known, nor where too few rows have a log.
+    """
+    args = (given.comparison, given.rows, given.beside)
+    if given.by_rows or NOISE not in given.names:
+        return False
+    made = [simulated_record(*args, number) for number in range(MEMBERS)]
+    every = [
+        log_moments(magnitude[:, early_samples(delay)], logged)
+        for (magnitude, delay), logged in (one for one in made if one is not None)
+    ]
+    return bool(every) and of_scatter(np.unique(np.concatenate(every), axis=0))
+
+
+def of_scatter(moments: Floats) -> bool:
+    """Return whether rows of such `log_moments` [n, 2] log how much noise scatters."""
+    if np.count_nonzero(moments[:, 1]) < 2:
+        return False
+    return bool(abs(ratio_of(moments) - 1) + 2 * error_of(moments) < SCATTER_LOGGED)
