@@ -38,6 +38,8 @@ from bench.discrepancy.sets.settings import (
     TIED_NATS,
 )
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_scale import RangeScale
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -108,7 +110,8 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     rest = tuple(one for one in best if one not in gone)
     before = max(contest.nats(best), _off(contest, best, gone))
     tried = []
-    for law in formed(contest, best, gone):
+    able = (law for law in formed(contest, best, gone) if not _named_scale(contest, gone, law))
+    for law in able:
         held = max(before, _varied(contest, best, gone, law))
         lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - held
         leads = lead > FORM_NATS
@@ -245,6 +248,21 @@ def _mostly(contest: Contest, rest: Set, names: Set, law: Formed) -> bool:
     return bool(((whole - mine) ** 2).sum() < DEFORMED**2 * (mine**2).sum())
 
 
+def _named_scale(contest: Contest, gone: Set, law: Formed) -> bool:
+    """Return whether a law in the place of an error of the level is a scale, beside a constant.
+
+    That has a name, which is said with the error where it does as well (see `beside_a_constant`):
+    what a scale does is no law without a name. Only where antenna delays may be the constant.
+    """
+    if not all(contest.kinds[one].follows for one in gone):
+        return False
+    if not {RangeScale.name, AntennaDelay.name} <= contest.library:
+        return False
+    scale = contest.bare(RangeScale.name)
+    ways = np.hstack([scale, np.ones_like(scale[:, :1])])
+    return all(_spanned(ways, part) for part in law.parts)
+
+
 def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:
     """Return whether a law is about anything else than some names of a set.
 
@@ -289,6 +307,10 @@ def about(kind: type[Effect]) -> frozenset[str]:
 def _within(contest: Contest, names: Set, part: Floats) -> bool:
     """Return whether some names can do exactly what a part [n, 1] of a law does."""
     places = np.concatenate([contest.evidence.places[one] for one in names])
-    columns = contest.evidence.columns[:, places]
+    return _spanned(contest.evidence.columns[:, places], part)
+
+
+def _spanned(columns: Floats, part: Floats) -> bool:
+    """Return whether columns [n, k] make up a part [n, 1]."""
     left = part - columns @ np.linalg.lstsq(columns, part, rcond=None)[0]
     return float((left**2).sum()) < SAME_SHAPE * float((part**2).sum())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.search import Fitted, Objective, plainer, refine, screen, valued
 from bench.discrepancy.fit.walls import of_every_kind
@@ -197,7 +198,20 @@ def _rival(search: Search, rest: Added, name: str, base: Tally) -> Contender | N
 
 def _contender(search: Search, rest: Added, effect: Effect, base: Tally) -> Contender:
     scored = tally(_beside(search, (*rest, effect)))
-    return Contender(effect, scored, gain_interval(base, scored, search.seed))
+    whole = gain_interval(base, scored, search.seed)
+    if whole.high < 0 and not _loses_alone(search, effect):
+        whole = gain_interval(base, scored, search.seed, (RANGE,))
+    return Contender(effect, scored, whole)
+
+
+def _loses_alone(search: Search, effect: Effect) -> bool:
+    """Return whether held-out links are surely worse with a name of a set beside no other of it.
+
+    If not, what loses beside the others is a level of which several took what is there once: of
+    that ranges, which speak for a set, know nothing.
+    """
+    before, after = (tally(_beside(search, some)) for some in ((), (effect,)))
+    return gain_interval(before, after, search.seed).high < 0
 
 
 def _scores(search: Search, added: Added) -> Ensemble:

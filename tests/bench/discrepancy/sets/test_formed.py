@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.sets.choose import Contest, _contest, chosen
-from bench.discrepancy.sets.formed import Formed, _over, _varied, formed
+from bench.discrepancy.sets.formed import Formed, _named_scale, _over, _varied, formed
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, warmth
 from tests.bench.discrepancy.sets.test_sets import search_of
@@ -155,3 +155,21 @@ def test_a_name_that_varies_is_no_worse_than_a_law_times_the_same(bend: float) -
     gained = _varied(contest, name, name, law) - contest.nats(name)
     assert (gained > 3) == (bend > 0)
     assert _varied(contest, name, name, replace(law, by=None)) == -np.inf
+
+
+@pytest.mark.parametrize(
+    ("power", "offset", "scale"), [(1, False, True), (1, True, True), (2, True, False)]
+)
+def test_a_line_over_the_distance_is_no_law_in_the_place_of_an_error_of_the_level(
+    power: int, offset: bool, scale: bool
+) -> None:
+    made = _contest(search_of(None, 11), ())
+    assert made is not None
+    contest = made[0]
+    far = contest.rows.scene.true_range_m[contest.known][:, None] ** power
+    parts = (far, np.ones_like(far))[: 1 + offset]
+    law = Formed("a", parts, 0.0, frozenset({"true_range_m"}), offset, far)
+    assert _named_scale(contest, ("power-bias",), law) == scale
+    assert not _named_scale(contest, ("power-bias", "antenna-delay"), law)
+    contest.library -= {"range-scale"}
+    assert not _named_scale(contest, ("power-bias",), law)
