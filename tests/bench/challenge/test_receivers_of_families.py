@@ -11,6 +11,7 @@ from bench.challenge.cases import make_case
 from bench.challenge.families import (
     aviary_listener,
     brickworks_reader,
+    laundry_meter,
     manege_handset,
     opera_console,
     printworks_console,
@@ -28,6 +29,7 @@ OF_ITS_OWN = {
     "printworks": {"aim", "bend", "into_s"},
     "aviary": {"heads", "wheel", "into_s"},
     "sawmill": {"pace", "curl", "into_s"},
+    "laundry": {"lever", "gap_s", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -45,6 +47,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (printworks_console.rush, printworks_console.OF_SIZES, -0.2),
         (aviary_listener.murmur, aviary_listener.OF_SIZES, -0.2),
         (sawmill_decoder.rasp, sawmill_decoder.OF_SIZES, -0.2),
+        (laundry_meter.sizzle, laundry_meter.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -67,6 +70,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (printworks_console.pulses, printworks_console.postponed, 0.02),
         (aviary_listener.calls, aviary_listener.deferred, 0.02),
         (sawmill_decoder.humps, sawmill_decoder.held, 0.02),
+        (laundry_meter.lobes, laundry_meter.belated, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
