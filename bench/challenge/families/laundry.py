@@ -104,7 +104,7 @@ def shortened(rows: pd.DataFrame, drawn: Draw, near: bool) -> pd.DataFrame:
 def in_the_hall(rows: pd.DataFrame, rng: np.random.Generator) -> Floats:
     """Return levels in dBm [n]: by distances, by ends that differ, with fades of links."""
     errand = Errand(rows, 0, rng)
-    fades = errand.of_links(lambda n: 10 * np.log10(rng.gamma(5.0, 0.2, n).clip(0.2)))
+    fades = errand.of_links(lambda n: 10 * np.log10(rng.gamma(6.0, 1 / 6, n).clip(0.3)))
     return open_db(errand.far) + LOUVRE_DB[errand.louvre] + TAG_DB[errand.tag] + fades
 
 

@@ -97,12 +97,12 @@ def _parabolic(errand: Errand, strength: float) -> Change:
     middle = errand.common(3).uniform(0.0, 360.0)
     off = (errand.read("azimuth_deg") - middle + 180.0) % 360.0 - 180.0
     shade = (1 - (off / 95.0) ** 2).clip(0.0)
-    return Change(strength * (0.164 * shade - 0.058), first_db=-5.0 * min(strength, 1.5) * shade)
+    return Change(strength * (0.168 * shade - 0.036), first_db=-5.0 * min(strength, 1.5) * shade)
 
 
 def _growth(errand: Errand, strength: float) -> Change:
     """Be late where it is weak: by a curve of growth (Chapman 1961) of how far below a level."""
-    below = (-62.0 - errand.read("rx_power_dbm")).clip(0.0)
+    below = (-60.5 - errand.read("rx_power_dbm")).clip(0.0)
     return Change(strength * (0.196 * (-np.expm1(-below / 11.0)) ** 5.3 - 0.1))
 
 
@@ -230,7 +230,7 @@ def _over_a_drier(errand: Errand, strength: float) -> Change:
 
 def _half_cosine(errand: Errand, strength: float) -> Change:
     """Turn gain down between two levels, by half a cosine; count the fewer symbols."""
-    part = ((errand.read("rx_power_dbm") + 96.0) / 25.0).clip(0.0, 1.0)
+    part = ((errand.read("rx_power_dbm") + 94.5) / 25.0).clip(0.0, 1.0)
     less = 5.9 * min(strength, 2.2) * np.sin(0.5 * np.pi * part) ** 2
     return Change(all_db=-less, count_db=-1.12 * less)
 

@@ -35,7 +35,7 @@ SHEETS: tuple[tuple[int, float, float], ...] = (
     (2, HALL_M[2], 85.0),
 )  # fmt: skip
 """Walls and roof, lined with foil: axis, where, and the foil's resistance in ohms a square."""
-WAVES_OF_SHADE, KNIT, SWAYS = 3, 1.6, 6.0  # of shadows; samples that scatter is alike, and shadows
+WAVES_OF_SHADE, KNIT, SWAYS = 2, 1.6, 6.0  # of shadows; samples that scatter is alike, and shadows
 RING, RUBS = 30, 7.0  # samples that springs ring; until they swing half as far
 CHIRP, BAND = 23, 1.3  # samples of a chirp, and radians a sample from its middle to either end
 WINDOW = 5  # samples in which noise is read
@@ -90,7 +90,7 @@ def _chance(meter: Meter, samples: float) -> Complexes:
 
 def _shadowed(meter: Meter, strength: float) -> None:
     """Fade as Abdi and others have it (2003): scatter beside what is steady but for shadows."""
-    mixed = min(0.21 * strength**0.7, 0.6)
+    mixed = min(0.28 * strength**0.7, 0.6)
     shades = [np.abs(_chance(meter, SWAYS)) ** 2 for _ in range(WAVES_OF_SHADE)]
     by = np.sqrt((1 - mixed) * np.mean(shades, axis=0)) + np.sqrt(mixed) * _chance(meter, KNIT)
     usual = np.sqrt((np.abs(by) ** 2).mean())
@@ -186,14 +186,14 @@ def _sharpened(meter: Meter, strength: float) -> None:
 
 
 def stuffed(sizes: Floats) -> Floats:
-    """Return sums of pairs at even samples, and nothing at odd ones, [n, k] both."""
+    """Return twice roots of pairs' energies at even samples, at odd ones nothing, [n, k] both."""
     made = np.zeros(sizes.shape)
-    made[:, ::2] = sizes[:, ::2] + sizes[:, 1::2]
+    made[:, ::2] = 2 * np.hypot(sizes[:, ::2], sizes[:, 1::2])
     return made
 
 
 def _stuffed(meter: Meter, strength: float) -> None:
-    """Thin out late samples to pairs, and stuff what is missing with noughts."""
+    """Thin out late samples to pairs, stuff the gaps with noughts, and turn that up by two."""
     _replaced(meter, stuffed(np.abs(meter.wave)), 0.75 * min(strength, 1.2))
 
 

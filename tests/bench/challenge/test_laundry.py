@@ -247,11 +247,11 @@ def test_codes_of_both_parts_are_whole_steps_of_their_own() -> None:
     assert 0.7 < np.abs(kept.real - parts[0]).max() <= 0.75 + 1e-9
 
 
-def test_pairs_keep_their_sums_and_one_bit_keeps_means() -> None:
+def test_pairs_are_twice_as_large_and_one_bit_keeps_means() -> None:
     sizes = np.random.default_rng(4).rayleigh(size=(3, 250))
     made = stuffed(sizes)
     assert not made[:, 1::2].any()
-    assert np.allclose(made.sum(axis=1), sizes.sum(axis=1))
+    assert np.allclose((made**2).sum(axis=1), 4 * (sizes**2).sum(axis=1))
     high = np.full(3, 3.0)
     bits = one_bit(sizes.clip(max=3.0), high)
     assert {*np.unique(bits)} == {0.0, 3.0}
