@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from bench.discrepancy.joint.settings import COLOUR_SAMPLES
 from bench.discrepancy.joint.statistics import Floats
 from bench.discrepancy.settings import NOISE_BEFORE_NS
+from bench.physics.base import RAYLEIGH_STD
 
-SQUARE: Final = 1 - np.pi / 4  # of the scatter of magnitudes of noise, over their mean square
+SQUARE: Final = RAYLEIGH_STD**2 / 2  # of the scatter of magnitudes of noise, over their mean square
 
 
 def early_samples(delay: Floats) -> NDArray[np.bool_]:
