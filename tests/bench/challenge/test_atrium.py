@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
 from bench.challenge.families.case import Draw, Tables, world_of
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, ratio: int = 1) -> Tables:
-    world: Any = world_of("atrium")
-    made: Tables = world.tables(Draw((name,) if name else (), strength, ratio), 9)
-    return made
-
-
-def _shift(name: str, strength: float = 1.0) -> np.ndarray:
-    made = _tables(name, strength)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+_tables, _shift = partial(tables_of, "atrium"), partial(shift_of, "atrium")
 
 
 def _rides_a_car(made: Tables) -> np.ndarray:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -13,23 +12,13 @@ from bench.challenge.families.aviary_effects import STEP_M, WEDDLE, lee_db
 from bench.challenge.families.aviary_grounds import GROVE_M, NESTBOXES_M, Watch
 from bench.challenge.families.aviary_listener import UP, arrivals, calls
 from bench.challenge.families.aviary_wave_effects import panes, rock, sticky
-from bench.challenge.families.case import Draw, Tables, world_of
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, mode: str = "ranges") -> Tables:
-    world: Any = world_of("aviary", mode)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, 1), 9)
-    return made
+_tables, _shift = partial(tables_of, "aviary"), partial(shift_of, "aviary")
 
 
 def _rows() -> pd.DataFrame:
     return _tables("").recorded
-
-
-def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
-    made = _tables(name, strength, mode)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
 
 
 def _worn_by(kind: str) -> np.ndarray:

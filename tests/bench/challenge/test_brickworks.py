@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
 
 from bench.challenge.families.brickworks_effects import edge_db
 from bench.challenge.families.brickworks_reader import RISE, edges, pulses
-from bench.challenge.families.case import Draw, Tables, world_of
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, mode: str = "ranges") -> Tables:
-    world: Any = world_of("brickworks", mode)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, 1), 9)
-    return made
-
-
-def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
-    made = _tables(name, strength, mode)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+_tables, _shift = partial(tables_of, "brickworks"), partial(shift_of, "brickworks")
 
 
 def _is(kind: str) -> np.ndarray:

@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
-from bench.challenge.families.case import Draw, Tables, world_of
+from bench.challenge.families.case import Draw, world_of
+from tests.bench.challenge.shown import shift_of, tables_of
 
 FAMILIES = ("crag", "chairlift")
 
 
-@cache
-def _tables(family: str, name: str, strength: float = 1.0, ratio: int = 1) -> Tables:
-    world: Any = world_of(family)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, ratio), 9)
-    return made
-
-
-def _shift(family: str, name: str, strength: float = 1.0) -> np.ndarray:
-    made = _tables(family, name, strength)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
-
-
 def test_who_hangs_off_a_wall_is_off_by_no_more_than_the_lean_lets_it() -> None:
-    shift = np.abs(_shift("crag", "climbers-hang-off"))
+    shift = np.abs(shift_of("crag", "climbers-hang-off"))
     assert 0.05 < shift.mean() < shift.max() < np.hypot(1.0, 0.5) * (0.16 + 0.9 * 0.3) + 0.05
-    less = np.abs(_shift("crag", "climbers-hang-off", 0.25)).mean()
+    less = np.abs(shift_of("crag", "climbers-hang-off", 0.25)).mean()
     assert less == pytest.approx(0.25 * shift.mean(), rel=0.1)
 
 
 def test_a_ropes_counter_slips_only_where_rope_runs_and_by_what_has_run() -> None:
-    made, shift = _tables("crag", "rope-counter-slips"), _shift("crag", "rope-counter-slips")
+    made, shift = tables_of("crag", "rope-counter-slips"), shift_of("crag", "rope-counter-slips")
     rows = made.recorded.groupby("link")["true_range_m"]
     still = rows.transform("size").gt(1) & rows.transform(np.ptp).eq(0)
     assert np.abs(shift[still]).max() < 1e-9
@@ -44,7 +32,7 @@ def test_a_ropes_counter_slips_only_where_rope_runs_and_by_what_has_run() -> Non
 
 @pytest.mark.parametrize("ratio", [1, 3])
 def test_means_are_those_of_all_ranges_of_a_link_so_far(ratio: int) -> None:
-    made = _tables("crag", "means-since-begun", 2.0, ratio)
+    made = tables_of("crag", "means-since-begun", 2.0, ratio=ratio)
     assert made.simulated is not None
     for kept, plain in ((made.recorded, made.clean), (made.truth, made.simulated)):
         copy = plain.groupby(["link", "time_s"]).cumcount()
@@ -56,17 +44,17 @@ def test_means_are_those_of_all_ranges_of_a_link_so_far(ratio: int) -> None:
 
 
 def test_ranges_that_are_rounded_by_lot_are_whole_steps_of_either_side() -> None:
-    made = _tables("crag", "range-rounding")
+    made = tables_of("crag", "range-rounding")
     steps = made.recorded["range_m"].to_numpy() / 0.11
     assert np.allclose(steps, np.rint(steps))
-    moved = np.abs(_shift("crag", "range-rounding"))
+    moved = np.abs(shift_of("crag", "range-rounding"))
     assert 0.06 < moved.max() <= 0.11 + 1e-9
 
 
 def test_wind_blows_chairs_aside_and_no_groomers() -> None:
     made, shift = (
-        _tables("chairlift", "chairs-blown-aside"),
-        _shift("chairlift", "chairs-blown-aside"),
+        tables_of("chairlift", "chairs-blown-aside"),
+        shift_of("chairlift", "chairs-blown-aside"),
     )
     rows = made.recorded
     chairs = rows["tx"].str.startswith("chair").to_numpy()
@@ -77,7 +65,10 @@ def test_wind_blows_chairs_aside_and_no_groomers() -> None:
 
 
 def test_a_loaded_rope_is_lower_amid_spans_and_not_at_its_saddles() -> None:
-    made, shift = _tables("chairlift", "rope-hangs-lower"), _shift("chairlift", "rope-hangs-lower")
+    made, shift = (
+        tables_of("chairlift", "rope-hangs-lower"),
+        shift_of("chairlift", "rope-hangs-lower"),
+    )
     rows = made.recorded
     chairs = rows["tx"].str.startswith("chair").to_numpy()
     assert not shift[~chairs].any()
@@ -91,7 +82,7 @@ def test_a_loaded_rope_is_lower_amid_spans_and_not_at_its_saddles() -> None:
 
 @pytest.mark.parametrize("ratio", [1, 3])
 def test_a_leading_filter_goes_on_by_a_part_of_the_last_change(ratio: int) -> None:
-    made = _tables("chairlift", "lead-in-the-filter", 1.0, ratio)
+    made = tables_of("chairlift", "lead-in-the-filter", 1.0, ratio=ratio)
     assert made.simulated is not None
     for kept, plain in ((made.recorded, made.clean), (made.truth, made.simulated)):
         copy = plain.groupby(["link", "time_s"]).cumcount()
@@ -101,14 +92,14 @@ def test_a_leading_filter_goes_on_by_a_part_of_the_last_change(ratio: int) -> No
 
 
 def test_pylons_of_two_makes_round_to_steps_of_their_own() -> None:
-    rows = _tables("chairlift", "range-rounding").recorded
+    rows = tables_of("chairlift", "range-rounding").recorded
     step = np.where(rows["rx"].str[5:].astype(int) % 4 < 2, 0.14, 0.085)
     steps = rows["range_m"].to_numpy() / step
     assert np.allclose(steps, np.rint(steps))
 
 
 def test_chairs_keep_to_their_side_below_the_rope_and_groomers_to_the_snow() -> None:
-    rows = _tables("chairlift", "").recorded
+    rows = tables_of("chairlift", "").recorded
     chairs = rows["tx"].str.startswith("chair")
     over = rows["tx_z_m"] - 0.3 * rows["tx_x_m"]
     assert rows["tx_y_m"][chairs].abs().between(2.2, 3.2).all()

@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
 
-from bench.challenge.families.case import Draw, Tables, world_of
+from bench.challenge.families.case import Tables
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, ratio: int = 1, mode: str = "ranges") -> Tables:
-    world: Any = world_of("hangar", mode)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, ratio), 9)
-    return made
-
-
-def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
-    made = _tables(name, strength, mode=mode)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+_tables, _shift = partial(tables_of, "hangar"), partial(shift_of, "hangar")
 
 
 def _lifted(made: Tables) -> np.ndarray:
@@ -50,7 +40,7 @@ def test_a_tag_on_the_towbar_is_off_along_the_way_a_tug_drives() -> None:
 
 @pytest.mark.parametrize("ratio", [1, 3])
 def test_torn_words_have_new_high_digits_and_the_low_ones_of_the_range_before(ratio: int) -> None:
-    made = _tables("words-torn-in-reading", 1.0, ratio)
+    made = _tables("words-torn-in-reading", 1.0, ratio=ratio)
     for kept, plain in ((made.recorded, made.clean), (made.truth, made.simulated)):
         assert plain is not None
         copy = kept.groupby(["link", "time_s"]).cumcount()

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench.challenge.families.case import Draw, Tables, world_of
+from bench.challenge.families.case import Draw, world_of
 from bench.challenge.families.laundry_effects import (
     EXTRACTORS_M,
     FRAMES,
@@ -26,13 +26,9 @@ from bench.challenge.families.laundry_wave_effects import (
     stuffed,
     unlike,
 )
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, mode: str = "ranges") -> Tables:
-    world: Any = world_of("laundry", mode)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, 1), 9)
-    return made
+_tables, _shift = partial(tables_of, "laundry"), partial(shift_of, "laundry")
 
 
 @cache
@@ -45,11 +41,6 @@ def _known() -> pd.DataFrame:
 
 def _rows() -> pd.DataFrame:
     return _tables("").recorded
-
-
-def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
-    made = _tables(name, strength, mode)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
 
 
 def _are(kind: str) -> np.ndarray:

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench.challenge.families.case import Draw, Tables, world_of
 from bench.challenge.families.printworks_console import RISE, edges, pulses
 from bench.challenge.families.printworks_effects import PAPER, edge_db
 from bench.challenge.families.printworks_hall import LOOP_M, STANCHIONS_M, looped
 from bench.challenge.families.printworks_wave_effects import differences, ladder
+from tests.bench.challenge.shown import shift_of, tables_of
 
-
-@cache
-def _tables(name: str, strength: float = 1.0, mode: str = "ranges") -> Tables:
-    world: Any = world_of("printworks", mode)
-    made: Tables = world.tables(Draw((name,) if name else (), strength, 1), 9)
-    return made
+_tables, _shift = partial(tables_of, "printworks"), partial(shift_of, "printworks")
 
 
 def _rows() -> pd.DataFrame:
     return _tables("").recorded
-
-
-def _shift(name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
-    made = _tables(name, strength, mode)
-    return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
 
 
 def _carried_by(kind: str) -> np.ndarray:
