@@ -6,11 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.matching import same_links
 from bench.discrepancy.compare.settings import PAIRS_SHARE
 from bench.discrepancy.compare.shared import unseen
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
-from bench.discrepancy.data.columns import known_columns, numeric
+from bench.discrepancy.data.columns import WAVES, known_columns, numeric
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.data.own_link import far_off_their_link
 from bench.discrepancy.settings import NOISE_APART_DB
@@ -20,7 +21,6 @@ from bench.recordings.table import Recordings
 
 DEVICE_COLUMNS = ("tx", "rx")
 RANGE_M = "range_m"
-WAVES = ("cir", "first_path_index")
 PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "xyz")
 
 
@@ -44,10 +44,7 @@ def counted(
 
 def _put_aside(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
     """Return, in words, which categories no simulated row has; "" where links are the same."""
-    ours, theirs = (
-        set(f["link"].astype(str)) if "link" in f else None for f in (recorded, simulated)
-    )
-    lone = "" if ours and theirs and ours <= theirs else unseen(recorded, simulated)
+    lone = "" if same_links(recorded, simulated) else unseen(recorded, simulated)
     return f"no simulated row has {lone}: these recorded rows take no part" if lone else ""
 
 

@@ -120,6 +120,14 @@ def _stretch(pool: Rows, size: int, version: int) -> Rows:
     return pool[start : start + size] if len(pool) >= size else pool
 
 
+def same_links(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
+    """Return whether every recorded link is in the simulated table too, in the same place."""
+    if "link" not in simulated:
+        return False
+    named = set(recorded["link"].astype(str)) <= set(simulated["link"].astype(str))
+    return named and same_places(recorded, simulated)
+
+
 def same_places(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
     """Return whether links of one name have one true range in both tables, as far as is known."""
     if "true_range_m" not in recorded or "true_range_m" not in simulated:

@@ -12,6 +12,8 @@ from bench.discrepancy.data.observables import Floats, aligned, around
 
 Samples = tuple[Floats, Floats]
 """Magnitudes [n, K] around the first path, NaN outside a record, and their delays in ns [n, K]."""
+Record = tuple[Samples, Floats]
+"""Samples of rows, and the noise [n] that is logged with them, in counts."""
 
 
 def recorded_samples(comparison: Comparison, view: View) -> Samples | None:
@@ -34,7 +36,7 @@ def simulated_samples(
 
 def simulated_record(
     comparison: Comparison, view: View, added: Added, number: int
-) -> tuple[Samples, Floats] | None:
+) -> Record | None:
     """Return `simulated_samples` and the noise [n] that is logged with them, in counts."""
     if not isinstance(comparison, Resimulation | TableComparison):
         return None

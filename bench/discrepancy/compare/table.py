@@ -21,7 +21,7 @@ from bench.discrepancy.compare.matching import (
     by_link,
     by_neighbours,
     link_means,
-    same_places,
+    same_links,
 )
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
 from bench.discrepancy.compare.settings import (
@@ -270,14 +270,7 @@ class TableComparison:
 
     def paired(self, view: View) -> bool:
         """Return whether every recorded link is in the simulated table too."""
-        return self._has_links(view.frame)
-
-    def _has_links(self, frame: pd.DataFrame) -> bool:
-        """Return whether every link of a table is in the simulated table too, in the same place."""
-        if "link" not in self.frame:
-            return False
-        named = set(frame["link"].astype(str)) <= set(self.frame["link"].astype(str))
-        return named and same_places(frame, self.frame)
+        return same_links(view.frame, self.frame)
 
     def covered(self, frame: pd.DataFrame) -> NDArray[np.bool_]:
         """Return which recorded rows [n] belong to links that have a simulated counterpart.
@@ -285,7 +278,7 @@ class TableComparison:
         Every link that both tables have; else links near a simulated one in all that both know.
         Raises BenchError where most have none.
         """
-        if self._has_links(frame):
+        if same_links(frame, self.frame):
             return np.ones(len(frame), bool)
         alike = shared(frame, self.frame, NUMBERS)
         categories = shared_with_categories(frame, self.frame)

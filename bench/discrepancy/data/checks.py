@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.columns import WAVES, numeric
 from bench.discrepancy.data.figures import check_figures, typical
 from bench.discrepancy.data.observables import error_m, reach
 from bench.discrepancy.data.settings import (
@@ -45,7 +45,7 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
 
 def _check_reach(table: Recordings) -> None:
     """Raise where waveforms end so soon after the first path that there is little to compare."""
-    if not {"cir", "first_path_index"} <= {*table.frame}:
+    if not set(WAVES) <= {*table.frame}:
         return
     after, least = reach(table.frame)[1], WINDOW_AFTER[0]
     if after < least:

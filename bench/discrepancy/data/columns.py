@@ -12,6 +12,7 @@ from bench.discrepancy.settings import FASTEST_M_PER_S, HIGH_QUANTILE, MOVING_SH
 from bench.recordings.motion import SPEED, radial_speed_m_per_s, speed_by_places_m_per_s
 
 Floats = NDArray[np.float64]
+WAVES = ("cir", "first_path_index")  # what waveforms are compared by
 UNIT_AT_END = re.compile(r"_(s|ms|us|ns|m|mm|m_per_s|deg|rad|c|k|db|dbm|ppm|hz|mhz|ghz)$")
 
 
@@ -49,7 +50,7 @@ def known_columns(frame: pd.DataFrame) -> set[str]:
 
 def has_waveforms(frame: pd.DataFrame) -> bool:
     """Return whether a table has CIRs with the position of their first path."""
-    return {"cir", "first_path_index"} <= known_columns(frame)
+    return set(WAVES) <= known_columns(frame)
 
 
 def with_motion(frame: pd.DataFrame) -> pd.DataFrame:

@@ -16,6 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.cir_features import compiled, cut, shape_figures
+from bench.discrepancy.data.columns import WAVES
 from bench.discrepancy.settings import (
     FARTHEST_SAMPLE,
     LEAD_LEVEL,
@@ -191,7 +192,7 @@ def shared_window(frame: pd.DataFrame, other: pd.DataFrame | None) -> Window:
     they are where one of the tables does not tell the counts of its own.
     """
     window = window_of(frame)
-    if other is None or not {"cir", "first_path_index"} <= {*other}:
+    if other is None or not set(WAVES) <= {*other}:
         return window
     theirs = window_of(other)
     return Window(

@@ -7,27 +7,28 @@ that root itself.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from bench.discrepancy.compare.records import simulated_record
+from bench.discrepancy.compare.records import Record
 from bench.discrepancy.data.observables import NOISE
 from bench.discrepancy.joint.quiet_moments import early_samples, error_of, log_moments, ratio_of
 from bench.discrepancy.joint.settings import MEMBERS, SCATTER_LOGGED
 from bench.discrepancy.joint.statistics import Floats, Statistics
 
 
-def logs_scatter(given: Statistics) -> bool:
+def logs_scatter(given: Statistics, bare: Sequence[Record]) -> bool:
     """Return whether another tool logs how much its noise scatters, as far as simulated rows say.
 
-    Not where a simulator is run again, whose log is known, nor where too few rows have a log.
+    `bare` are versions of these. Not where a simulator is run again, whose log is known, nor where
+    too few rows have a log.
     """
-    args = (given.comparison, given.rows, given.beside)
     if given.by_rows or NOISE not in given.names:
         return False
-    made = [simulated_record(*args, number) for number in range(MEMBERS)]
     every = [
         log_moments(magnitude[:, early_samples(delay)], logged)
-        for (magnitude, delay), logged in (one for one in made if one is not None)
+        for (magnitude, delay), logged in bare[:MEMBERS]
     ]
     return bool(every) and of_scatter(np.unique(np.concatenate(every), axis=0))
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_record
+from bench.discrepancy.compare.records import Record, Samples, recorded_samples, simulated_record
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import NOISE
@@ -67,8 +67,6 @@ class Heard:
 
 Figures = Sequence[Floats]
 """Moments [n, 2] of the quiet samples of rows, and of what is logged of them where it is."""
-Record = tuple[Samples, Floats]
-"""Samples of rows, and the noise [n] that is logged with them."""
 
 
 class Quiet:
@@ -106,7 +104,7 @@ class Quiet:
         quiet = quiet if quiet.sum() >= QUIET_FEWEST else early
         if quiet.sum() < QUIET_EARLY:
             return None
-        return self._heard_by(quiet, early & logs_scatter(given), recorded, bare)
+        return self._heard_by(quiet, early & logs_scatter(given, bare), recorded, bare)
 
     def _bare(self) -> list[Record]:
         """Return simulated versions as they are, with what is logged; none without samples."""

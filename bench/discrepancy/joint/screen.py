@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.fit.search import valued
+from bench.discrepancy.fit.search import revalued, valued
 from bench.discrepancy.fit.starts import begun, delayed, elsewhere, free_parameters, onsets, starts
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.polish import Fit, fitted, polished
@@ -191,5 +191,4 @@ def _alone(effect: Effect) -> Effect:
 
 def _varied(effect: Effect) -> list[Effect]:
     """Return an effect with the values from where else a search begins, its level as it is."""
-    values = {p.name: float(getattr(effect, p.name)) for p in free_parameters(type(effect))}
-    return [valued(type(effect), values | dict(one)) for one in type(effect).begins[:2]]
+    return [revalued(effect, dict(one)) for one in type(effect).begins[:2]]

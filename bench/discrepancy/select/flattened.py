@@ -47,7 +47,7 @@ class Ranged:
 
     def beside(self, forms: Floats) -> Flattened:
         """Return the contest beside forms [n, k] with factors of one."""
-        flat = whitening(self.weights[:, None] * forms, self.weights * self.left_m) * self.weights
+        flat = whitening(self.weights[:, None] * forms, self._left) * self.weights
         blocks = {name: tuple(flat @ part for part in block) for name, block in self.raw.items()}
         evidence = Evidence(flat @ self.left_m, self.rows.links[self.known], blocks, self.widest)
         evidence.offset_mean = False  # what a receiver makes of all rows is in the forms

@@ -79,8 +79,8 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
             search.choice, forms_do=found.forms_do, tied=found.tied, others=found.others
         )
         return replace(state, search=replace(search, choice=known))
-    step = safely("fitting a set of causes", journal.kept(_fitted), NONE)
-    added, turns = step(replace(ranged, choice=found), beside, state.rounds[0])
+    step = safely("fitting a set of causes", journal.kept(installed), NONE)
+    added, turns = step(replace(ranged, choice=found), beside, state.rounds[0].located)
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
@@ -127,11 +127,6 @@ def _of_waves_alone(rows: View) -> set[str]:
     """
     floor = {GroundBounce.name} if in_room(rows.scene).all() else set()
     return {Diffraction.name} | floor
-
-
-def _fitted(ranged: Search, beside: Added, first: Round) -> tuple[Added, Turns]:
-    """Return the effects with those of the choice, and a round for each of these."""
-    return installed(ranged, beside, first.located)
 
 
 def _installed(state: State, found: Choice, added: Added, turns: Turns) -> State:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.joint import own_log, quiet
+from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint.own_log import of_scatter
 from bench.discrepancy.joint.quiet import Quiet, agreed
 from bench.discrepancy.joint.quiet_moments import log_moments, ratio_of
@@ -77,8 +77,7 @@ def _heard(monkeypatch, power: float, kind: str) -> Quiet:
         return _record(np.random.default_rng([4, number]), tone, 1.0 if tones else 1.6, kind)
 
     monkeypatch.setattr(quiet, "recorded_samples", lambda comparison, rows: recorded)
-    for module in (quiet, own_log):
-        monkeypatch.setattr(module, "simulated_record", simulated)
+    monkeypatch.setattr(quiet, "simulated_record", simulated)
     count = np.ones(ROWS, np.intp)
     rows = SimpleNamespace(frame=pd.DataFrame({"noise_std": logged}))
     return Quiet(

@@ -115,7 +115,7 @@ def test_what_held_out_links_lose_by_is_not_taken(
     turn = Round(Located((seen,), 0.001, 9.0, 4.0, 1, {}), None, None)
     state, more = State(search, (), (turn,)), (TemperatureDrift(0.0),)
     monkeypatch.setattr(range_part, "chosen_beside", lambda *_: Choice(("temperature-drift",)))
-    monkeypatch.setattr(range_part, "_fitted", lambda *_: (more, (turn,)))
+    monkeypatch.setattr(range_part, "installed", lambda *_: (more, (turn,)))
     monkeypatch.setattr(range_part, "loses", lambda *_: worse)
     monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
     assert with_range_part(state, Journal()).added == (() if worse else more)
