@@ -7,9 +7,12 @@ file is read on its own and a line that is none is an entry with its fault.
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import Distribution, distributions
+from pathlib import Path
 
 from bench.text import one_line, reason
 
@@ -29,18 +32,37 @@ class Entry:
 
 def entries(group: str) -> Iterator[Entry]:
     """Yield the entries of a group (`bench.models`) of every distribution, in order of the path."""
-    seen: set[str] = set()
-    for distribution in distributions():
-        text, fault = _text(distribution)
-        if "bench." not in text and fault is None:
-            continue
-        name = _name(distribution)
-        if name in seen:
-            continue  # an older installation further down the path
-        seen.add(name)
+    for text, fault, name in _ours(_installed()):
         if fault is not None:
             yield Entry(name, "", name, fault)
         yield from _of_group(text, group, name)
+
+
+def _installed() -> tuple[tuple[str, int], ...]:
+    """Return what says whether distributions came or went: the path, and when its folders changed.
+
+    Whoever installs one puts a folder there.
+    """
+    return tuple((path, _changed_ns(path)) for path in sys.path)
+
+
+def _changed_ns(path: str) -> int:
+    try:
+        return Path(path).stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
+@lru_cache(maxsize=1)
+def _ours(installed: tuple[tuple[str, int], ...]) -> list[tuple[str, str | None, str]]:
+    """Return text, fault and name of every distribution that tells of `bench.`, read once."""
+    found: dict[str, tuple[str, str | None, str]] = {}
+    for distribution in distributions(path=[path for path, _ in installed]):
+        text, fault = _text(distribution)
+        if "bench." in text or fault is not None:
+            name = _name(distribution)  # an older installation comes further down the path
+            found.setdefault(name, (text, fault, name))
+    return list(found.values())
 
 
 def _text(distribution: Distribution) -> tuple[str, str | None]:
