@@ -25,8 +25,10 @@ from bench.discrepancy.select.conclude import left_out, of_class, real
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.essentials import idle, unused
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.other_forms import made_by_forms
 from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.sets.blocks import is_fault
@@ -65,12 +67,36 @@ def wave_verdicts(
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unlisted:
-        return (*named, _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added))
+        left = _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added)
+        return seen_beside(search, (*named, left), added, rounds)
     if not any(one.names for one in named) or _more_in_ranges(search, last):
+        why = LEFT_OF_RANGES if any(one.names for one in named) else NOTHING_NAMED
         named = tuple(one for one in named if one.names)
-        why = LEFT_OF_RANGES if named else NOTHING_NAMED
-        return (*named, _unknown(rounds[0], last, why, added))
-    return named
+        named = (*named, _unknown(rounds[0], last, why, added))
+    return seen_beside(search, named, added, rounds)
+
+
+def seen_beside(
+    search: Search, said: tuple[Verdict, ...], added: Added, rounds: tuple[Round, ...]
+) -> tuple[Verdict, ...]:
+    """Return verdicts without what has no name where a search finds nothing beside the names.
+
+    A likelihood of many statistics may ask for more than is there, or for a little of what is then
+    refused: something without a name must be found in all working rows as everything else is, or
+    be a cause that ranges speak for. Nor is it what other forms of names make (`made_by_forms`).
+    """
+    names = {name for one in said for name in one.names[:1]}
+    held = tuple(effect for effect in added if effect.physics in names)
+    if not held or not any(isinstance(one, Unknown) for one in said):
+        return said
+    whole, last = replace(search, work=search.both), rounds[-1]
+    left = locate_left(whole, held, len(rounds) + 1)
+    if not all(map(of_range, left.findings)):
+        return said
+    asked = left.significant or search.choice.others
+    if asked and not made_by_forms(search, held, last):
+        return said
+    return tuple(one for one in said if not isinstance(one, Unknown))
 
 
 def _more_in_ranges(search: Search, last: Round) -> bool:

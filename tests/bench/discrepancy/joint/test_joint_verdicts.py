@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.resimulation import Resimulation
@@ -140,6 +141,7 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
     last.strike = None
     monkeypatch.setattr(verdicts, "_said", lambda *_: said(late)[late.name])
     monkeypatch.setattr(verdicts, "sizes_seen", lambda *_: None)
+    monkeypatch.setattr(verdicts, "seen_beside", lambda _, made, *__: made)
     misplaced = Choice((), forms_do=True, tied=("antenna-delay",))
     fault = Choice((), ("the position of a3",), forms_do=True)
     law = Choice((), ("a law of time_s",), forms_do=True)
@@ -148,6 +150,29 @@ def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(mo
         search = SimpleNamespace(choice=choice)
         made = verdicts.wave_verdicts(search, (first, last), (late,), WaveChoice((late,)))
         assert len(made) == count
+
+
+@pytest.mark.parametrize(
+    ("observables", "of_form", "others", "left"),
+    [((), False, (), 1), ((RANGE,), True, (), 1), ((RANGE,), False, (), 2),
+     (("rise_ns",), True, (), 2), ((), False, ("the position of a3",), 2)],
+)  # fmt: skip
+def test_what_no_search_finds_beside_names_is_not_there(
+    monkeypatch, observables, of_form, others, left
+):
+    cells = [SimpleNamespace(cell=Cell(name, "mean", Place())) for name in observables]
+    found = SimpleNamespace(findings=tuple(cells), significant=bool(cells))
+    beside = []
+    monkeypatch.setattr(verdicts, "replace", lambda search, **_: search)
+    monkeypatch.setattr(verdicts, "locate_left", lambda _, held, __: beside.append(held) or found)
+    monkeypatch.setattr(verdicts, "made_by_forms", lambda *_: of_form)
+    loss, noise = PathLoss(), NoiseFloor(level_db=-0.03)
+    search = SimpleNamespace(choice=Choice((), others), both=None)
+    both = tuple(said(loss).values())
+    made = verdicts.seen_beside(search, both, (noise, loss), (None,))
+    assert len(made) == left
+    assert all(held == (loss,) for held in beside)  # what is refused takes no part
+    assert verdicts.seen_beside(search, (REFUSED,), (noise,), (None,)) == (REFUSED,)
 
 
 def test_a_fault_of_ranges_is_there_though_no_regression_foretells_it(monkeypatch):
