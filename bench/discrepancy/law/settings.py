@@ -34,7 +34,8 @@ LAW_STEP_SHARE: Final = 0.04  # of the rows, least on either side of a step [con
 LAW_SCALES: Final = 16  # time constants and saturation lengths that are screened [cost]
 LAW_TAU: Final = (0.02, 2.0)  # time constants, of the span [convention]
 LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and largest [convention]
-LAW_CYCLES: Final = (0.75, 60.0)  # of a period within the span of the rows [convention]
+LAW_CYCLES: Final = (0.75, 200.0)  # of a period within the span of the rows: at most half as many
+# as rows, which show no more (Nyquist), and no more than these [cost]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
 LAW_GRID_P: Final = 0.01  # that places of one phase are so by chance, of all periods asked of
