@@ -10,7 +10,7 @@ import numpy as np
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
-from bench.discrepancy.compare.view import Added, Comparison
+from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.joint.at_null import needed
@@ -22,6 +22,7 @@ from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, of_class, real
+from bench.discrepancy.select.constant_level import level_apart
 from bench.discrepancy.select.disguise import without_disguises
 from bench.discrepancy.select.essentials import idle, unused
 from bench.discrepancy.select.guard import Guard
@@ -34,6 +35,7 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unk
 from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.path_loss import PathLoss
 
 LEFT_OF_WAVES = "all known effects together leave a part that none of them explains"
 LEFT_OF_RANGES = "left after the named effects"
@@ -70,8 +72,9 @@ def wave_verdicts(
         left = _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added)
         return seen_beside(search, (*named, left), added, rounds)
     if not any(one.names for one in named) or _more_in_ranges(search, last):
-        why = LEFT_OF_RANGES if any(one.names for one in named) else NOTHING_NAMED
+        refused = [one.note for one in named if isinstance(one, Unknown)]
         named = tuple(one for one in named if one.names)
+        why = LEFT_OF_RANGES if named else (*refused, NOTHING_NAMED)[0]
         named = (*named, _unknown(rounds[0], last, why, added))
     return seen_beside(search, named, added, rounds)
 
@@ -299,6 +302,9 @@ def _idle(search: Search, added: Added, option: LeftOut) -> str:
         words = idle(wanted[one.name], one)
         if words and needed(search, added, option.effect, one.name):
             words = idle(wanted[one.name], one, needed=True)
+        if words and isinstance(option.effect, PathLoss):  # what is left of it is a level
+            rest = without(added, option.effect)
+            words = level_apart(search.comparison, search.searched, rest) or words
         if words:
             return words
     return ""

@@ -35,10 +35,24 @@ def beyond_a_constant(comparison: Comparison, view: View, added: Added, effect: 
     nats, constant_db = lead_over_constant(left[known], bare[known])
     if not known.any() or nats >= RIVAL_NATS:
         return Adequacy(True)
-    note = f"{constant_db:+.1f} dB in all rows does as well: transmit power, antennas, cables"
+    return Adequacy(False, 1.0, note=in_all_rows(constant_db))
+
+
+def level_apart(comparison: Comparison, view: View, added: Added) -> str:
+    """Return in words by how much levels differ in all rows, "" where they are not compared."""
+    if LEVEL not in view.recorded.names:
+        return ""
+    made = comparison.ensemble(view, added, FIT_MEMBERS)
+    code = np.unique(view.links, return_inverse=True)[1]
+    left = link_medians(made.residual_of(LEVEL)[None], code)[0]
+    return in_all_rows(float(np.median(left[known]))) if (known := np.isfinite(left)).any() else ""
+
+
+def in_all_rows(constant_db: float) -> str:
+    """Return in words that a constant of levels does as well as an effect."""
     if abs(constant_db) < LEVEL_PRINTED_DB:
-        note = "receive levels are alike without it"
-    return Adequacy(False, 1.0, note=note)
+        return "receive levels are alike without it"
+    return f"{constant_db:+.1f} dB in all rows does as well: transmit power, antennas, cables"
 
 
 def lead_over_constant(left_db: Floats, bare_db: Floats) -> tuple[float, float]:

@@ -130,6 +130,21 @@ def test_what_scatters_beside_late_detection_is_no_scatter_of_its_own():
     assert not PathLoss.jumps
 
 
+def test_why_the_only_name_is_refused_is_said(monkeypatch):
+    seen = Finding(Cell("energy_db", "mean", Place()), Estimate(3, 2, 4), 9.0, 0.001, 9, 9)
+    last = SimpleNamespace(
+        located=SimpleNamespace(findings=(seen,), significant=True), explanation=None, added=None
+    )
+    loss = PathLoss()
+    first = SimpleNamespace(**{**vars(last), "added": loss}, strike=None)
+    monkeypatch.setattr(verdicts, "_said", lambda *_: REFUSED)
+    monkeypatch.setattr(verdicts, "sizes_seen", lambda *_: None)
+    search = SimpleNamespace(choice=Choice())
+    found = verdicts.wave_verdicts(search, (first, last), (loss,), WaveChoice((loss,)))
+    assert len(found) == 1
+    assert found[0].note.startswith(REFUSED.note)
+
+
 def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(monkeypatch):
     seen = Finding(Cell(RANGE, "mean", Place()), Estimate(0.03, 0.02, 0.04), 9.0, 0.001, 9, 9)
     left = SimpleNamespace(removable=Estimate(0.7, 0.6, 0.8, "nats"))
