@@ -36,6 +36,7 @@ from bench.discrepancy.sets.crystals import as_delay_and_drift
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
+from bench.discrepancy.sets.mere_constant import without_mere_constants
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
@@ -161,7 +162,7 @@ class Contest:
         tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
         held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
         best = without_calibration(self, without_scales(self, moves_every_row(self, held)))
-        best = as_delay_and_drift(self, best)
+        best = as_delay_and_drift(self, without_mere_constants(self, best))
         names = tuple(one for one in best if one in self.library)
         beside = {one: beside_a_constant(self, best, one) for one in names}
         able = {one: rivals(self, best, one) for one in names}

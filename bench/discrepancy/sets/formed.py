@@ -27,6 +27,7 @@ from bench.discrepancy.sets.beside import nats_with, told_from_delays, weighed_w
 from bench.discrepancy.sets.blocks import off_by, standard, varies_with
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Columns
+from bench.discrepancy.sets.mere_constant import MERE
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     FORM_NATS,
@@ -100,8 +101,11 @@ def restored(contest: Contest, causes: Set, whole: Set) -> Set:
 
 
 def groups_of(contest: Contest, best: Set) -> list[Set]:
-    """Return the names of a set that a law may stand in for: each, and all of them."""
-    names = tuple(one for one in best if one in contest.library)
+    """Return the names of a set that a law may stand in for: each, and all of them.
+
+    And what would be a name, were it more than a small constant.
+    """
+    names = tuple(one for one in best if one in contest.library or one == MERE)
     return [(one,) for one in names] + ([names] if len(names) > 1 else [])
 
 
