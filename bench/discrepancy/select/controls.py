@@ -47,10 +47,9 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     name = RANGE if of_range else acted_on(search, ensemble, (*others, effect), top)
     if name not in ensemble.names:
         return Control(words, None)
-    residual, unit = ensemble.residual_of(name), ensemble.units[ensemble.place(name)]
-    if name == RANGE:
-        residual = residual - nameless_m(search)
-    beyond = everywhere_left(search, others, effect, name, ~inert)
+    known = nameless_m(search) if name == RANGE else 0.0
+    residual, unit = ensemble.residual_of(name) - known, ensemble.units[ensemble.place(name)]
+    beyond = everywhere_left(search, others, effect, name, ~inert, known)
     for less in (0.0, beyond):
         left = residual - less
         quiet = cluster_bootstrap(left[inert], ensemble.links[inert], search.seed, unit)
@@ -107,14 +106,22 @@ def control_passed(quiet: Estimate, loud: float) -> bool | None:
 
 
 def everywhere_left(
-    search: Search, others: Added, effect: Effect, name: str, acts: NDArray[np.bool_]
+    search: Search,
+    others: Added,
+    effect: Effect,
+    name: str,
+    acts: NDArray[np.bool_],
+    known: NDArray[np.float64] | float = 0.0,
 ) -> float:
-    """Return what an effect of a set leaves where it acts [n]; 0 for other effects."""
+    """Return what an effect of a set leaves where it acts [n]; 0 for other effects.
+
+    Beside what is `known` of rows [n] without a name: it is no part of what is left.
+    """
     if effect.physics not in search.choice.names:
         return 0.0
     with_it = (*others, effect)
     made = search.comparison.ensemble(search.discover, with_it, SEARCH_MEMBERS, SEARCH_FIRST)
-    return float(np.nanmedian(made.residual_of(name)[acts]))
+    return float(np.nanmedian((made.residual_of(name) - known)[acts]))
 
 
 def struck_control(search: Search, others: Added, effect: Effect) -> Control:

@@ -100,3 +100,27 @@ def test_the_control_asks_what_the_effect_acts_on(monkeypatch: pytest.MonkeyPatc
     assert found.passed is True
     assert found.left is not None
     assert found.left.unit == "dB"
+
+
+def test_what_is_left_where_a_name_acts_is_beside_nameless_causes_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The fit of the names took in the constant of a nameless cause: nothing is left anywhere."""
+    rng, rows = np.random.default_rng(2), np.arange(60)
+    versions = rng.normal(0, 0.01, (9, 60, 1))
+    made = Ensemble(("error_m",), ("m",), versions, rows // 2)
+    monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
+    search = SimpleNamespace(
+        discover=SimpleNamespace(scene=None, rows=rows),
+        work=SimpleNamespace(rows=rows),
+        comparison=SimpleNamespace(ensemble=lambda *_: made),
+        choice=Choice(
+            names=("material-delay",),
+            others=("delays",),
+            shifts_m={"delays": np.full(60, -0.2)},
+        ),
+        seed=0,
+    )
+    top = SimpleNamespace(cell=SimpleNamespace(observable="error_m"))
+    found = controls.negative_control(search, (), Walls(), top)  # type: ignore[arg-type]
+    assert found.passed is True
