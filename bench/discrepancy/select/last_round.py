@@ -19,20 +19,23 @@ from bench.discrepancy.sets import turn as sets
 def last_round(state: State, located: Located, journal: Journal) -> State:
     """Return the finished state where nothing stands out any more, but for scatter of rows.
 
-    Where nothing did before either, what scatters may be any cause by which rows of a link differ:
-    then marks are looked for and sets of causes are asked first, and there is another round where
-    one is found. Scatter is asked beside it then: what rounds ranges scatters by itself.
+    Where nothing did before either, sets of causes are asked: ranges may speak for a shape that no
+    interval has. And what scatters may be any cause by which rows of a link differ: then marks are
+    looked for first, and there is another round where one is found. Scatter is asked beside it
+    then: what rounds ranges scatters by itself.
     """
+    asked, news = (state, False) if state.added else sets.agreed(state, located, journal)
+    if news and sets.beyond_doubt(asked.search.choice):
+        return asked
     beside = state.guard.safely("scatter beside", journal.kept(scatter_beside), None)
     last = beside(state.search, state.added, located)
     if last and not state.added:
         marked = state.guard.safely("marks", seen_first, state)(state, located)
         if marked is not state:
             return marked
-        state, news = sets.agreed(state, located, journal)
         if news:
-            return state
-        last = None if state.search.choice.others else last
+            return asked
+        state, last = asked, None if asked.search.choice.others else last
     return state.after(last or Round(located, None, None), finished=True)
 
 

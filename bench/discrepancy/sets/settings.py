@@ -9,6 +9,8 @@ from typing import Final
 
 NAME_NATS: Final = 6.0  # of evidence, that a name in a set must bring: 400 to 1, as some twenty
 # names compete [sets]
+SEEN_NATS: Final = 12.0  # that the loudest name must bring where a search found nothing: its price,
+# and as much again [convention]
 LAW_NATS: Final = 8.0  # the same for a law over a covariate, of which there are more [sets]
 RANGE_LAW_NATS: Final = 12.0  # of a law over the distance: two names, a constant and a scale, may
 # make one too [derived]

@@ -24,8 +24,11 @@ KINDS: dict[str, type[Effect]] = {
 }
 
 
-def finished(rounded: bool) -> State:
-    """Return the state after a last round, of one simulated row for each recorded one."""
+def finished(rounded: bool, late_m: float = 0.0) -> State:
+    """Return the state after a last round, of one simulated row for each recorded one.
+
+    `late_m`: by how much ranges of every other device are longer, and of the rest shorter.
+    """
     rng, link = np.random.default_rng(3), np.repeat(np.arange(80), 4)
     make = link % 6
     true, step = rng.uniform(3, 20, len(link)), np.array(STEPS_M)[make % 2]
@@ -36,7 +39,10 @@ def finished(rounded: bool) -> State:
         own = {"link": [f"l{i}" for i in link], "rx": [f"a{i}" for i in make], "true_range_m": true}
         return pd.DataFrame({**own, "range_m": range_m, "error_m": range_m - true})
 
-    recorded, simulated = measured(0.02 if rounded else 0.036, rounded), measured(0.02, False)
+    noise_m = 0.02 if rounded or late_m else 0.036
+    recorded, simulated = measured(noise_m, rounded), measured(0.02, False)
+    for column in ("range_m", "error_m"):
+        recorded[column] += np.where(make % 2, late_m, -late_m)
     rows = view(recorded, link_codes(recorded), np.arange(len(link)), Window(), None, False)
     search = Search(TableComparison(simulated, Window()), rows, rows, KINDS, 0, work=rows)
     return last_round(State(search), Located((), 1.0, 0.0, 1.0, 1, {}), Journal())
@@ -52,3 +58,9 @@ def test_scatter_of_rows_that_bear_no_mark_is_said() -> None:
     state = finished(rounded=False)
     assert state.finished
     assert [turn.strike.effect.name for turn in state.rounds if turn.strike] == ["timestamp-jitter"]
+
+
+def test_causes_that_ranges_speak_for_beyond_doubt_need_no_place_that_stands_out() -> None:
+    state = finished(rounded=False, late_m=0.03)
+    assert [effect.physics for effect in state.added] == ["antenna-delay"]
+    assert not state.finished
