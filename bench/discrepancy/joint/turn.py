@@ -40,6 +40,7 @@ from bench.discrepancy.select.stepwise import (
     explain_left,
     locate_left,
     struck_round,
+    with_levels,
     with_ranges,
 )
 from bench.discrepancy.select.verdict import NoMismatch, Verdict
@@ -59,6 +60,7 @@ def selected(state: State, journal: Journal) -> Selection:
 def _selected(state: State, journal: Journal) -> Selection:
     search, kept, safely = state.search, journal.kept, state.guard.safely
     located = kept(with_ranges)(search, kept(locate_left)(search, (), 0))
+    located = kept(with_levels)(search, located)
     if not located.significant:
         return _said(state.after(Round(located, None, None)), WaveChoice(), journal)
     fault = safely("recorder", recorder_fault, "")(search)
@@ -217,6 +219,7 @@ def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
     search, added = state.search, (*state.added, *_scattered(state))
     left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
+    left = left if added else journal.kept(with_levels)(search, left)
     last = Round(left, None, None)
     if left.significant and (not added or any(of_range(found) for found in left.findings)):
         last = replace(last, explanation=journal.kept(left_by)(search, added, left))

@@ -14,7 +14,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View, without
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
@@ -68,6 +68,20 @@ def with_ranges(search: Search, found: Located) -> Located:
     least = {**found.detectable, **ranges.detectable}
     least = {n: min(value, found.detectable.get(n, np.inf)) for n, value in least.items()}
     return replace(ranges if ranges.significant else found, detectable=least)
+
+
+def with_levels(search: Search, found: Located) -> Located:
+    """Return what was found, or, where that is nothing, what levels of all working rows show.
+
+    A weak antenna at one device of six is seen by these, and one finding among hundreds by chance.
+    """
+    if found.significant or LEVEL not in (rows := search.both).recorded.names:
+        return found
+    made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
+    if LEVEL not in made.names:
+        return found
+    levels = _located(search, rows, kept(made, (LEVEL,)), 0, FAMILY_WISE / 2)
+    return replace(levels, detectable=found.detectable) if levels.significant else found
 
 
 def ranges_left(search: Search, added: Added) -> Located:

@@ -1,0 +1,51 @@
+"""What one device does to levels is seen by the levels of all working rows; SIMULATED rows."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bench.discrepancy.compare.resimulation import Resimulation
+from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.observables import LEVEL, window_of
+from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.stepwise import with_levels
+from bench.physics.base import Base
+from bench.physics.scene import scene
+from bench.physics.simulator import Simulator
+
+LINKS = 60
+
+
+def _search(weaker_db: float) -> Any:
+    """Return a search over links of six devices, of which one reads weaker."""
+    rng = np.random.default_rng(2)
+    frame = pd.DataFrame({"link": [f"l{i}" for i in range(LINKS)], "tx": "t"})
+    frame["rx"] = [f"a{i % 6}" for i in range(LINKS)]
+    frame["true_range_m"] = rng.uniform(2, 15, LINKS)
+    made = Simulator(Base(), (), 5, "test").observe(scene(frame), 5, 77).table(frame)
+    made[LEVEL] += rng.normal(0, 1.5, LINKS) - weaker_db * (made["rx"] == "a4")
+    window = window_of(made)
+    rows = view(made, link_codes(made), np.arange(LINKS), window)
+    comparison = Resimulation(Simulator(Base(), (), 11, "test"), window)
+    return SimpleNamespace(both=rows, comparison=comparison, seed=1)
+
+
+def _found(search: Any) -> Located:
+    return with_levels(search, Located((), 1.0, 0.0, 3.0, 9, {LEVEL: 2.0}))
+
+
+def test_a_weak_antenna_is_seen_where_waveforms_show_nothing() -> None:
+    found = _found(_search(7.0))
+    assert found.significant
+    assert found.findings[0].cell.observable == LEVEL
+    assert found.detectable == {LEVEL: 2.0}  # as the search of waveforms says it
+
+
+def test_what_was_found_stays() -> None:
+    before = _found(_search(7.0))
+    assert with_levels(_search(0.0), before) is before
