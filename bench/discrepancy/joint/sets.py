@@ -142,7 +142,8 @@ class Sets:
     def _settled(self) -> tuple[Fit, dict[str, Added]]:
         """Return the likeliest set of needed members, and what would do as well as each.
 
-        Where another turns out likelier in the place of one, it begins again with that.
+        Where another turns out likelier in the place of one, it begins again with that; so it does
+        where the same set is fitted better meanwhile, beside which others may do as well no more.
         """
         begin = self.nested.likeliest(self._likeliest)
         for _ in range(SETTLED):
@@ -151,7 +152,8 @@ class Sets:
             rivals = {one: self._rivals(best, one) for one in free}
             alike = [fit for fit in self._able() if len(fit.names) == len(best.names)]
             begin = self._likeliest([*alike, *self.nested.wider(best)])
-            if key_of(begin.effects) == key_of(best.effects):
+            gained = self.weighing.evidence(begin) - self.weighing.evidence(best)
+            if key_of(begin.effects) == key_of(best.effects) and gained < CLASS_NATS:
                 break
         return best, rivals
 
