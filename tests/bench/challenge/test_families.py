@@ -27,11 +27,11 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
 WITH_BOTH = (
-    "pool", "market",
+    "market",
     "glasshouse", "quarry", "rink", "brewery", "tannery", "signalbox", "bakery", "belfry",
     "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag",
     "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
-    "aviary", "sawmill", "laundry",
+    "aviary", "sawmill", "laundry", "bowls",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
@@ -48,7 +48,7 @@ def _world(name: str) -> Any:
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
         ValueError,
-        match="unknown family 'x'; known: atrium, aviary, bakery, belfry, brewery",
+        match="unknown family 'x'; known: atrium, aviary, bakery, belfry, bowls",
     ):
         world_of("x")
 

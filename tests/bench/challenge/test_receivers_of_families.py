@@ -10,6 +10,7 @@ import pytest
 from bench.challenge.cases import make_case
 from bench.challenge.families import (
     aviary_listener,
+    bowls_dial,
     brickworks_reader,
     laundry_meter,
     manege_handset,
@@ -30,6 +31,7 @@ OF_ITS_OWN = {
     "aviary": {"heads", "wheel", "into_s"},
     "sawmill": {"pace", "curl", "into_s"},
     "laundry": {"lever", "gap_s", "into_s"},
+    "bowls": {"bias", "wide", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -48,6 +50,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (aviary_listener.murmur, aviary_listener.OF_SIZES, -0.2),
         (sawmill_decoder.rasp, sawmill_decoder.OF_SIZES, -0.2),
         (laundry_meter.sizzle, laundry_meter.OF_SIZES, -0.2),
+        (bowls_dial.rush, bowls_dial.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -71,6 +74,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (aviary_listener.calls, aviary_listener.deferred, 0.02),
         (sawmill_decoder.humps, sawmill_decoder.held, 0.02),
         (laundry_meter.lobes, laundry_meter.belated, 0.02),
+        (bowls_dial.pulses, bowls_dial.retarded, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
