@@ -18,7 +18,7 @@ from bench.challenge.families.bowls_dial import (
     rush,
 )
 from bench.challenge.families.bowls_effects import EFFECTS, off_the_carpet
-from bench.challenge.families.bowls_rinks import GREEN_M, KNOTS, WAVE_M
+from bench.challenge.families.bowls_rinks import GREEN_M, KNOTS, WAVE_M, End
 from bench.challenge.families.bowls_rinks import LAWS as LAWS_OF_ROWS
 from bench.challenge.families.case import Law
 
@@ -56,22 +56,24 @@ def film(straight: Floats, thick: Floats) -> Floats:
     return np.asarray(bends / np.hypot(1.0, bends))
 
 
+def mirrored(end: End, axis: int, plane_m: float) -> tuple[Floats, Floats, Floats]:
+    """Return ways by an upright plane in m, how high these meet it, and how straight, [n] each."""
+    image = end.aloft.copy()
+    image[:, axis] = 2 * plane_m - image[:, axis]
+    way = np.linalg.norm(image - end.below, axis=1)
+    legs = [np.abs(one[:, axis] - plane_m) for one in (end.below, end.aloft)]
+    both = legs[0] + legs[1]
+    return way, (end.below[:, 2] * legs[1] + end.aloft[:, 2] * legs[0]) / both, both / way
+
+
 def _sheets(dial: Dial, strength: float) -> None:
     """Hear both ends, of two wet films each, and boards along the banks where these reach."""
     end, first = dial.end(), dial.by_air() * dial.straight()
     for axis, plane_m, high_m in SHEETS:
-        image = end.aloft.copy()
-        image[:, axis] = 2 * plane_m - image[:, axis]
-        way = np.linalg.norm(image - end.below, axis=1)
-        legs = [np.abs(one[:, axis] - plane_m) for one in (end.below, end.aloft)]
-        meets_m = (end.below[:, 2] * legs[1] + end.aloft[:, 2] * legs[0]) / (legs[0] + legs[1])
-        straight = (legs[0] + legs[1]) / way
+        way, high, straight = mirrored(end, axis, plane_m)
         thick = end.by_link(lambda n: dial.rng.uniform(*FILM_M, n))
-        back = (
-            film(straight, thick)
-            * (meets_m < high_m)
-            * end.by_link(lambda n: dial.rng.triangular(0.3, 0.9, 1.0, n))
-        )
+        free = end.by_link(lambda n: dial.rng.triangular(0.3, 0.9, 1.0, n))
+        back = film(straight, thick) * free * (high < high_m)
         share = (1.35 * np.sqrt(strength) * back * end.far / way).clip(max=0.8)
         samples = ((way - end.far) / METRES).clip(2.8)
         dial.echo(first, share * dial.turns(), samples)
