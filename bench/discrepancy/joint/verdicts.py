@@ -33,6 +33,7 @@ from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
 from bench.discrepancy.sets.blocks import is_fault
+from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -40,6 +41,10 @@ from bench.physics.effects.propagation.path_loss import PathLoss
 LEFT_OF_WAVES = "all known effects together leave a part that none of them explains"
 LEFT_OF_RANGES = "left after the named effects"
 NOTHING_NAMED = "no known effect explains enough of it to be named"
+CONSTANT = (
+    "ranges are off by the same few centimetres everywhere: antennas, covers, films and detectors "
+    "make that alike; a calibration takes it off"
+)
 
 
 def left_by(search: Search, added: Added, located: Located) -> Explanation:
@@ -73,6 +78,7 @@ def wave_verdicts(
         return seen_beside(search, (*named, left), added, rounds)
     if not any(one.names for one in named) or _more_in_ranges(search, last):
         refused = [one.note for one in named if isinstance(one, Unknown)]
+        refused += [CONSTANT] if MERE in search.choice.others else []
         named = tuple(one for one in named if one.names)
         why = LEFT_OF_RANGES if named else (*refused, NOTHING_NAMED)[0]
         named = (*named, _unknown(rounds[0], last, why, added))
@@ -162,10 +168,11 @@ def _more(search: Search, rounds: tuple[Round, ...]) -> bool:
     """Return whether something is there, beside links that were struck where some were.
 
     One that was struck and not told from the others leaves an offset that nothing predicts. A fault
-    of the set-up that the set of ranges holds is there, whether or not a regression foretells it.
+    of the set-up or a constant that the set of ranges holds is there, whether or not a regression
+    foretells it.
     """
     last = rounds[-1]
-    if _faulty(search):
+    if _faulty(search) or MERE in search.choice.others:
         return True
     if not any(turn.strike for turn in rounds):
         return real(search, last)

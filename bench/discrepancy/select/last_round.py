@@ -35,7 +35,7 @@ def last_round(state: State, located: Located, journal: Journal) -> State:
             return marked
         if news:
             return asked
-        state, last = asked, None if asked.search.choice.others else last
+        state, last = asked, None if asked.search.choice.scattering else last
     return state.after(last or Round(located, None, None), finished=True)
 
 

@@ -62,7 +62,7 @@ def _kind(search: Search, added: Added, explanation: Explanation) -> type[Effect
     law or a grid is there it was one, and what these leave is none.
     """
     kinds = [type(c.effect) for c in explanation.contenders if type(c.effect).independent]
-    if kinds or search.choice.others or any(type(effect).marked for effect in added):
+    if kinds or search.choice.scattering or any(type(effect).marked for effect in added):
         return next(iter(kinds), None)
     return _offered(search, added)
 
@@ -82,7 +82,7 @@ def scatter_beside(search: Search, added: Added, located: Located) -> Round | No
     could make them.
     """
     kind = _offered(search, added)
-    if kind is None or search.choice.others:
+    if kind is None or search.choice.scattering:
         return None
     found = _scattering(search, added, kind)
     if found is None or not beyond_marks(search, added, found.effect):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.sets.believed import Unsure
 
 Set = tuple[str, ...]
+MERE = "the same in all ranges"
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,11 @@ class Choice:
     elsewhere: Set = ()
     faults: Set = ()
     forms_do: bool = False
+
+    @property
+    def scattering(self) -> Set:
+        """The others by which rows differ, so that what they leave is no scatter: no constant."""
+        return but(self.others, MERE)
 
 
 def but(causes: Set, gone: str) -> Set:

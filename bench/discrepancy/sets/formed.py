@@ -25,9 +25,8 @@ from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
 from bench.discrepancy.law.structures import GridLaw, cost
 from bench.discrepancy.sets.beside import nats_with, told_from_delays, weighed_with
 from bench.discrepancy.sets.blocks import off_by, standard, varies_with
-from bench.discrepancy.sets.choice import Set
+from bench.discrepancy.sets.choice import MERE, Set
 from bench.discrepancy.sets.evidence import Columns
-from bench.discrepancy.sets.mere_constant import MERE
 from bench.discrepancy.sets.settings import (
     DEFORMED,
     FORM_NATS,

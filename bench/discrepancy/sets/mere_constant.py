@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bench.discrepancy.sets.choice import Set, but
+from bench.discrepancy.sets.choice import MERE, Set, but
 from bench.discrepancy.sets.rivals import with_constant
 from bench.discrepancy.sets.settings import LAW_M, RIVAL_NATS, SMALL_CONSTANT_M
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
-
-MERE = "the same in all ranges"
 
 
 def without_mere_constants(contest: Contest, causes: Set) -> Set:

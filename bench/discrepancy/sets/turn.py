@@ -105,7 +105,7 @@ def left_to_name(search: Search, explanation: Explanation) -> Explanation:
     """
     names = judged_by_sets(search)
     able = tuple(c for c in explanation.contenders if c.name not in names)
-    if search.choice.others:
+    if search.choice.scattering:
         able = tuple(c for c in able if not type(c.effect).independent)
     return replace(explanation, contenders=able)
 

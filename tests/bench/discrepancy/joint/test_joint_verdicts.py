@@ -20,7 +20,7 @@ from bench.discrepancy.joint.verdicts import beside_untold, standing, taken_away
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
-from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -143,6 +143,27 @@ def test_why_the_only_name_is_refused_is_said(monkeypatch):
     found = verdicts.wave_verdicts(search, (first, last), (loss,), WaveChoice((loss,)))
     assert len(found) == 1
     assert found[0].note.startswith(REFUSED.note)
+
+
+def test_a_small_constant_beside_waveforms_is_said(monkeypatch):
+    """Nothing is named, and no other search need find it: ranges of all working rows did."""
+    seen = Finding(Cell(RANGE, "mean", Place()), Estimate(0.03, 0.02, 0.04), 9.0, 0.001, 9, 9)
+    first = SimpleNamespace(
+        located=SimpleNamespace(findings=(seen,), significant=True), explanation=None, added=None
+    )
+    nothing = SimpleNamespace(findings=(), significant=False, detectable={}, p=0.5)
+    last = SimpleNamespace(located=nothing, explanation=None, added=None, strike=None)
+    first.strike = None
+    monkeypatch.setattr(verdicts, "real", lambda *_: False)
+    search = SimpleNamespace(choice=Choice(others=(MERE,)))
+    found = verdicts.wave_verdicts(search, (first, last), (), WaveChoice())
+    assert [one.note for one in found] == [verdicts.CONSTANT]
+    assert found[0].findings == (seen,)
+    search = SimpleNamespace(choice=Choice())
+    assert verdicts.wave_verdicts(search, (first, last), (), WaveChoice())[0].names == ()
+    assert not isinstance(
+        verdicts.wave_verdicts(search, (first, last), (), WaveChoice())[0], Unknown
+    )
 
 
 def test_what_is_left_of_ranges_is_said_only_where_no_detector_would_leave_it(monkeypatch):

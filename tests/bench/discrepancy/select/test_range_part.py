@@ -20,8 +20,7 @@ from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.flattened import whitening
 from bench.discrepancy.select.range_part import asked, chosen_beside, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
-from bench.discrepancy.sets.choice import Choice
-from bench.discrepancy.sets.mere_constant import MERE
+from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.temperature import TemperatureDrift

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.sets.choice import MERE, Choice
 from bench.discrepancy.sets.choose import chosen
-from bench.discrepancy.sets.mere_constant import MERE
 from tests.bench.discrepancy.sets.test_sets import search_of
 
 LATE_M = 0.03
@@ -42,3 +42,8 @@ def test_a_small_constant_of_all_devices_has_no_name(
 ) -> None:
     found = chosen(search_of(hidden, 4), ())  # type: ignore[arg-type]
     assert (found.names, found.others) == (names, others)
+
+
+def test_beside_a_constant_scatter_is_asked_beside_a_law_it_is_not() -> None:
+    assert Choice(others=(MERE,)).scattering == ()
+    assert Choice(others=("a law of time_s", MERE)).scattering == ("a law of time_s",)
