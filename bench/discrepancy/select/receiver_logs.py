@@ -88,7 +88,10 @@ def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
         counting = replace(other.simulator, base=base)
         made = counting.observe(rows.scene, cir=False).preamble_count
         seen = other.simulator.observe(rows.scene, cir=False)
-        return 10 * np.log10(made), 20 * np.log10(seen.noise_std), np.asarray(seen.rx_power_dbm)
+        # What a receiver adds to samples, such as an offset, is in the noise that it logs of them.
+        sampled = other.simulator.of_samples and not rows.waveform
+        logged = other.simulator.observe(rows.scene) if sampled else seen
+        return 10 * np.log10(made), 20 * np.log10(logged.noise_std), np.asarray(seen.rx_power_dbm)
     if not isinstance(other, TableComparison):
         return unknown, unknown, unknown
     picks = np.stack(other.versions(rows))
