@@ -23,6 +23,7 @@ from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
 from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts, without_idle
 from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.all_rows import with_levels, with_ranges
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
 from bench.discrepancy.select.link_mixture import Strike
@@ -40,8 +41,6 @@ from bench.discrepancy.select.stepwise import (
     explain_left,
     locate_left,
     struck_round,
-    with_levels,
-    with_ranges,
 )
 from bench.discrepancy.select.verdict import NoMismatch, Verdict
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.select.adequacy import Adequacy
@@ -29,8 +30,7 @@ def beyond_a_constant(comparison: Comparison, view: View, added: Added, effect: 
     moved_m = whole.simulated_of(RANGE).mean(axis=0) - rest.simulated_of(RANGE).mean(axis=0)
     if float(np.nanmean(np.abs(moved_m))) > ALIKE_M:
         return Adequacy(True)
-    code = np.unique(view.links, return_inverse=True)[1]
-    left, bare = (link_medians(one.residual_of(LEVEL)[None], code)[0] for one in (whole, rest))
+    left, bare = (_levels_left(view, one) for one in (whole, rest))
     known = np.isfinite(left) & np.isfinite(bare)
     nats, constant_db = lead_over_constant(left[known], bare[known])
     if not known.any() or nats >= RIVAL_NATS:
@@ -42,10 +42,15 @@ def level_apart(comparison: Comparison, view: View, added: Added) -> str:
     """Return in words by how much levels differ in all rows, "" where they are not compared."""
     if LEVEL not in view.recorded.names:
         return ""
-    made = comparison.ensemble(view, added, FIT_MEMBERS)
+    left = _levels_left(view, comparison.ensemble(view, added, FIT_MEMBERS))
+    known = left[np.isfinite(left)]
+    return in_all_rows(float(np.median(known))) if len(known) else ""
+
+
+def _levels_left(view: View, made: Ensemble) -> Floats:
+    """Return recorded less simulated levels, the median of every link [L], in dB."""
     code = np.unique(view.links, return_inverse=True)[1]
-    left = link_medians(made.residual_of(LEVEL)[None], code)[0]
-    return in_all_rows(float(np.median(left[known]))) if (known := np.isfinite(left)).any() else ""
+    return np.asarray(link_medians(made.residual_of(LEVEL)[None], code)[0])
 
 
 def in_all_rows(constant_db: float) -> str:

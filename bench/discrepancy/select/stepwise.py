@@ -14,7 +14,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View, without
-from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
@@ -50,50 +50,20 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
     """Search for what the effects added so far leave."""
     first = SEARCH_FIRST + turn * SEARCH_MEMBERS
     ensemble = search.comparison.ensemble(search.searched, added, SEARCH_MEMBERS, first)
-    return _located(search, search.searched, ensemble, turn, FAMILY_WISE)
-
-
-def with_ranges(search: Search, found: Located) -> Located:
-    """Return what waveforms show, or, where that is nothing, what ranges of all working rows do.
-
-    One device of five that is late is seen by its ranges, and one finding among hundreds by chance.
-    """
-    if found.significant or RANGE not in (rows := search.both).recorded.names:
-        return found
-    made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
-    if RANGE not in made.names:
-        return found
-    level = FAMILY_WISE / 2  # beside the search of waveforms
-    ranges = _located(search, rows, kept(made, (RANGE,)), 0, level)
-    least = {**found.detectable, **ranges.detectable}
-    least = {n: min(value, found.detectable.get(n, np.inf)) for n, value in least.items()}
-    return replace(ranges if ranges.significant else found, detectable=least)
-
-
-def with_levels(search: Search, found: Located) -> Located:
-    """Return what was found, or, where that is nothing, what levels of all working rows show.
-
-    A weak antenna at one device of six is seen by these, and one finding among hundreds by chance.
-    """
-    if found.significant or LEVEL not in (rows := search.both).recorded.names:
-        return found
-    made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
-    if LEVEL not in made.names:
-        return found
-    levels = _located(search, rows, kept(made, (LEVEL,)), 0, FAMILY_WISE / 2)
-    return replace(levels, detectable=found.detectable) if levels.significant else found
+    return located_in(search, search.searched, ensemble, turn, FAMILY_WISE)
 
 
 def ranges_left(search: Search, added: Added) -> Located:
     """Search for what effects leave of ranges alone, in all rows that are searched."""
     rows = search.searched
     made = search.comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
-    return _located(search, rows, kept(made, (RANGE,)), 0, FAMILY_WISE)
+    return located_in(search, rows, kept(made, (RANGE,)), 0, FAMILY_WISE)
 
 
-def _located(
+def located_in(
     search: Search, seen: View, ensemble: Ensemble, turn: int, family_wise: float
 ) -> Located:
+    """Return what rows that are seen beside their simulated versions show, at a level."""
     own = search.comparison.distinct(seen)
     few = borrows(ensemble, own)
     level = family_wise / 2 if few else family_wise  # two searches share the error of one

@@ -13,7 +13,7 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import LEVEL, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.stepwise import with_levels
+from bench.discrepancy.select.all_rows import with_levels
 from bench.physics.base import Base
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator

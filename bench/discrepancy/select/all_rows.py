@@ -1,0 +1,52 @@
+"""What one observable of all working rows shows, where a search of waveforms shows nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.select.predictive_cells import kept
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import located_in
+from bench.discrepancy.settings import FAMILY_WISE, SEARCH_FIRST, SEARCH_MEMBERS
+
+
+def with_ranges(search: Search, found: Located) -> Located:
+    """Return what waveforms show, or, where that is nothing, what ranges of all working rows do.
+
+    One device of five that is late is seen by its ranges, and one finding among hundreds by chance.
+    """
+    ranges = None if found.significant else _of_all_rows(search, RANGE)
+    if ranges is None:
+        return found
+    least = {**found.detectable, **ranges.detectable}
+    least = {n: min(value, found.detectable.get(n, np.inf)) for n, value in least.items()}
+    return replace(ranges if ranges.significant else found, detectable=least)
+
+
+def with_levels(search: Search, found: Located) -> Located:
+    """Return what was found, or, where that is nothing, what levels of all working rows show.
+
+    A weak antenna at one device of six is seen by these, and one finding among hundreds by chance.
+    """
+    levels = None if found.significant else _of_all_rows(search, LEVEL)
+    if levels is None or not levels.significant:
+        return found
+    return replace(levels, detectable=found.detectable)
+
+
+def _of_all_rows(search: Search, name: str) -> Located | None:
+    """Return what one observable of all working rows shows, None where sides do not share it.
+
+    At half the level: it is asked beside the search of waveforms.
+    """
+    rows = search.both
+    if name not in rows.recorded.names:
+        return None
+    made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
+    if name not in made.names:
+        return None
+    return located_in(search, rows, kept(made, (name,)), 0, FAMILY_WISE / 2)
