@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from bench.challenge.families.case import Draw, Tables, world_of
 
@@ -24,3 +25,11 @@ def shift_of(family: str, name: str, strength: float = 1.0, mode: str = "ranges"
     """Return what an effect of a family does to the recorded ranges [n], in metres."""
     made = tables_of(family, name, strength, mode)
     return (made.recorded["error_m"] - made.clean["error_m"]).to_numpy()
+
+
+@cache
+def known_of(family: str) -> pd.DataFrame:
+    """Return what is known of the rows of `tables_of`, and what nobody is told."""
+    world: Any = world_of(family)
+    made: pd.DataFrame = world.known(Draw(), 9)
+    return made

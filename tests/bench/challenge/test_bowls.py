@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,17 +30,10 @@ from bench.challenge.families.bowls_wave_effects import (
     windowed,
 )
 from bench.challenge.families.case import Draw, world_of
-from tests.bench.challenge.shown import shift_of, tables_of
+from tests.bench.challenge.shown import known_of, shift_of, tables_of
 
 _tables, _shift = partial(tables_of, "bowls"), partial(shift_of, "bowls")
-
-
-@cache
-def _known() -> pd.DataFrame:
-    """Return what is known of the rows of `_tables`, and what nobody is told."""
-    world: Any = world_of("bowls")
-    made: pd.DataFrame = world.known(Draw(), 9)
-    return made
+_known = partial(known_of, "bowls")
 
 
 def _rows() -> pd.DataFrame:

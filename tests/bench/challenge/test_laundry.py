@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench.challenge.families.case import Draw, world_of
 from bench.challenge.families.laundry_effects import (
     EXTRACTORS_M,
     FRAMES,
@@ -26,17 +24,10 @@ from bench.challenge.families.laundry_wave_effects import (
     stuffed,
     unlike,
 )
-from tests.bench.challenge.shown import shift_of, tables_of
+from tests.bench.challenge.shown import known_of, shift_of, tables_of
 
 _tables, _shift = partial(tables_of, "laundry"), partial(shift_of, "laundry")
-
-
-@cache
-def _known() -> pd.DataFrame:
-    """Return what is known of the rows of `_tables`, and what nobody is told."""
-    world: Any = world_of("laundry")
-    made: pd.DataFrame = world.known(Draw(), 9)
-    return made
+_known = partial(known_of, "laundry")
 
 
 def _rows() -> pd.DataFrame:
