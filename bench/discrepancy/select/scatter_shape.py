@@ -143,7 +143,10 @@ def alike(recorded_m: Floats, simulated_m: Floats) -> bool:
 
 
 def shape(ensemble: Ensemble) -> Adequacy:
-    """Return whether recorded and simulated ranges scatter alike around the ensemble's mean."""
+    """Return whether recorded and simulated ranges scatter alike around the ensemble's mean.
+
+    Beside what they all have in common: a constant is another cause's, or nameless, and no shape.
+    """
     versions = ensemble.versions_of(RANGE)
     m = len(versions) - 1
     if m < 2:
@@ -152,7 +155,7 @@ def shape(ensemble: Ensemble) -> Adequacy:
     recorded = versions[0] - middle
     simulated = (versions[1:] - middle) * np.sqrt((m + 1) / (m - 1))  # as far as a new one is
     known = np.isfinite(recorded)
-    own = recorded[known]
+    own = recorded[known] - recorded[known].mean()
     apart, chance = two_samples(own, simulated[np.isfinite(simulated)].ravel())
     z = float(apart * np.sqrt(max(len(own), 1)))
     fine = chance > SCATTER_SHAPE_P or bounded(own, ensemble.links[known])

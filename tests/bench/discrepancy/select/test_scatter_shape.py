@@ -27,6 +27,13 @@ def test_scatter_of_the_same_kind_is_taken_as_such(seed: int) -> None:
     assert shape(ensemble(rng.laplace(0, 0.05, 300), 0.07)).adequate
 
 
+def test_a_constant_beside_scatter_is_no_other_shape() -> None:
+    rng = np.random.default_rng(7)
+    assert shape(ensemble(rng.normal(-0.02, 0.07, 300), 0.07)).adequate
+    struck = 0.4 * (rng.random(60) < 0.3)[LINKS]  # what strikes some links is no constant
+    assert not shape(ensemble(rng.normal(0.02, 0.022, 300) + struck, 0.18)).adequate
+
+
 def test_rows_that_jump_are_no_scatter() -> None:
     rng = np.random.default_rng(2)
     jumped = rng.normal(0, 0.022, 300) + 0.4 * (rng.random(300) < 0.3) - 0.12
