@@ -118,7 +118,7 @@ def stuck(frame: pd.DataFrame) -> str:
     size = float(np.median(magnitude) or magnitude.mean())  # rounded ones are mostly zero
     if size == 0:
         return ""
-    level = 20 * np.log10(np.maximum(magnitude, 1e-3 * size))
+    level = 20 * np.log10(np.maximum(magnitude, np.maximum(_half_steps(magnitude), 1e-3 * size)))
     apart, error = _standing_out(level)
     middle = float(np.nan_to_num(np.nanmedian(numeric(frame, "first_path_index"))))
     far = np.abs(np.arange(level.shape[1]) - middle) > PULSE_SAMPLES
@@ -127,6 +127,16 @@ def stuck(frame: pd.DataFrame) -> str:
         return ""
     places = ", ".join(map(str, seen[:STUCK_PLACES]))
     return f"samples {places} ... of every row read a level of their own, whatever arrives"
+
+
+def _half_steps(magnitude: Floats) -> Floats:
+    """Return half of the least sample that is not zero, of rows [n, K], as [n, 1].
+
+    Rounded samples of zero may have been as large as half a step: taken as 60 dB below the others,
+    a place that is rounded to zero a little more often than its neighbours would stand out.
+    """
+    least = np.where(magnitude > 0, magnitude, np.inf).min(axis=1, keepdims=True)
+    return np.where(np.isfinite(least), least / 2, 0.0)
 
 
 def _standing_out(level: Floats) -> tuple[Floats, Floats]:

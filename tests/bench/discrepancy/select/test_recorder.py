@@ -59,6 +59,16 @@ def test_stuck_samples_stand_out_in_every_row_above_or_below() -> None:
         assert "samples 45, 61, 77" in stuck(frame(cir))
 
 
+def test_samples_that_are_mostly_rounded_to_zero_do_not_stand_out() -> None:
+    noise = np.random.default_rng(2).normal(0, 1, (2, 300, SAMPLES))
+    noise *= np.where(np.arange(SAMPLES) % 2, 1.0, 0.5)  # a ripple of 6 dB
+    cir = np.hypot(*np.round(noise / 3) * 3)
+    assert np.mean(cir == 0) > 0.6
+    assert stuck(frame(cir)) == ""
+    cir[:, [45, 61, 77, 93]] = 18.0
+    assert "samples 45, 61, 77" in stuck(frame(cir))
+
+
 def search_of(rows: pd.DataFrame, recorded_db: np.ndarray, simulated_db: np.ndarray) -> Search:
     """Return a search over rows whose peaks are so many decibels on both sides, [n] each."""
     peaks = np.stack([recorded_db, simulated_db])[:, :, None].repeat(2, axis=2)
