@@ -34,7 +34,7 @@ def moments_of(magnitude: Floats) -> Floats:
     of samples that are no neighbours: it is of noise of any colour.
     """
     power = magnitude**2
-    power = power / mean_known(power, 0)
+    power = power / np.maximum(mean_known(power, 0), np.finfo(float).tiny)
     power = power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None]
     count = _products(np.isfinite(power).astype(np.float64))
     power = np.where(count[:, None] > 0, power, np.nan)  # a row that ends early says nothing
@@ -48,7 +48,8 @@ def loud_moments(magnitude: Floats) -> Floats:
 
     A tone that fades is in loud rows, which count the more, if not by the square of it.
     """
-    power = mean_known(magnitude**2 / mean_known(magnitude**2, 0), 1)
+    usual = np.maximum(mean_known(magnitude**2, 0), np.finfo(float).tiny)
+    power = mean_known(magnitude**2 / usual, 1)
     return np.asarray(moments_of(magnitude) * np.nan_to_num(power)[:, None])
 
 

@@ -68,15 +68,16 @@ class Sets:
         struck: bool = False,
     ) -> None:
         self.struck = struck
-        self.given = Statistics(comparison, rows)
+        self.given, begun = _begun(Statistics(comparison, rows), tries)
         bare = fitted(self.given, ())
         if bare is None:
             raise BenchError("nothing can be simulated at these rows")
         self.none = bare
-        self.start = likeliest(self.given, tries) or bare
+        self.start = begun or bare
         have = set(self.start.names)
         able = [kind for kind in kinds if kind.name not in have]
-        self.screen = Screen(Statistics(comparison, few), able, self.start.effects)
+        some = Statistics(comparison, few).knowing(self.start.effects)
+        self.screen = Screen(some, able, self.start.effects)
         self.fits: dict[frozenset[str], Fit] = {frozenset(self.start.names): self.start}
         self.quiet, self.grain = Quiet(self.given), Grain(self.given)
         self.nested = Nested(self.given, self.fits, self._fit)
@@ -332,3 +333,17 @@ class Sets:
         """Return what may do the same as a member, of the effects that can be tried."""
         effect = next(one for one in fit.effects if one.name == name)
         return tuple(one for one in counterparts(effect) if one.name in self.screen.points)
+
+
+def _begun(given: Statistics, tries: Sequence[Added]) -> tuple[Statistics, Fit | None]:
+    """Return the likeliest of some sets, and the statistics that are known beside it.
+
+    A coarse rounding leaves nothing of weak samples, so no level of them: where no set leaves all
+    statistics known, those that every one leaves known.
+    """
+    begun = likeliest(given, tries)
+    if begun is None:
+        for effects in tries:
+            given = given.knowing(effects)
+        begun = likeliest(given, tries)
+    return given, begun

@@ -16,6 +16,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import fitness
 from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
+from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.sizes import Sizes
@@ -25,6 +26,7 @@ from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+from bench.physics.effects.receiver.quantisation import Quantisation
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -160,3 +162,11 @@ def test_sizes_hold_what_is_hidden_and_say_what_nothing_tells():
         assert found[name].determined
         assert found[name].low <= getattr(RINGING, name) <= found[name].high
     assert not found["ring_offset_mhz"].determined  # what does not ring on does not turn
+
+
+def test_a_rounding_that_leaves_nothing_of_weak_samples_is_compared_by_the_rest() -> None:
+    coarse = Quantisation(step_counts=900.0)
+    comparison, rows = compared(recordings((coarse,)))
+    made = Sets(comparison, rows, fewer(rows, 10), (PathLoss,), ((coarse,),))
+    assert made.start.names == (coarse.name,)
+    assert list(made.screen.points) == [PathLoss.name]
