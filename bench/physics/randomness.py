@@ -19,6 +19,8 @@ from scipy.special import ndtri
 from bench.physics.units import Complexes, Floats, Reals
 
 BLOCK = 1024
+CACHED = 64
+"""Rows of complex draws that are made at once, so that they stay in a core's cache."""
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -46,10 +48,20 @@ class Draws:
         return self.generator.random(shape, np.float32)
 
     def complex_normal(self, *shape: int) -> Complexes:
-        """Return circular complex normal draws of mean power one, complex64."""
-        pairs = self.generator.standard_normal((*shape[:-1], 2 * shape[-1]), np.float32)
-        pairs *= np.float32(np.sqrt(0.5))
-        return pairs.view(np.complex64)
+        """Return circular complex normal draws of mean power one, complex64.
+
+        A power that is exponential and a phase that is uniform (Box and Muller 1958), which numpy
+        makes of vectors twice as fast as its ziggurat makes real draws.
+        """
+        made = np.empty(shape, np.complex64)
+        for start in range(0, len(made), CACHED):
+            part = made[start : start + CACHED]
+            power, turn = self.uniform(len(part), 2, *shape[1:]).swapaxes(0, 1)
+            size = np.sqrt(-np.log(1 - power))
+            turn *= np.float32(2 * np.pi)
+            np.multiply(size, np.cos(turn), out=part.real)
+            np.multiply(size, np.sin(turn), out=part.imag)
+        return made
 
     def gamma(self, shape: float, *size: int) -> Reals:
         """Return draws of Gamma(`shape`, 1), float32, independent for every element."""

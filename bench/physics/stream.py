@@ -31,6 +31,7 @@ from bench.physics.toml_file import to_toml
 from bench.physics.units import Floats
 from bench.recordings.motion import SPEED
 from bench.recordings.parquet import lists, to_arrow
+from bench.recordings.parquet import writer as writing
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def simulate_to(
         for frame, made in opened.enter_context(closing(chunks)):
             table = _table(simulator, frame, made)
             if writer is None:
-                writer = opened.enter_context(_writer(scratch, table.schema))
+                writer = opened.enter_context(writing(scratch, table.schema))
             writer.write_table(table.cast(writer.schema))
             tally.add(made.error_m)
             if progress is not None:
@@ -100,14 +101,6 @@ def simulate_to(
         if writer is None:
             raise BenchError(f"{source}: no rows to simulate at")
     return tally
-
-
-def _writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
-    """Return a writer of recordings in chunks."""
-    import pyarrow.parquet as pq
-
-    plain = [name for name in schema.names if name not in CIR_COLUMNS]
-    return pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=plain)
 
 
 def _simulated(

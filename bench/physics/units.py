@@ -35,6 +35,15 @@ def wavelength_m(centre_ghz: float) -> float:
     return C_M_PER_NS / centre_ghz
 
 
+def phasor(turns: Reals) -> Complexes:
+    """Return exp(2 pi i turns) of some `turns`, to single precision: cheapest near zero."""
+    angle = np.asarray(turns, np.float32) * np.float32(2 * np.pi)
+    made = np.empty(angle.shape, np.complex64)
+    np.cos(angle, out=made.real)
+    np.sin(angle, out=made.imag)
+    return made
+
+
 def scaled(values: Complexes, by: Reals, out: Complexes | None = None) -> Complexes:
     """Return rows of `values` [n, S] times real `by` [n], which numpy would make complex first.
 

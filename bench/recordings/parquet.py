@@ -17,6 +17,7 @@ from bench.recordings.table import CIR_COLUMNS, RECORDINGS_VERSION, Recordings
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    import pyarrow.parquet as pq
 
 MAGIC = b"PAR1"
 ROW_GROUP = 16384
@@ -24,20 +25,28 @@ ROW_GROUP = 16384
 
 def write_parquet(recordings: Recordings, path: Path) -> None:
     """Write the table and where it came from, in one step. Raises BenchError where it cannot."""
+    table = to_arrow(recordings)
+    with atomic_path(path) as scratch, writer(scratch, table.schema) as out:
+        out.write_table(table, ROW_GROUP)
+
+
+def writer(path: Path, schema: pa.Schema) -> pq.ParquetWriter:
+    """Return a writer of recordings: text by dictionary, no extremes of CIR samples.
+
+    Numbers hardly repeat, so that a dictionary of them costs time and room.
+    """
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    table = to_arrow(recordings)
-    # CIR values hardly repeat: a dictionary would cost time and gain nothing.
-    plain = [name for name in table.schema.names if name not in CIR_COLUMNS]
-    with atomic_path(path) as scratch:
-        pq.write_table(
-            table,
-            scratch,
-            row_group_size=ROW_GROUP,
-            use_dictionary=plain,
-            compression="zstd",
-            write_page_checksum=True,
-        )
+    strings = (pa.string(), pa.large_string())
+    return pq.ParquetWriter(
+        path,
+        schema,
+        compression="zstd",
+        use_dictionary=[field.name for field in schema if field.type in strings],
+        write_statistics=[name for name in schema.names if name not in CIR_COLUMNS],
+        write_page_checksum=True,
+    )
 
 
 def to_arrow(recordings: Recordings) -> pa.Table:

@@ -161,13 +161,24 @@ def test_an_unknown_kind_of_file_is_refused(tmp_path: Path) -> None:
 
 def test_writing_leaves_nothing_where_the_disk_is_full(tmp_path: Path, monkeypatch) -> None:
     def full(*args, **options):
-        Path(args[1]).write_bytes(b"half")
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(pq, "write_table", full)
+    monkeypatch.setattr(pq.ParquetWriter, "write_table", full)
     with pytest.raises(BenchError, match="No space left"):
         write_recordings(make_recordings(), tmp_path / "t.parquet")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_text_alone_is_written_by_dictionary_and_samples_without_extremes(tmp_path: Path) -> None:
+    write_recordings(make_recordings(), tmp_path / "t.parquet")
+    group = pq.ParquetFile(tmp_path / "t.parquet").metadata.row_group(0)
+    columns = {c.path_in_schema: c for c in map(group.column, range(group.num_columns))}
+    by_dictionary = {n for n, c in columns.items() if "RLE_DICTIONARY" in c.encodings}
+    assert "link" in by_dictionary
+    assert not any(n.endswith("_m") or n.startswith("cir") for n in by_dictionary)
+    assert columns["range_m"].statistics is not None
+    cir = next(column for name, column in columns.items() if name.startswith("cir"))
+    assert cir.statistics is None
 
 
 def test_writing_refuses_a_name_that_is_no_parquet(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from bench.physics.images import image_paths
 from bench.physics.materials import material, reflection
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, phasor, wavelength_m
 
 MARKED_DB = (-18.0, -12.0, -6.0, 0.0, 6.0)  # tried where reflections are seen
 MARKED_WALLS = ("plasterboard", "metal")
@@ -34,15 +34,15 @@ class Images:
     factor: Complexes
     extra_m: Floats
     spread: Floats
-    turn: NDArray[np.complex128]
+    turn: Complexes
 
     @classmethod
     def of(cls, batch: Batch, length: Floats, factor: Complexes) -> Images:
         """Return images by their `length` [n, Q] in metres."""
         truth = batch.rows.true_range_m[:, None]
         extra = np.maximum(length - truth, 0)
-        turn = np.exp(-2j * np.pi * ((extra / wavelength_m(batch.centre_ghz)) % 1.0))
-        return cls(factor, extra, truth / np.maximum(length, 1e-3), turn)
+        turns = ((extra / wavelength_m(batch.centre_ghz)) % 1.0).astype(np.float32)
+        return cls(factor, extra, truth / np.maximum(length, 1e-3), phasor(-turns))
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class SpecularReflections(Effect):
         extra_m = self.placed_m * own.real
         if self.moved_m:
             extra_m = extra_m + self.moved_m * draws.normal(len(batch), count)
-        turn = np.exp(-2j * np.pi * extra_m / wavelength_m(batch.centre_ghz))
+        turn = phasor(-extra_m / wavelength_m(batch.centre_ghz))
         return np.asarray(amplitude(self.spread_db * own.imag) * turn)
 
     def _images(self, batch: Batch, inside: NDArray[np.bool_]) -> Images:
