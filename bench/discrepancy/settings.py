@@ -5,7 +5,7 @@ Each says after its meaning how it was set:
 time or memory that changes what is found only through what is left undone; [convention] a customary
 level. [blind] was set on blind cases of the ranges, seeds 0 and 1; [waves] on waveform cases, seed
 1; [plan cases] in tests/benchmarks/plan_cases.py; [apartment] on the split of seed 0 of the
-apartment: see "Earlier measurements" in docs/diagnose-method.md.
+apartment: see docs/diagnose-history.md.
 Those have no better reason than that, and other recordings may ask for others.
 """
 
