@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -17,11 +19,44 @@ from bench.discrepancy.data.own_link import far_off_their_link
 from bench.discrepancy.settings import NOISE_APART_DB
 from bench.physics.simulator import Simulator
 from bench.recordings.clean import describe
+from bench.recordings.places import cut_into_places
 from bench.recordings.table import Recordings
 
 DEVICE_COLUMNS = ("tx", "rx")
 RANGE_M = "range_m"
 PLACE_COLUMNS = tuple(f"{end}_{axis}_m" for end in DEVICE_COLUMNS for axis in "xyz")
+OTHER_END = {
+    f"{end}{what}": f"{other}{what}"
+    for end, other in (DEVICE_COLUMNS, DEVICE_COLUMNS[::-1])
+    for what in ("", "_x_m", "_y_m", "_z_m")
+}
+
+
+def beside(recorded: Recordings, simulated: Simulator | Recordings) -> Simulator | Recordings:
+    """Return a simulated table as it stands beside the recorded one; a simulator as it is.
+
+    Its ends are named as there, and drives are cut into places.
+    """
+    if not isinstance(simulated, Recordings):
+        return simulated
+    frame = simulated.frame
+    if exchanged(recorded.frame, frame):
+        frame = frame.rename(columns=OTHER_END)[list(frame)]
+    return replace(simulated, frame=cut_into_places(frame))
+
+
+def exchanged(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:
+    """Return whether the devices of one table's ends are those of the other end in the other.
+
+    All that both tables know of a row would differ then, though nothing does. Not where an end
+    has devices of both, which may be either.
+    """
+    if not all(set(DEVICE_COLUMNS) <= set(frame) for frame in (recorded, simulated)):
+        return False
+    ours, theirs = ([set(f[end].dropna()) for end in DEVICE_COLUMNS] for f in (recorded, simulated))
+    crossed = [mine & other for mine, other in zip(ours, reversed(theirs), strict=True)]
+    straight = [mine & other for mine, other in zip(ours, theirs, strict=True)]
+    return all(crossed) and not any(straight)
 
 
 def counted(
@@ -35,11 +70,19 @@ def counted(
     more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
+        more.append(_exchanged(recorded.frame, simulated))
         more.append(_noise(recorded.frame, simulated.frame))
         more.append(far_off_their_link(recorded, simulated))
         more.append(_put_aside(recorded.frame, simulated.frame))
     more.append(_not_compared(recorded, simulated) if waveforms else "")
     return (*lines, *(words for words in more if words))
+
+
+def _exchanged(recorded: pd.DataFrame, simulated: Recordings) -> str:
+    """Return, in words, that a simulated table's ends were named as the recorded one's."""
+    if not exchanged(recorded, simulated.frame):
+        return ""
+    return f"{simulated.source}: its tx are recorded as rx and its rx as tx: taken as recorded"
 
 
 def _put_aside(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:

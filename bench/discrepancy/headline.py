@@ -80,18 +80,26 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
 
     A law or a fault of the set-up stands for itself; beside names alone it says more of one.
     """
-    names = [" or ".join(v.names) for v in verdicts if v.names]
+    names = _listed([v.names for v in verdicts if v.names])
     unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
     told = f" ({more})" if more else ""
     if not unknown:
-        return f"Left out: {', '.join(names)}{told}" if names else ""
+        return f"Left out: {names}{told}" if names else ""
     if more.startswith(TOLD):
-        return f"Left out: {', '.join(names)} - and {more}" if names else more[0].upper() + more[1:]
+        return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)
     if not names:
         return f"Something is there, without a name{cause}{told}"
-    found = f"Left out: {', '.join(names)}{cause} - and something without a name"
+    found = f"Left out: {names}{cause} - and something without a name"
     return found + (told or _device(verdicts))
+
+
+def _listed(groups: list[tuple[str, ...]]) -> str:
+    """Return names in words, those of a class among others in brackets: one of them is there."""
+    words = [" or ".join(group) for group in groups]
+    if len(groups) > 1:
+        words = [f"({w})" if len(g) > 1 else w for w, g in zip(words, groups, strict=True)]
+    return ", ".join(words)
 
 
 def _alike(seen: Confirmed) -> str:

@@ -19,7 +19,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.untimed import untimed
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import Confirmed, confirm
-from bench.discrepancy.counterpart import counted, covered
+from bench.discrepancy.counterpart import beside, counted, covered
 from bench.discrepancy.data.checks import check_tables
 from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, shared_window
@@ -165,8 +165,7 @@ def diagnose(
     check_tables(recorded, simulated, bool(asked.waveform))
     numbers = counted(recorded, simulated, options is None or options.waveform is None)
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
-    if isinstance(simulated, Recordings):
-        simulated = replace(simulated, frame=cut_into_places(simulated.frame))
+    simulated = beside(recorded, simulated)
     measured = measured_columns(frame, asked.measured, asked.known)
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     with about(recorded.source):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bench.discrepancy.data.columns import WAVES, numeric
 from bench.discrepancy.data.figures import check_figures, typical
@@ -11,10 +12,12 @@ from bench.discrepancy.data.observables import error_m, reach
 from bench.discrepancy.data.settings import (
     LONGEST_MEDIAN_RANGE_M,
     SAME_PERIOD,
+    SAME_RANGE_M,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
     STUCK_APART_M,
     STUCK_ROWS,
+    TURNS,
     UNIT_MISTAKE,
 )
 from bench.discrepancy.data.truth import check_truth
@@ -38,6 +41,7 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
         return
     check_figures(simulated.frame, simulated.source)
     _check_copies(recorded, simulated)
+    _check_headings(recorded, simulated)
     both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in tables)
     if waveforms and both:
         _check_periods(recorded, simulated)
@@ -59,11 +63,31 @@ def _check_reach(table: Recordings) -> None:
 def _check_copies(recorded: Recordings, simulated: Recordings) -> None:
     """Raise where the simulated ranges are the recorded ones, row by row."""
     mine, other = (error_m(table.frame) for table in (recorded, simulated))
-    if np.isfinite(mine).any() and np.array_equal(mine, other, equal_nan=True):
+    same = len(mine) == len(other) and np.allclose(mine, other, 0, SAME_RANGE_M, equal_nan=True)
+    if np.isfinite(mine).any() and same:
         raise BenchError(
             f"{simulated.source}: its ranges are those of {recorded.source}, row by row: expected "
             "a table that was simulated, with noise of its own"
         )
+
+
+def _check_headings(recorded: Recordings, simulated: Recordings) -> None:
+    """Raise where one table's headings turn by radians and the other's by degrees."""
+    seen = {t.source: _known(numeric(t.frame, "azimuth_deg")) for t in (recorded, simulated)}
+    if len(seen) < 2 or not all(len(heading) for heading in seen.values()):
+        return
+    (less, few), (more, many) = sorted(seen.items(), key=lambda one: float(np.ptp(one[1])))
+    turn = 2 * np.pi
+    if np.abs(few).max() <= turn and np.ptp(few) > TURNS * turn and np.ptp(many) > TURNS * 360:
+        raise BenchError(
+            f"{less}: azimuth_deg goes from {few.min():.3g} to {few.max():.3g}, in {more} from "
+            f"{many.min():.4g} to {many.max():.4g}: radians; expected degrees in both"
+        )
+
+
+def _known(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values that are known."""
+    return values[np.isfinite(values)]
 
 
 def _check_periods(recorded: Recordings, simulated: Recordings) -> None:

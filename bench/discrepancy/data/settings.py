@@ -35,6 +35,10 @@ FEWEST_FAR: Final = 3  # rows, to be worth a line [convention]
 FAR_OFF_LINK_TIMES: Final = 3.0  # the share of simulated rows that are as far [convention]
 SHOWN_FAR: Final = 5  # numbers of rows in the line [convention]
 
+# --- Tables that are one, or of other units (data/checks) -----------------------------------------
+SAME_RANGE_M: Final = 1e-4  # [derived] ranges that differ by less in every row are one measurement
+TURNS: Final = 0.8  # of a turn, by which headings differ that go all around [convention]
+
 # --- Ranges that never change (data/checks) -------------------------------------------------------
 STUCK_ROWS: Final = 10  # of one range, to say that a receiver is stuck [convention]
 STUCK_APART_M: Final = 2.0  # that true ranges differ by then: no rounding is so coarse [convention]

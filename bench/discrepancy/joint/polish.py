@@ -268,15 +268,17 @@ def _step(given: Statistics, now: Fit, slopes: Slopes) -> Fit | None:
     at = shares(now.effects)
     # By squares alone, whose slopes reach farthest, then by all that the likelihood is of.
     beyonds = (np.zeros(len(at)), slopes.beyond, slopes.beyond)
+    best = None
     for damping, beyond in zip(DAMPING, beyonds, strict=True):
         right = squares - beyond
         ridge = damping * np.diag(inner) + 1e-3 * np.trace(inner) / len(at) + 1e-9
         way = -np.linalg.solve(inner + np.diag(ridge), right)
         there = np.clip(at + np.clip(way, -LONGEST_STEP, LONGEST_STEP), 0, 1)
-        better = _if_likelier(given, with_shares(now.effects, there), now)
-        if better is not None:
-            return better
-    return None
+        better = _if_likelier(given, with_shares(now.effects, there), best or now)
+        best = better or best
+        if best is not None and best.nats - now.nats >= DONE_NATS:
+            break
+    return best
 
 
 def _if_likelier(given: Statistics, effects: Added, now: Fit) -> Fit | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,13 @@ from bench.physics.effects.ranging.law import Law, with_constants
 from bench.text import significant
 
 FAULT, LAW = "a fault of the set-up", "a law"
+
+
+def _in_words(unit: str) -> str:
+    """Return a unit as it is said: m/s/V/V is m per s and V^2."""
+    top, *below = unit.split("/")
+    powers = [f"{one}^{count}" if count > 1 else one for one, count in Counter(below).items()]
+    return f"{top} per {' and '.join(powers)}" if powers else top
 
 
 @dataclass(frozen=True)
@@ -23,8 +31,7 @@ class LawConstant:
     unit: str
 
     def __str__(self) -> str:
-        unit = self.unit.replace("/", " per ", 1).replace("/", " and ")
-        unit = "" if self.unit == "1" else f" {unit}"
+        unit = "" if self.unit == "1" else f" {_in_words(self.unit)}"
         if self.low == self.high:
             return f"{significant(self.value, 4)}{unit}"
         value, low, high = (significant(one, 3) for one in (self.value, self.low, self.high))

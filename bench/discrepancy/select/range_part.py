@@ -40,6 +40,7 @@ from bench.discrepancy.sets.blocks import (
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import judged_by_sets
 from bench.discrepancy.sets.install import installed
+from bench.discrepancy.sets.mere_constant import as_mere
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.settings import LAW_SIZE
 from bench.discrepancy.settings import (
@@ -75,15 +76,24 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if found.mistaken:
         return replace(state, search=replace(search, choice=found))
     if not found.names:
-        known = replace(
-            search.choice, forms_do=found.forms_do, tied=found.tied, others=found.others
-        )
-        return replace(state, search=replace(search, choice=known))
+        return _nameless(state, found)
     step = safely("fitting a set of causes", journal.kept(installed), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0].located)
+    found, added = as_mere(found, added)
+    if not found.names:
+        return _nameless(state, found)
+    turns = tuple(turn for turn in turns if turn.added in added)
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
+
+
+def _nameless(state: State, found: Choice) -> State:
+    """Return the state with what ranges show where they speak for no name."""
+    known = replace(
+        state.search.choice, forms_do=found.forms_do, tied=found.tied, others=found.others
+    )
+    return replace(state, search=replace(state.search, choice=known))
 
 
 def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:

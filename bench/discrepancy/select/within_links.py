@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -26,10 +27,8 @@ Floats = NDArray[np.float64]
 
 
 def link_medians(values: Floats, code: NDArray[np.intp]) -> Floats:
-    """Return the median over the rows of each link, [v, L], of values [v, n]."""
-    order = np.argsort(code, kind="stable")
-    parts = np.split(values[:, order], np.flatnonzero(np.diff(code[order])) + 1, axis=1)
-    return np.stack([np.nanmedian(part, axis=1) for part in parts], axis=1)
+    """Return the median over the known rows of each link, [v, L], of values [v, n]; else NaN."""
+    return np.asarray(pd.DataFrame(values.T).groupby(code).median().to_numpy(np.float64).T)
 
 
 def within(made: Ensemble, once: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.discrepancy.counterpart import counted
+from bench.discrepancy.counterpart import beside, counted, exchanged
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings
@@ -92,3 +92,28 @@ def test_categories_that_no_simulated_row_has_are_said() -> None:
     assert not any("take no part" in line for line in counted(theirs, ours))
     blind = Recordings(ROWS.assign(los=False, link="c"), "blind")
     assert not any("take no part" in line for line in counted(theirs, blind))  # of none: no column
+
+
+ENDS = ROWS.assign(tx=["t", "t", "u"], rx="a", tx_z_m=1.0, rx_z_m=3.0)
+
+
+def test_ends_that_another_tool_names_the_other_way_are_named_as_recorded() -> None:
+    """All that both tables know of a row differed, and a material delay was named."""
+    names = {"tx": "rx", "rx": "tx", "tx_z_m": "rx_z_m", "rx_z_m": "tx_z_m"}
+    ours, theirs = Recordings(ENDS, "mine"), Recordings(ENDS.rename(columns=names), "theirs")
+    made = beside(ours, theirs)
+    assert isinstance(made, Recordings)
+    pd.testing.assert_frame_equal(made.frame[list(ENDS)], ENDS)
+    words = "theirs: its tx are recorded as rx and its rx as tx: taken as recorded"
+    assert words in counted(ours, theirs)
+    assert words not in counted(ours, made)
+
+
+def test_ends_are_left_where_they_are_not_exchanged() -> None:
+    assert not exchanged(ENDS, ENDS)
+    assert not exchanged(ENDS, ENDS.assign(tx="x", rx="y"))  # other names altogether
+    assert not exchanged(ENDS, ROWS)
+    both = ENDS.assign(tx=["t", "a", "u"], rx=["a", "t", "a"])  # any may be either end
+    assert not exchanged(both, both.rename(columns={"tx": "rx", "rx": "tx"}))
+    simulator = Simulator(Base())
+    assert beside(Recordings(ENDS, "mine"), simulator) is simulator

@@ -133,3 +133,29 @@ def test_a_figure_that_no_instrument_reads_is_refused_in_a_single_row() -> None:
     with pytest.raises(BenchError, match=said):
         check_tables(Recordings(wild, "r.parquet"), Simulator(Base()))
     check_tables(Recordings(wild.assign(reply_time_s=0.001), "r.parquet"), Simulator(Base()))
+
+
+def test_headings_in_radians_beside_degrees_are_refused() -> None:
+    """They gave a sine of 7.9 m, which held-out links liked."""
+    turns = np.linspace(-0.5, 0.5, 40)
+
+    def turning(source: str, by: float) -> Recordings:
+        made = table(source, 1.0)
+        return Recordings(made.frame.assign(azimuth_deg=by * turns), source)
+
+    degrees, radians = turning("d.parquet", 360.0), turning("rad.parquet", 2 * np.pi)
+    said = r"rad\.parquet: azimuth_deg goes from -3\.14 to 3\.14, in d\.parquet from -180 to 180"
+    for pair in ((degrees, radians), (radians, degrees)):
+        with pytest.raises(BenchError, match=said):
+            check_tables(*pair)
+    check_tables(degrees, turning("other.parquet", 350.0))
+    check_tables(degrees, turning("still.parquet", 3.0))  # an antenna that hardly turns
+    check_tables(degrees, table("none.parquet", 1.0))
+
+
+def test_ranges_that_differ_by_arithmetic_alone_are_a_copy() -> None:
+    ours = table("r.parquet", 1.0)
+    rows = ours.frame.assign(range_m=ours.frame["range_m"] + 1e-7)
+    with pytest.raises(BenchError, match=r"c\.parquet: its ranges are those of r\.parquet"):
+        check_tables(ours, Recordings(rows, "c.parquet"))
+    check_tables(ours, Recordings(rows.assign(range_m=rows["range_m"] + 0.001), "c.parquet"))

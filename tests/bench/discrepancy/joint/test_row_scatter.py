@@ -100,7 +100,8 @@ def test_what_rows_scatter_by_chance_is_no_sign_of_an_effect():
     given = Statistics(comparison, rows)
     (one, *_), moments = given.others_rows(()), given.needed(())
     assert moments.rows is not None
-    assert given.within(one, moments.rows) == pytest.approx(moments.within, abs=40)
+    # By chance 38 nats, one standard deviation of eight seeds; rows that fade bring hundreds.
+    assert given.within(one, moments.rows) == pytest.approx(moments.within, abs=120)
     faded, bare = fitted(given, (FADED,)), fitted(given, ())
     assert faded is not None
     assert bare is not None

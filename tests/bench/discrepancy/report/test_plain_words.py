@@ -8,10 +8,13 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.headline import headline
+from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.report.found_lines import _once
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
@@ -58,3 +61,17 @@ def test_what_leaves_as_much_as_it_changes_is_no_likeness(left: float, said: str
 def test_differences_are_listed_under_one_heading_alone() -> None:
     first, again = ["Something:", "- a", "- b"], ["Something more:", "- a", "- b"]
     assert _once([first, again]) == [first, ["Something more:", "Of the differences listed above."]]
+
+
+def test_a_class_among_other_names_stands_in_brackets() -> None:
+    """Without them three names were read as a choice of three."""
+    either = Ambiguous((named(AntennaDelay(1.0)), named(PowerBias())), "")
+    line = headline((either, named(RangeRounding())), True, SEEN, "", {}, "The table with it")  # type: ignore[arg-type]
+    assert line.startswith("Left out: (antenna-delay or power-bias), range-rounding")
+    line = headline((either,), True, SEEN, "", {}, "The table with it")  # type: ignore[arg-type]
+    assert line.startswith("Left out: antenna-delay or power-bias")
+
+
+def test_a_unit_of_a_square_is_said_as_one() -> None:
+    assert str(LawConstant("a", 2.0, 2.0, 2.0, "m/s/V/V")) == "2 m per s and V^2"
+    assert str(LawConstant("a", 2.0, 2.0, 2.0, "m")) == "2 m"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -135,6 +136,14 @@ def test_offsets_are_per_link_and_know_who_is_spared():
 def test_link_medians():
     values = np.array([[1.0, 5.0, 3.0, np.nan, 7.0]])
     assert link_medians(values, np.array([1, 0, 1, 0, 1])).tolist() == [[5.0, 3.0]]
+
+
+def test_a_link_of_which_nothing_is_known_has_no_median_and_warns_of_nothing():
+    values = np.array([[np.nan, 2.0, np.nan, 4.0, 5.0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = link_medians(values, np.array([0, 1, 0, 1, 1]))
+    np.testing.assert_array_equal(found, [[np.nan, 4.0]])
 
 
 def test_only_what_strikes_a_share_of_links_is_judged_so():
