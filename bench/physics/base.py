@@ -16,7 +16,7 @@ from scipy.special import ive
 
 from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch, altered
-from bench.physics.detection import edge_offset, first_path
+from bench.physics.detection import HALF, edge_offset, first_path
 from bench.physics.effect import check_bounds, parameter
 from bench.physics.loops import compiled, crop_rows, magnitude_rows, parts
 from bench.physics.randomness import Draws
@@ -137,7 +137,10 @@ class Base:
         noise_level = RAYLEIGH_STD * np.sqrt(noise_power / 2)
         threshold = there(batch.threshold) * np.maximum(noise_level, 1e-9)
         timed = batch.peak_fraction * highest
-        found = first_path(magnitude, np.maximum(threshold, timed), timed, batch.begin)
+        limit, part = np.maximum(threshold, timed), HALF
+        if batch.at_threshold:
+            timed, part = limit, 0.0
+        found = first_path(magnitude, limit, timed, batch.begin, part)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = there(batch.symbols)
         energy = np.maximum(energy - magnitude.shape[1] * noise_power, 0.05 * energy)

@@ -41,7 +41,7 @@ class Batch:
     hold of it, where the samples cannot tell (None: nothing). `as_given`: the waveform came from a
     table, with its noise in it; `noise` holds only what effects add. `peak_held`: it was scaled
     to a height that no gain changes. `begin` [n]: the sample before which the table's own detector
-    finds no path (None: it looks at all).
+    finds no path (None: it looks at all); `at_threshold`: that one times an edge where it crosses.
     Ranging: `magnitude` [n, S] of signal and noise, `first_path` [n] (samples from sample 0),
     `range_m` [n], the chip's `rx_power_dbm` and `first_path_power_dbm` [n], `noise_std` [n] counts.
     `clock_offset_ppm` [n] where known.
@@ -67,6 +67,7 @@ class Batch:
     threshold: Floats | None = None
     peak_fraction: float = 0.0
     begin: Floats | None = None
+    at_threshold: bool = False
     noise_power: Floats | None = None
     steady_power: Floats | None = None
     as_given: bool = False

@@ -15,6 +15,7 @@ from bench.physics.loops import compiled, edge_rows
 from bench.physics.pulse import HALF_WIDTH, shape
 from bench.physics.units import Floats, Reals
 
+HALF = 0.5  # of the peak of an edge, where the chip times it
 _CLIMB = 4  # samples from the first crossing to the peak of its edge, at most
 
 
@@ -23,18 +24,19 @@ def first_path(
     threshold: Floats,
     timed: Floats | None = None,
     begin: Floats | None = None,
+    part: float = HALF,
 ) -> Floats:
     """Return the first-path index [n] in samples of `magnitude` [n, S], `threshold` [n] counts.
 
     Where nothing exceeds the threshold, the strongest sample's edge is taken. An edge is timed at
-    half of its peak, but not below `timed` [n] counts. Resolved to 1/64. Nothing is found before
-    sample `begin` [n].
+    a `part` of its peak, but not below `timed` [n] counts. Resolved to 1/64. Nothing is found
+    before sample `begin` [n].
     """
     found = np.empty(len(magnitude))
     first = np.zeros(len(found), np.intp) if begin is None else np.asarray(begin, np.intp)
     limit = np.asarray(threshold, np.float64)
     least = np.zeros(len(found)) if timed is None else np.asarray(timed, np.float64)
-    compiled(edge_rows)(found, np.asarray(magnitude, np.float32), limit, least, first, _CLIMB)
+    compiled(edge_rows)(found, np.asarray(magnitude, np.float32), limit, least, first, _CLIMB, part)
     return np.rint(found * 64) / 64
 
 

@@ -27,10 +27,11 @@ import pandas as pd
 from bench.errors import BenchError
 from bench.physics.base import RAYLEIGH_STD, Base, there
 from bench.physics.batch import Batch, altered
-from bench.physics.detection import edge_offset
+from bench.physics.detection import edge_offset, first_path
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
 from bench.physics.own_base import noise_times, own_base
+from bench.physics.own_detector import Crossing, crossing
 from bench.physics.own_noise import unit_noise, with_own_noise
 from bench.physics.passed_over import begins
 from bench.physics.pipeline import Change, Pipeline
@@ -145,7 +146,7 @@ class ForeignTable:
         """Return what receives rows of which this arrives without effects."""
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        peaks, edge, begin = self._peaks[part], arriving.free_gain, self._begin[part]
+        peaks, edge, begin = self._peaks[part], arriving.free_gain, self._detector[0][part]
         return partial(
             self._received, part=part, offset_db=offset_db, edge=edge, peaks=peaks, begin=begin
         )
@@ -195,13 +196,17 @@ class ForeignTable:
         return noise_times(absolute(self.cir), self._index(self.rows), stated)
 
     @cached_property
-    def _begin(self) -> Floats:
-        """The sample of every CIR [n] before which the table's own detector finds no path."""
+    def _detector(self) -> tuple[Floats, Crossing | None]:
+        """Before which sample of every CIR [n] no path is found; where edges are timed if told."""
         if self.cir is None:
-            return np.zeros(len(self.rows))
+            return np.zeros(len(self.rows)), None
         batch = self.own.counted(self.own.paths(self.rows))
         noise = RAYLEIGH_STD * np.sqrt(_noise_power(batch) / 2)
-        return begins(absolute(self.cir), there(batch.threshold) * noise, self._index(self.rows))
+        seen, index, limit = absolute(self.cir), self._index(self.rows), there(batch.threshold)
+        begin = begins(seen, limit * noise, index)
+        usual = first_path(seen, limit * noise, begin=begin)
+        own = crossing(seen, noise * np.sqrt(self._noise_times), index, usual)
+        return begin if own is None else np.zeros(len(begin)), own
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
@@ -244,7 +249,7 @@ class ForeignTable:
         level = batch.level() + offset_db
         batch = altered(batch, level_dbm=level, nominal_symbols=batch.symbols, begin=begin)
         power = _noise_power(batch) * self._noise_times
-        batch = altered(batch, noise_power=power, as_given=True)
+        batch = altered(self._timed(batch), noise_power=power, as_given=True)
         if not batch.tail_fwhm:
             return batch
         scale = (amplitude(self.own.power_offset_db) * there(batch.symbols)).astype(np.float32)
@@ -256,6 +261,14 @@ class ForeignTable:
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch
+
+    def _timed(self, batch: Batch) -> Batch:
+        """Return the batch with first paths timed as in the table, where that tells how."""
+        own = self._detector[1]
+        if own is None:
+            return batch
+        threshold = np.full(len(batch), own.of_noise)
+        return altered(batch, threshold=threshold, peak_fraction=own.of_peak, at_threshold=True)
 
     def outcome(self, start: int, changed: Batch, plain: Batch, cir: bool) -> Outcome:
         """Return the table's values plus what the effects changed in one block.

@@ -152,13 +152,19 @@ def magnitude_rows(made: Reals, signal: Parts, noise: Parts, sums: Floats) -> No
 
 
 def edge_rows(
-    found: Floats, magnitude: Reals, limit: Floats, timed: Floats, begin: Ints, climb: int
+    found: Floats,
+    magnitude: Reals,
+    limit: Floats,
+    timed: Floats,
+    begin: Ints,
+    climb: int,
+    part: float,
 ) -> None:
     """Write to `found` [n] where the first edge of `magnitude` [n, S] above `limit` [n] rises.
 
-    In samples: at half of its peak, which lies at most `climb` samples behind the crossing; of the
-    strongest sample where nothing is above. Not below `timed` [n], as far as its peak reaches. What
-    lies before sample `begin` [n] is not looked at.
+    In samples: at a `part` of its peak, which lies at most `climb` samples behind the crossing; of
+    the strongest sample where nothing is above. Not below `timed` [n], as far as its peak reaches.
+    What lies before sample `begin` [n] is not looked at.
     """
     last = magnitude.shape[1] - 1
     for row in range(magnitude.shape[0]):
@@ -173,7 +179,7 @@ def edge_rows(
         for _ in range(climb):
             ahead = min(top + 1, last)
             top = ahead if size[ahead] > size[top] else top
-        half, upper = max(size[top] * np.float32(0.5), min(np.float32(timed[row]), size[top])), top
+        half, upper = max(size[top] * np.float32(part), min(np.float32(timed[row]), size[top])), top
         for _ in range(climb):
             before = max(upper - 1, 0)
             upper = before if size[before] > half else upper

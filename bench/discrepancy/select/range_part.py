@@ -79,10 +79,13 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
         return _nameless(state, found)
     step = safely("fitting a set of causes", journal.kept(installed), NONE)
     added, turns = step(replace(ranged, choice=found), beside, state.rounds[0].located)
-    found, added = as_mere(found, added)
-    if not found.names:
-        return _nameless(state, found)
-    turns = tuple(turn for turn in turns if turn.added in added)
+    mine = {effect.physics: effect for effect in added if effect.physics in found.names}
+    more = as_mere(found, {name: _moved_m(ranged, added, one) for name, one in mine.items()})
+    if not more.names:
+        return _nameless(state, more)
+    gone = {mine[name] for name in set(mine) - set(more.names)}
+    found, added = more, tuple(effect for effect in added if effect not in gone)
+    turns = tuple(turn for turn in turns if turn.added not in gone)
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
@@ -116,6 +119,18 @@ def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:
     rest = {name: kind for name, kind in ranged.kinds.items() if kind.name not in theirs}
     beside = tuple(e for e in added if e in beside or e in kept)
     return chosen_beside(replace(ranged, kinds=rest), beside, unlisted), beside
+
+
+def _moved_m(ranged: Search, added: Added, effect: Effect) -> Floats:
+    """Return by how much one of some effects makes ranges longer beside the others, in metres."""
+    with_it, without_it = (
+        ranged.comparison.ensemble(ranged.both, some, RESIDUAL_MEMBERS)
+        for some in (added, without(added, effect))
+    )
+    if RANGE not in with_it.names:
+        return np.zeros(0)
+    moved = with_it.simulated_of(RANGE) - without_it.simulated_of(RANGE)
+    return np.asarray(moved.mean(axis=0))
 
 
 def _bends_levels(ranged: Search, effect: Effect) -> bool:

@@ -8,36 +8,44 @@ slope say more. Only where devices differ, or where it is more than all these ma
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bench.discrepancy.compare.view import Added
 from bench.discrepancy.sets.choice import MERE, Choice, Set, but
 from bench.discrepancy.sets.rivals import with_constant
-from bench.discrepancy.sets.settings import LAW_M, RIVAL_NATS, SMALL_CONSTANT_M
-from bench.physics.effects.ranging.antenna_delay import AntennaDelay
-from bench.physics.units import C_M_PER_NS
+from bench.discrepancy.sets.settings import FLAT_M, LAW_M, RIVAL_NATS, SMALL_CONSTANT_M
+from bench.physics.units import Floats
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
 
 
-def as_mere(choice: Choice, added: Added) -> tuple[Choice, Added]:
-    """Return a choice and its effects without a common delay that came out as a small constant.
+def as_mere(choice: Choice, fitted_m: Mapping[str, Floats]) -> Choice:
+    """Return a choice without names that came out as a small constant, which has no name.
 
-    A set speaks for about so much; fitted in the simulator beside the others it may be less.
+    A set speaks for about so much; fitted in the simulator beside the others, where a name moves
+    ranges by `fitted_m` [n], it may be less.
     """
-    small = {e for e in added if isinstance(e, AntennaDelay) and e.physics in choice.names}
-    small = {e for e in small if abs(e.delay_ns) * C_M_PER_NS / 2 < SMALL_CONSTANT_M}
+    small = {name for name, shift_m in fitted_m.items() if _is_mere(shift_m)}
     if not small:
-        return choice, added
-    names, (gone,) = choice.names, {effect.physics for effect in small}
-    shifts_m = {MERE if name == gone else name: m for name, m in choice.shifts_m.items()}
-    others = (*choice.others, MERE)
-    made = replace(choice, names=but(names, gone), others=others, shifts_m=shifts_m)
-    return made, tuple(effect for effect in added if effect not in small)
+        return choice
+    names = tuple(name for name in choice.names if name not in small)
+    shifts_m = {name: m for name, m in choice.shifts_m.items() if name not in small}
+    taken_m = [m for name, m in choice.shifts_m.items() if name in small]
+    shifts_m |= {MERE: np.sum(taken_m, axis=0)} if taken_m else {}
+    return replace(choice, names=names, others=(*choice.others, MERE), shifts_m=shifts_m)
+
+
+def _is_mere(shift_m: Floats) -> bool:
+    """Return whether shifts [n] of ranges are one small constant, and not nothing."""
+    known = shift_m[np.isfinite(shift_m)]
+    if not len(known):
+        return False
+    low, high = float(known.min()), float(known.max())
+    return high - low < FLAT_M and 0 < abs(low + high) / 2 < SMALL_CONSTANT_M
 
 
 def without_mere_constants(contest: Contest, causes: Set) -> Set:

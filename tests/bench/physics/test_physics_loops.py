@@ -71,7 +71,7 @@ def test_the_first_edge_rises_at_half_its_peak(run) -> None:
     )
     found = np.empty(3)
     run(loops.edge_rows)(
-        found, magnitude, np.array([3.0, 99.0, 1.0]), np.zeros(3), np.zeros(3, int), 4
+        found, magnitude, np.array([3.0, 99.0, 1.0]), np.zeros(3), np.zeros(3, int), 4, 0.5
     )
     np.testing.assert_allclose(found, [3.0, 5 + 2.5 / 7, 0.0])
 

@@ -9,8 +9,6 @@ import pytest
 from bench.discrepancy.sets.choice import MERE, Choice
 from bench.discrepancy.sets.choose import chosen
 from bench.discrepancy.sets.mere_constant import as_mere
-from bench.physics.effects.ranging.antenna_delay import AntennaDelay
-from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.sets.test_sets import search_of
 
 LATE_M = 0.03
@@ -52,15 +50,26 @@ def test_beside_a_constant_scatter_is_asked_beside_a_law_it_is_not() -> None:
     assert Choice(others=("a law of time_s", MERE)).scattering == ("a law of time_s",)
 
 
-@pytest.mark.parametrize(("delay_ns", "named"), [(0.1, False), (-0.1, False), (1.0, True)])
-def test_a_delay_that_comes_out_small_is_a_constant_without_a_name(
-    delay_ns: float, named: bool
+@pytest.mark.parametrize(
+    ("fitted_m", "named"),
+    [
+        (0.014, False),
+        (-0.014, False),
+        (0.15, True),
+        (0.0, True),
+        ([0.01, 0.03, np.nan], True),
+        ([-0.024, np.nan, -0.025], False),
+        ([np.nan] * 3, True),
+    ],
+)
+def test_a_name_that_comes_out_as_a_small_constant_is_none(
+    fitted_m: float | list[float], named: bool
 ) -> None:
-    """Beside late detection ranges spoke for 6 cm, and 1.4 cm were left of it."""
-    delay, drift = AntennaDelay(delay_ns), TemperatureDrift(0.003)
-    shifts_m = {"antenna-delay": np.full(2, 0.06), "temperature-drift": np.zeros(2)}
+    """Beside late detection ranges spoke for 6 cm of delay, and 1.4 cm were left of it."""
+    shifts_m = {"antenna-delay": np.full(3, 0.06), "temperature-drift": np.arange(3.0)}
     names = ("antenna-delay", "temperature-drift")
-    choice, added = as_mere(Choice(names=names, shifts_m=shifts_m), (delay, drift))
+    before = Choice(names=names, shifts_m=shifts_m)
+    fitted = {names[0]: np.broadcast_to(fitted_m, 3), names[1]: shifts_m[names[1]]}
+    choice = as_mere(before, fitted)
     assert (choice.names, choice.others) == ((names, ()) if named else (names[1:], (MERE,)))
-    assert added == ((delay, drift) if named else (drift,))
     assert set(choice.shifts_m) == {*choice.names, *choice.others}
