@@ -16,7 +16,7 @@ from scipy.special import ive
 
 from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch, altered
-from bench.physics.detection import HALF, edge_offset, first_path
+from bench.physics.detection import HALF, MOST_OF_PEAK, edge_offset, first_path
 from bench.physics.effect import check_bounds, parameter
 from bench.physics.loops import compiled, crop_rows, magnitude_rows, parts
 from bench.physics.randomness import Draws
@@ -139,7 +139,8 @@ class Base:
         timed = batch.peak_fraction * highest
         limit, part = np.maximum(threshold, timed), HALF
         if batch.at_threshold:
-            timed, part = limit, 0.0
+            limit = timed = np.maximum(np.minimum(threshold, MOST_OF_PEAK * highest), timed)
+            part = 0.0
         found = first_path(magnitude, limit, timed, batch.begin, part)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns
         symbols = there(batch.symbols)

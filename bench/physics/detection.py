@@ -16,6 +16,7 @@ from bench.physics.pulse import HALF_WIDTH, shape
 from bench.physics.units import Floats, Reals
 
 HALF = 0.5  # of the peak of an edge, where the chip times it
+MOST_OF_PEAK = 0.75  # a detector that asks more of the highest sample hears nothing in weak rows
 _CLIMB = 4  # samples from the first crossing to the peak of its edge, at most
 
 

@@ -15,7 +15,7 @@ from itertools import chain
 
 import numpy as np
 
-from bench.physics.detection import first_path
+from bench.physics.detection import MOST_OF_PEAK, first_path
 from bench.physics.units import Floats, Reals
 
 OF_NOISE = tuple(np.geomspace(3.0, 40.0, 24).tolist())  # standard deviations of magnitudes
@@ -35,7 +35,9 @@ class Crossing:
 
     def found(self, magnitude: Reals, noise: Floats) -> Floats:
         """Return the index [n] of the first path in `magnitude` [n, K], of `noise` [n]."""
-        level = np.maximum(self.of_noise * noise, self.of_peak * magnitude.max(axis=1))
+        highest = magnitude.max(axis=1)
+        loud = np.minimum(self.of_noise * noise, MOST_OF_PEAK * highest)
+        level = np.maximum(loud, self.of_peak * highest)
         return first_path(magnitude, level, level, part=0.0)
 
 
