@@ -14,6 +14,7 @@ from bench.discrepancy.compare.shared import unseen
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
 from bench.discrepancy.data.columns import WAVES, known_columns, numeric
+from bench.discrepancy.data.nominal_noise import nominal_noise
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.data.own_link import far_off_their_link
 from bench.discrepancy.settings import NOISE_APART_DB
@@ -72,6 +73,7 @@ def counted(
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_exchanged(recorded.frame, simulated))
         more.append(_noise(recorded.frame, simulated.frame))
+        more.append(_nominal(recorded.frame, simulated.frame) if waveforms else "")
         more.append(far_off_their_link(recorded, simulated))
         more.append(_put_aside(recorded.frame, simulated.frame))
     more.append(_not_compared(recorded, simulated) if waveforms else "")
@@ -155,6 +157,18 @@ def _noise(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
         return ""
     words = f"{abs(ours - theirs):.1f} dB {'more' if ours > theirs else 'less'}"
     return f"logged noise (noise_std, median): {words} recorded than simulated"
+
+
+def _nominal(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
+    """Return, in words, that logged noise is not that of the samples, "" where it may be."""
+    more_db = nominal_noise(recorded, simulated)
+    if not more_db:
+        return ""
+    words = f"{abs(more_db):.1f} dB {'more' if more_db > 0 else 'less'}"
+    return (
+        f"noise_std is the same on both sides, but recorded samples hold {words} noise before the "
+        "path: it is not of the samples, and is not compared"
+    )
 
 
 def _noise_db(frame: pd.DataFrame, *tables: pd.DataFrame) -> float:

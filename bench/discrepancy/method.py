@@ -22,6 +22,7 @@ from bench.discrepancy.confirm import Confirmed, confirm
 from bench.discrepancy.counterpart import beside, counted, covered
 from bench.discrepancy.data.checks import check_tables
 from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, with_motion
+from bench.discrepancy.data.nominal_noise import untrue_logs
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
@@ -213,9 +214,9 @@ def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Record
     """Return the options with what they leave open decided; without waveforms no CIR is seen."""
     if asked.waveform is not None:
         return asked if asked.waveform else replace(asked, hide=(*asked.hide, *CIR_COLUMNS))
-    both = [table for table in (recorded, simulated) if isinstance(table, Recordings)]
-    shown = [hidden(table.frame, asked.hide) for table in both]
-    return replace(asked, waveform=all(map(has_waveforms, shown)))
+    seen = [hidden(t.frame, asked.hide) for t in (recorded, simulated) if isinstance(t, Recordings)]
+    hide = (*asked.hide, *untrue_logs(seen))
+    return replace(asked, waveform=all(map(has_waveforms, seen)), hide=hide)
 
 
 def compared_with(

@@ -10,6 +10,7 @@ from bench.discrepancy.data.columns import WAVES, numeric
 from bench.discrepancy.data.figures import check_figures, typical
 from bench.discrepancy.data.observables import error_m, reach
 from bench.discrepancy.data.settings import (
+    FULL_TURN_DEG,
     LONGEST_MEDIAN_RANGE_M,
     SAME_PERIOD,
     SAME_RANGE_M,
@@ -78,7 +79,11 @@ def _check_headings(recorded: Recordings, simulated: Recordings) -> None:
         return
     (less, few), (more, many) = sorted(seen.items(), key=lambda one: float(np.ptp(one[1])))
     turn = 2 * np.pi
-    if np.abs(few).max() <= turn and np.ptp(few) > TURNS * turn and np.ptp(many) > TURNS * 360:
+    if (
+        np.abs(few).max() <= turn
+        and np.ptp(few) > TURNS * turn
+        and np.ptp(many) > TURNS * FULL_TURN_DEG
+    ):
         raise BenchError(
             f"{less}: azimuth_deg goes from {few.min():.3g} to {few.max():.3g}, in {more} from "
             f"{many.min():.4g} to {many.max():.4g}: radians; expected degrees in both"

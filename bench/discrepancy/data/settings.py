@@ -37,7 +37,13 @@ SHOWN_FAR: Final = 5  # numbers of rows in the line [convention]
 
 # --- Tables that are one, or of other units (data/checks) -----------------------------------------
 SAME_RANGE_M: Final = 1e-4  # [derived] ranges that differ by less in every row are one measurement
+FULL_TURN_DEG: Final = 360.0  # [derived]
 TURNS: Final = 0.8  # of a turn, by which headings differ that go all around [convention]
+
+# --- Noise that is logged as it was asked for (data/nominal_noise) --------------------------------
+LOGS_ALIKE_DB: Final = 0.5  # by which logs of one noise differ at most [convention]
+SAMPLES_APART_DB: Final = 2.0  # by which what samples hold differs at least [convention]
+ROWS_THAT_TELL: Final = 2000  # of a table [cost]
 
 # --- Ranges that never change (data/checks) -------------------------------------------------------
 STUCK_ROWS: Final = 10  # of one range, to say that a receiver is stuck [convention]
