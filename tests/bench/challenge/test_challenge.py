@@ -157,8 +157,8 @@ def test_a_class_that_has_what_could_not_be_tried_is_no_wrong_name(case):
 
 def test_effects_of_motion_belong_to_the_library_where_things_move():
     moving = {"time-lag", "exchange-motion"}
-    drawn = (n for n in range(60) if moving & set(drawn_of(n, 2, ("market",))[1].hidden))
-    assert not moving & set(make_case(next(drawn), 2, ("market",)).outside)
+    drawn = (n for n in range(60) if moving & set(drawn_of(n, 2, ("bowls",))[1].hidden))
+    assert not moving & set(make_case(next(drawn), 2, ("bowls",)).outside)
 
 
 def _outcome(number: int, what: tuple[str, ...], score: str, **known: object) -> Outcome:

@@ -12,6 +12,7 @@ from bench.challenge.families import (
     aviary_listener,
     bowls_dial,
     brickworks_reader,
+    canal_staff,
     laundry_meter,
     manege_handset,
     opera_console,
@@ -32,6 +33,7 @@ OF_ITS_OWN = {
     "sawmill": {"pace", "curl", "into_s"},
     "laundry": {"lever", "gap_s", "into_s"},
     "bowls": {"bias", "wide", "into_s"},
+    "canal": {"craft", "reach", "done_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -51,6 +53,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (sawmill_decoder.rasp, sawmill_decoder.OF_SIZES, -0.2),
         (laundry_meter.sizzle, laundry_meter.OF_SIZES, -0.2),
         (bowls_dial.rush, bowls_dial.OF_SIZES, -0.2),
+        (canal_staff.swash, canal_staff.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -75,6 +78,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (sawmill_decoder.humps, sawmill_decoder.held, 0.02),
         (laundry_meter.lobes, laundry_meter.belated, 0.02),
         (bowls_dial.pulses, bowls_dial.retarded, 0.02),
+        (canal_staff.splines, canal_staff.detained, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
