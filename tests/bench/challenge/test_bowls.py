@@ -30,18 +30,20 @@ from bench.challenge.families.bowls_wave_effects import (
     windowed,
 )
 from bench.challenge.families.case import Draw, world_of
-from tests.bench.challenge.shown import known_of, shift_of, tables_of
+from tests.bench.challenge.shown import (
+    are_of,
+    assert_blocked_behind_things,
+    known_of,
+    moved_of,
+    rows_of,
+    shift_of,
+    tables_of,
+    with_speed,
+)
 
 _tables, _shift = partial(tables_of, "bowls"), partial(shift_of, "bowls")
 _known = partial(known_of, "bowls")
-
-
-def _rows() -> pd.DataFrame:
-    return _tables("").recorded
-
-
-def _are(kind: str) -> np.ndarray:
-    return np.asarray(_rows()["tx"].str.startswith(kind), bool)
+_rows, _are = partial(rows_of, "bowls"), partial(are_of, "bowls")
 
 
 def _ends() -> pd.Series:
@@ -179,10 +181,9 @@ SEEN = (
 @pytest.mark.parametrize("mode", ["ranges", "CIR"])
 @pytest.mark.parametrize("name", SEEN)
 def test_faults_move_ranges_by_more_than_these_scatter(name: str, mode: str) -> None:
-    shift, plain = _shift(name, mode=mode), _tables("", mode=mode).recorded["error_m"].std()
-    moved = np.abs(shift) > 1e-9
-    assert moved.mean() > 0.1
-    assert np.sqrt((shift[moved] ** 2).mean()) > 1.5 * plain
+    share, times = moved_of("bowls", name, mode)
+    assert share > 0.1
+    assert times > 1.5
 
 
 def test_words_are_feet_and_none_or_five_or_ten_inches() -> None:
@@ -193,18 +194,8 @@ def test_words_are_feet_and_none_or_five_or_ten_inches() -> None:
 
 
 def test_only_what_is_behind_something_is_blocked_or_goes_through_things() -> None:
-    for mode in ("ranges", "CIR"):
-        rows = _tables("", mode=mode).recorded
-        assert np.array_equal(rows["los"], rows["obstacles"].str.len().eq(0))
-        assert 0.25 < rows["los"].mean() < 0.65
-    free = _rows()["los"].to_numpy()
-    blocked = _shift("blocked-path")
-    assert not blocked[free].any()
-    assert (blocked[blocked != 0] > 0.459).all()
-    assert np.mean(blocked[blocked != 0] > 4.39) < 0.4
-    assert not _shift("material-delay")[free].any()
-    free = _tables("", mode="CIR").recorded["los"].to_numpy()
-    assert np.abs(_shift("obstructed-path", mode="CIR")[free]).max() < 0.06
+    late = assert_blocked_behind_things("bowls", 0.459)
+    assert np.mean(late > 4.39) < 0.4
 
 
 def test_the_blower_is_heard_by_near_knots_and_by_a_fans_law() -> None:
@@ -242,13 +233,7 @@ def test_cells_pull_crystals_the_more_the_emptier_they_are() -> None:
 
 @pytest.mark.parametrize("name", ["time-lag", "exchange-motion"])
 def test_what_goes_away_is_read_long_meanwhile(name: str) -> None:
-    rows = _rows().assign(shift=_shift(name))
-    speeds, shifts = [], []
-    for _, one in rows.groupby("link"):
-        if len(one) > 2:
-            speeds.append(np.gradient(one["true_range_m"], one["time_s"])[1:-1])
-            shifts.append(one["shift"].to_numpy()[1:-1])
-    assert np.corrcoef(np.concatenate(speeds), np.concatenate(shifts))[0, 1] > 0.6
+    assert with_speed("bowls", name) > 0.6
 
 
 def test_hardys_rule_is_exact_for_powers_up_to_the_fifth() -> None:

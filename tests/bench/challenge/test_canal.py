@@ -41,22 +41,23 @@ from bench.challenge.families.canal_wave_effects import (
     zigzags_m,
 )
 from bench.challenge.families.case import Draw, world_of
-from tests.bench.challenge.shown import known_of, shift_of, tables_of
+from tests.bench.challenge import shown
 
-_tables, _shift = partial(tables_of, "canal"), partial(shift_of, "canal")
-_known = partial(known_of, "canal")
+_are = partial(shown.are_of, "canal")
+_shift = partial(shown.shift_of, "canal")
+_tables = partial(shown.tables_of, "canal")
 
 
 def _rows() -> pd.DataFrame:
-    return _tables("").recorded
+    return shown.rows_of("canal")
+
+
+def _known() -> pd.DataFrame:
+    return shown.known_of("canal")
 
 
 def _of(column: str) -> np.ndarray:
     return _rows()[column].to_numpy(np.float64)
-
-
-def _are(*kinds: str) -> np.ndarray:
-    return np.asarray(_rows()["tx"].str.startswith(kinds), bool)
 
 
 def _davits() -> np.ndarray:
@@ -194,10 +195,9 @@ SEEN = (
 @pytest.mark.parametrize("mode", ["ranges", "CIR"])
 @pytest.mark.parametrize("name", SEEN)
 def test_faults_move_ranges_by_more_than_these_scatter(name: str, mode: str) -> None:
-    shift, plain = _shift(name, mode=mode), _tables("", mode=mode).recorded["error_m"].std()
-    moved = np.abs(shift) > 1e-9
-    assert moved.mean() > 0.05
-    assert np.sqrt((shift[moved] ** 2).mean()) > 1.5 * plain
+    share, times = shown.moved_of("canal", name, mode)
+    assert share > 0.05
+    assert times > 1.5
 
 
 ALIKE = ("nearer-of-two-antennas", "cabinet-restarted", "clock-offset", "ground-bounce", "")
@@ -223,18 +223,8 @@ def test_davits_of_either_side_write_steps_of_their_own() -> None:
 
 
 def test_only_what_is_behind_something_is_blocked_or_goes_through_things() -> None:
-    for mode in ("ranges", "CIR"):
-        rows = _tables("", mode=mode).recorded
-        assert np.array_equal(rows["los"], rows["obstacles"].str.len().eq(0))
-        assert 0.25 < rows["los"].mean() < 0.65
-    free = _rows()["los"].to_numpy()
-    blocked = _shift("blocked-path")
-    assert not blocked[free].any()
-    assert (blocked[blocked != 0] > 0.449).all()
-    assert np.mean(blocked[blocked != 0] > 4.59) < 0.3
-    assert not _shift("material-delay")[free].any()
-    free = _tables("", mode="CIR").recorded["los"].to_numpy()
-    assert np.abs(_shift("obstructed-path", mode="CIR")[free]).max() < 0.06
+    late = shown.assert_blocked_behind_things("canal", 0.449)
+    assert np.mean(late > 4.59) < 0.3
 
 
 def test_pumps_are_heard_by_near_davits_and_by_the_root_of_what_they_draw() -> None:
@@ -266,11 +256,7 @@ def test_crystals_turn_over_as_tuning_forks_do() -> None:
 
 @pytest.mark.parametrize("name", ["time-lag", "exchange-motion"])
 def test_what_goes_away_is_read_long_meanwhile(name: str) -> None:
-    rows = _rows().assign(shift=_shift(name))
-    links = [one for _, one in rows.groupby("link") if len(one) > 2]
-    speeds = [np.gradient(one["true_range_m"], one["time_s"])[1:-1] for one in links]
-    shifts = [one["shift"].to_numpy()[1:-1] for one in links]
-    assert np.corrcoef(np.concatenate(speeds), np.concatenate(shifts))[0, 1] > 0.6
+    assert shown.with_speed("canal", name) > 0.6
 
 
 def test_clenshaws_and_curtis_rule_is_exact_for_powers_up_to_the_fifth() -> None:
@@ -323,13 +309,14 @@ def test_oddities_of_late_sizes_do_what_they_say() -> None:
 
 
 def test_first_paths_are_where_they_are_however_high_and_never_sooner_if_deaf() -> None:
-    top = 60 + np.linspace(0, 1, 20)
-    quiet = np.full(20, 0.002)
-    pulse, later, soon = (splines(top + off).astype(np.complex128) for off in (0.0, 9.4, 3.3))
-    low, high = (first_paths(size * pulse, quiet) for size in (1.0, 40.0))
-    assert np.allclose(low, high, atol=1e-9)
-    assert np.allclose(top - low, TOLD, atol=0.02)
-    sharp, deaf = (first_paths(0.3 * pulse + later, quiet, much) for much in (0.0, 2.0))
-    assert np.allclose(deaf - sharp, 9.4, atol=0.05)
-    near = 0.5 * pulse + soon
-    assert (first_paths(near, 10 * quiet, 2.0) >= first_paths(near, 10 * quiet)).all()
+    top, much = 70 + np.linspace(0, 1, 33), [0.0, 2.0]
+    quiet = np.full(33, 0.003)
+    one = splines(top).astype(np.complex128)
+    at = first_paths(one, quiet)
+    assert np.allclose(top - at, TOLD, atol=0.02)
+    assert np.allclose(first_paths(30.0j * one, quiet), at, atol=1e-9)
+    weak = 0.3 * one + splines(top + 11.2)
+    sharp, deaf = (first_paths(weak, quiet, by) for by in much)
+    assert np.allclose(deaf - sharp, 11.2, atol=0.05)
+    soon, late = (first_paths(0.5 * one + splines(top + 3.4), 8 * quiet, by) for by in much)
+    assert (late >= soon).all()
