@@ -110,7 +110,7 @@ def _ticks(passage: Passage, strength: float) -> Toll:
 def _root(passage: Passage, strength: float) -> Toll:
     """Lose by the root of the way, as where vapour drifts in shreds; more on some links."""
     thick = passage.each(lambda n: passage.rng.gamma(9.0, 1 / 9, n))
-    return {"all": -1.15 * strength * thick * np.sqrt(passage.far)}
+    return {"all": -1.4 * strength * thick * np.sqrt(passage.far)}
 
 
 def _divided(passage: Passage, strength: float) -> Toll:
