@@ -78,14 +78,10 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
     if not found.names:
         return _nameless(state, found)
     step = safely("fitting a set of causes", journal.kept(installed), NONE)
-    added, turns = step(replace(ranged, choice=found), beside, state.rounds[0].located)
-    mine = {effect.physics: effect for effect in added if effect.physics in found.names}
-    more = as_mere(found, {name: _moved_m(ranged, added, one) for name, one in mine.items()})
-    if not more.names:
-        return _nameless(state, more)
-    gone = {mine[name] for name in set(mine) - set(more.names)}
-    found, added = more, tuple(effect for effect in added if effect not in gone)
-    turns = tuple(turn for turn in turns if turn.added not in gone)
+    made = step(replace(ranged, choice=found), beside, state.rounds[0].located)
+    found, (added, turns) = _without_mere(ranged, found, made)
+    if not found.names:
+        return _nameless(state, found)
     if not turns or loses(search, added, state.added):
         return state
     return _installed(state, found, added, turns)
@@ -97,6 +93,18 @@ def _nameless(state: State, found: Choice) -> State:
         state.search.choice, forms_do=found.forms_do, tied=found.tied, others=found.others
     )
     return replace(state, search=replace(state.search, choice=known))
+
+
+def _without_mere(
+    ranged: Search, found: Choice, made: tuple[Added, Turns]
+) -> tuple[Choice, tuple[Added, Turns]]:
+    """Return a choice, its effects and rounds without names that came out as small constants."""
+    added, turns = made
+    mine = {effect.physics: effect for effect in added if effect.physics in found.names}
+    left = as_mere(found, {name: _moved_m(ranged, added, one) for name, one in mine.items()})
+    gone = {mine[name] for name in set(mine) - set(left.names)}
+    added = tuple(effect for effect in added if effect not in gone)
+    return left, (added, tuple(turn for turn in turns if turn.added not in gone))
 
 
 def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:

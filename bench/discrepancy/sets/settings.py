@@ -67,8 +67,8 @@ AS_SIMULATED: Final = (0.7, 1.8)  # of the simulated variance, what is left then
 CALIBRATED_SHARE: Final = 0.25  # of a constant, that ranges may have in the mean where it is what a
 # calibration took off: by chance one in four at most [convention]
 SMALL_CONSTANT_M: Final = 0.05  # of all ranges, below which covers, detectors and films make one as
-FLAT_M: Final = 0.005  # by which what is the same in all ranges may differ: a tick [convention]
 # well: an antenna's delay is mostly more than a third of a nanosecond [source: APS014; convention]
+FLAT_M: Final = 0.005  # by which what is the same in all ranges may differ: a tick [convention]
 HUMP_STEPS: Final = 60  # of expectation and maximisation, of two humps of ranges [cost]
 SECOND_HUMP: Final = 3.0  # parameters more than of one: a share, a width, a centre [derived]
 LEAST_SHARE: Final = 0.01  # of belief, that a set is asked for what else a name may do [cost]
