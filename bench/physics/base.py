@@ -16,7 +16,7 @@ from scipy.special import ive
 
 from bench.errors import BenchError
 from bench.physics.batch import DIRECT, NO_PATH, Batch, altered
-from bench.physics.detection import HALF, MOST_OF_PEAK, edge_offset, first_path
+from bench.physics.detection import HALF, crossed_level, edge_offset, first_path
 from bench.physics.effect import check_bounds, parameter
 from bench.physics.loops import compiled, crop_rows, magnitude_rows, parts
 from bench.physics.randomness import Draws
@@ -36,9 +36,15 @@ from bench.physics.units import (
 )
 
 T = TypeVar("T", bound=np.generic)
+F = TypeVar("F", float, Floats)
 LEAD_SAMPLES = 16  # simulated before the straight path, so that an early edge can be found
 LATE_SAMPLES = 36  # after it, so that an edge 10 m late still has its whole CIR
 RAYLEIGH_STD = float(np.sqrt(2 - np.pi / 2))  # std of |n| per std of its real part
+
+
+def power_of_noise(std: F) -> F:
+    """Return mean |noise|^2 of complex noise whose magnitudes have a standard deviation `std`."""
+    return 2 * (std / RAYLEIGH_STD) ** 2
 
 
 @dataclass(frozen=True)
@@ -126,7 +132,7 @@ class Base:
 
     def noise_power(self, symbols: Floats) -> Floats:
         """Return mean |noise|^2 [n] in counts^2; the noise grows as the root of the count."""
-        return 2 * (self.noise_per_symbol / RAYLEIGH_STD) ** 2 * symbols
+        return power_of_noise(self.noise_per_symbol) * symbols
 
     def detected(self, batch: Batch) -> Batch:
         """Return the batch with first path, range and what the chip reports."""
@@ -139,7 +145,7 @@ class Base:
         timed = batch.peak_fraction * highest
         limit, part = np.maximum(threshold, timed), HALF
         if batch.at_threshold:
-            limit = timed = np.maximum(np.minimum(threshold, MOST_OF_PEAK * highest), timed)
+            limit = timed = crossed_level(threshold, highest, batch.peak_fraction)
             part = 0.0
         found = first_path(magnitude, limit, timed, batch.begin, part)
         late = batch.start_ns + (found + edge_offset(self.pulse_fwhm)) * self.sample_period_ns

@@ -41,6 +41,15 @@ def first_path(
     return np.rint(found * 64) / 64
 
 
+def crossed_level(loud: Floats, highest: Reals | Floats, of_peak: float) -> Floats:
+    """Return the level [n] at which a detector that times edges where they cross one does so.
+
+    `loud` [n] is so many times the noise, asked of no more than most of the `highest` sample [n];
+    and not below a part `of_peak` of that.
+    """
+    return np.maximum(np.minimum(loud, MOST_OF_PEAK * highest), of_peak * highest)
+
+
 @lru_cache(maxsize=32)
 def edge_offset(fwhm_samples: float) -> float:
     """Return how far a clean pulse's centre lies behind its first-path index, in samples.

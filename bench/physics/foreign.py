@@ -25,7 +25,7 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
-from bench.physics.base import RAYLEIGH_STD, Base, there
+from bench.physics.base import RAYLEIGH_STD, Base, power_of_noise, there
 from bench.physics.batch import Batch, altered
 from bench.physics.detection import edge_offset, first_path
 from bench.physics.effect import Effect
@@ -311,7 +311,7 @@ class ForeignTable:
 
 def _noise_power(batch: Batch) -> Floats:
     """Return mean |noise|^2 [n] in counts^2: as the table tells it, else the base's."""
-    power = 2 * (batch.rows.number("noise_std", np.nan) / RAYLEIGH_STD) ** 2
+    power = power_of_noise(batch.rows.number("noise_std", np.nan))
     return np.asarray(np.where(np.isfinite(power), power, there(batch.noise_power)))
 
 

@@ -15,7 +15,7 @@ from itertools import chain
 
 import numpy as np
 
-from bench.physics.detection import MOST_OF_PEAK, first_path
+from bench.physics.detection import crossed_level, first_path
 from bench.physics.units import Floats, Reals
 
 OF_NOISE = tuple(np.geomspace(3.0, 40.0, 24).tolist())  # standard deviations of magnitudes
@@ -35,9 +35,7 @@ class Crossing:
 
     def found(self, magnitude: Reals, noise: Floats) -> Floats:
         """Return the index [n] of the first path in `magnitude` [n, K], of `noise` [n]."""
-        highest = magnitude.max(axis=1)
-        loud = np.minimum(self.of_noise * noise, MOST_OF_PEAK * highest)
-        level = np.maximum(loud, self.of_peak * highest)
+        level = crossed_level(self.of_noise * noise, magnitude.max(axis=1), self.of_peak)
         return first_path(magnitude, level, level, part=0.0)
 
 

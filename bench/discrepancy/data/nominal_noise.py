@@ -15,8 +15,9 @@ import pandas as pd
 from bench.discrepancy.data.columns import WAVES, numeric
 from bench.discrepancy.data.observables import NOISE
 from bench.discrepancy.data.settings import LOGS_ALIKE_DB, ROWS_THAT_TELL, SAMPLES_APART_DB
-from bench.physics.base import RAYLEIGH_STD
+from bench.physics.base import power_of_noise
 from bench.physics.own_base import noise_times
+from bench.physics.units import decibel
 
 
 def untrue_logs(tables: Sequence[pd.DataFrame]) -> tuple[str, ...]:
@@ -30,7 +31,7 @@ def nominal_noise(recorded: pd.DataFrame, simulated: pd.DataFrame) -> float:
     if any(one is None for one in told):
         return 0.0
     (ours, times), (theirs, other_times) = [one for one in told if one]
-    logged_db, held_db = _db(ours / theirs), _db(times / other_times)
+    logged_db, held_db = decibel([ours / theirs, times / other_times]).tolist()
     return held_db if abs(logged_db) < LOGS_ALIKE_DB and abs(held_db) > SAMPLES_APART_DB else 0.0
 
 
@@ -41,14 +42,10 @@ def _told(frame: pd.DataFrame) -> tuple[float, float] | None:
     rows = frame.iloc[np.unique(np.linspace(0, len(frame) - 1, ROWS_THAT_TELL).astype(np.intp))]
     if len({np.size(cell) for cell in rows["cir"]}) != 1:
         return None
-    power = 2 * (numeric(rows, NOISE) / RAYLEIGH_STD) ** 2
+    power = power_of_noise(numeric(rows, NOISE))
     known = np.isfinite(power) & (power > 0)
     if not known.any():
         return None
     size = np.abs(np.stack(rows["cir"].to_list()))[known]
     times = noise_times(size, numeric(rows, "first_path_index")[known], power[known])
     return float(np.median(power[known])), times
-
-
-def _db(ratio: float) -> float:
-    return float(10 * np.log10(ratio))
