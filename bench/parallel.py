@@ -111,7 +111,7 @@ def _in_order(
 
 
 def in_processes(
-    work: Work, shared: Any, items: Iterable[Any], jobs: int, forks: bool = False
+    work: Work, shared: Any, items: Iterable[Any], jobs: int, forks: bool = False, idle: Any = None
 ) -> Generator[Any, None, None]:
     """Yield work(shared, item) of every item in order, of some items at a time in `jobs` processes.
 
@@ -119,7 +119,8 @@ def in_processes(
     hold may come from the user's script: it is not run again in these processes, so that it needs
     no `if __name__ == "__main__"`. Memory holds 2 `jobs` items. Close it when done. `forks`: they
     begin as forks, at once, before the first item is made; where no thread here may hold what the
-    work needs. Raises BenchError where a process is ended from outside.
+    work needs. `idle` is an item that they work on until then, for what the first work costs more.
+    Raises BenchError where a process is ended from outside.
     """
     pool, broken = _pool(jobs, shared, "fork" if forks else "spawn"), None
 
@@ -132,6 +133,8 @@ def in_processes(
             with _starting(), warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)  # of threads a fork has not
                 pool.submit(sleep, 0).result()
+            for _ in range(0 if idle is None else jobs):
+                submit(idle)
         yield from _in_order(submit, items, AHEAD * jobs)
     except BrokenProcessPool as problem:
         broken = problem

@@ -203,10 +203,10 @@ def image_rows(
     [Q] how often each meets the floor, `tables` [3, 2 (T + 1)] the coefficients of side walls,
     floor and ceiling over the cosine of incidence.
     """
-    steps = tables.shape[1] // 2 - 1
+    steps, way = tables.shape[1] // 2 - 1, np.zeros(3)
     for row in range(ends.shape[0]):
         for q in range(image.shape[0]):
-            way, total = np.zeros(3), 0.0
+            total = 0.0
             for axis in range(3):
                 m, room = image[q, axis], ends[row, 6 + axis]
                 at = ends[row, axis] if m % 2 == 0 else -ends[row, axis]

@@ -7,6 +7,8 @@ a simulator with and without it can be compared on common random numbers.
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -56,12 +58,27 @@ class Draws:
         made = np.empty(shape, np.complex64)
         for start in range(0, len(made), CACHED):
             part = made[start : start + CACHED]
-            power, turn = self.uniform(len(part), 2, *shape[1:]).swapaxes(0, 1)
+            power, turn = self._pairs(len(part), *shape[1:])
             size = np.sqrt(-np.log(1 - power))
             turn *= np.float32(2 * np.pi)
             np.multiply(size, np.cos(turn), out=part.real)
             np.multiply(size, np.sin(turn), out=part.imag)
         return made
+
+    def _pairs(self, rows: int, *columns: int) -> Reals:
+        """Return `uniform` draws [2, rows, *columns], drawn row by row, at twice the speed.
+
+        They are the same numbers: numpy makes one of every 32 bits, lower ones first, of which it
+        may hold the higher half of the last 64 back.
+        """
+        shape, bits = (rows, 2, *columns), self.generator.bit_generator
+        if sys.byteorder != "little" or bits.state["has_uint32"]:
+            return self.uniform(*shape).swapaxes(0, 1)
+        raw = np.asarray(bits.random_raw(math.prod(shape) // 2)).view(np.uint32)
+        raw >>= np.uint32(8)
+        drawn = raw.view(np.int32).astype(np.float32)
+        drawn *= np.float32(2**-24)
+        return drawn.reshape(shape).swapaxes(0, 1)
 
     def gamma(self, shape: float, *size: int) -> Reals:
         """Return draws of Gamma(`shape`, 1), float32, independent for every element."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,14 @@ class _Links:
     sight: NDArray[np.bool_]
     anchor: Floats
     tag: Floats
+
+    @cached_property
+    def shares(self) -> Floats:
+        """How often it is one of the things up to each of them; of metal more or less often."""
+        kinds = [self.place.metal if thing.kind in _METAL else 1.0 for thing in self.things]
+        share = np.array([thing.share for thing in self.things]) * kinds
+        total = np.cumsum(share / share.sum())
+        return np.asarray(total / total[-1])
 
 
 def room_geometry(
@@ -210,11 +219,9 @@ def _drawn(
     if links.sight[at]:
         chosen = []
     else:
-        metal = [thing.kind in _METAL for thing in known]
-        share = np.array([thing.share for thing in known])
-        share *= np.where(metal, links.place.metal, 1.0)
         count = 1 + int(rng.random() < 0.12)
-        chosen = [known[i] for i in rng.choice(len(known), count, p=share / share.sum())]
+        places = np.searchsorted(links.shares, rng.random(count), "right")
+        chosen = [known[place] for place in places]
     thick = links.place.thickness * np.array([rng.uniform(*t.thickness_m) for t in chosen])
     width = np.array([rng.uniform(*thing.width_m) for thing in chosen])
     near = width * rng.uniform(0.1, 0.5, len(chosen))

@@ -129,7 +129,8 @@ def _observed(
     """
     if many and threads() > 1 and _all_ours(simulator):
         forks = able() and "torch" not in sys.modules  # whose threads no fork has
-        yield from in_processes(_observe, simulator, chunks, threads(), forks)
+        row = scene(pd.DataFrame({"true_range_m": [1.0]})), 0  # machine code is loaded meanwhile
+        yield from in_processes(_observe, simulator, chunks, threads(), forks, row)
     else:
         yield from a_few_at_once(partial(_observe, simulator), chunks)
 
