@@ -10,6 +10,7 @@ import numpy as np
 from bench.discrepancy.compare.calibration import rank_distance, separability
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap, cluster_quantile
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.reuse import standing
 from bench.discrepancy.compare.skill import Tally, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE, Floats
@@ -233,7 +234,7 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
         )
         for word, misses in zip(("before", "after"), both, strict=True)
     }
-    scores = tally(before), tally(after)
+    scores, apart = (tally(before), tally(after)), standing(comparison, held)
     return Confirmed(
         links=len(np.unique(held.links)),
         rows=len(held.rows),
@@ -242,8 +243,8 @@ def confirm(comparison: Comparison, held: View, added: Added, seed: int) -> Conf
         waves=_of_waves(*scores, seed),
         mae_before_m=_mae(before, seed),
         mae_after_m=_mae(centred, seed),
-        auc_before=separability(before, seed),
-        auc_after=separability(after, seed),
+        auc_before=separability(before, seed, apart),
+        auc_after=separability(after, seed, apart),
         ranks_before=rank_distance(before),
         ranks_after=rank_distance(after),
         before=before,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.settings import LEAST_STD
@@ -15,22 +16,25 @@ from bench.parallel import one_openmp_thread
 COUNTED = ("rise_time_ns",)  # from one whole sample to another
 
 
-def separability(ensemble: Ensemble, seed: int) -> float:
-    """Return the AUC of a classifier telling recorded from simulated rows, held out by link."""
+def separability(ensemble: Ensemble, seed: int, groups: NDArray[np.intp] | None = None) -> float:
+    """Return the AUC of a classifier telling recorded from simulated rows, held out by link.
+
+    Or by `groups` [n] of links beside which the same simulated rows stand (see `standing`).
+    """
     from sklearn.ensemble import HistGradientBoostingClassifier
     from sklearn.metrics import roc_auc_score
     from sklearn.model_selection import GroupKFold, cross_val_predict
 
-    links = len(np.unique(ensemble.links))
-    if links < 2:
+    apart = ensemble.links if groups is None else groups
+    several = len(np.unique(apart))
+    if several < 2:
         return float("nan")
     X = in_whole_samples(np.concatenate([ensemble.recorded, ensemble.simulated[0]]), ensemble.names)
     y = np.repeat([1, 0], len(ensemble.links))
-    groups = np.tile(ensemble.links, 2)
     model = HistGradientBoostingClassifier(
         max_iter=AUC_TREES, max_leaf_nodes=AUC_LEAVES, random_state=seed
     )
-    folds = list(GroupKFold(min(AUC_FOLDS, links)).split(X, y, groups))
+    folds = list(GroupKFold(min(AUC_FOLDS, several)).split(X, y, np.tile(apart, 2)))
     X = X[:, [all(np.isfinite(column[taught]).any() for taught, _ in folds) for column in X.T]]
     if not X.shape[1]:  # trees cannot be taught by what no row has
         return float("nan")

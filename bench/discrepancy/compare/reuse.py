@@ -7,9 +7,10 @@ go together: a mean over such links scatters more than permutations link by link
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.table import TableComparison
-from bench.discrepancy.compare.view import Comparison, View
+from bench.discrepancy.compare.view import Changed, Comparison, View
 from bench.physics.units import Floats
 
 
@@ -28,6 +29,18 @@ def reuse(comparison: Comparison, view: View) -> Floats | None:
         np.add.at(uses, (code, comparison.links[pick]), 1.0)
     shares = uses / (np.bincount(code)[:, None] * len(versions))
     return np.asarray(shares @ shares.T)
+
+
+def standing(comparison: Comparison, view: View) -> NDArray[np.intp]:
+    """Return a code [n] of recorded rows, the same where one simulated link stands for them first.
+
+    What was learnt from it for one recorded link is known of the others.
+    """
+    while isinstance(comparison, Changed):
+        comparison = comparison.comparison
+    if not isinstance(comparison, TableComparison) or comparison.paired(view):
+        return view.links
+    return np.asarray(comparison.links[comparison.versions(view)[0]], np.intp)
 
 
 def widening(weight: Floats, reused: Floats) -> float:

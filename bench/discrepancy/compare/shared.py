@@ -7,6 +7,7 @@ could not differ any more.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +29,7 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.settings import MOST_CATEGORIES
 
 Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
 DISTANCE = "true_range_m"
 NUMBERS = (
     DISTANCE, "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m",
@@ -72,7 +74,24 @@ def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> S
         names = (*names, name)
         if name not in DEVICES:
             unknown |= ~np.isin(ours, values)
+    ours, theirs = _more_of_a_kind(recorded, simulated)
+    left, right = [*left, ours * CATEGORY_STD], [*right, theirs * CATEGORY_STD]
     return Shared(np.hstack(left), np.hstack(right), names, unknown)
+
+
+def alike(recorded: pd.DataFrame, simulated: pd.DataFrame) -> tuple[Codes, Codes]:
+    """Return codes [n] and [k] of rows, the same for rows of one room, sight and obstacles.
+
+    As both tables know these; obstacles of one kind are alike where they are as many.
+    """
+    every = {k: v for k, v in _categories(recorded, simulated).items() if k not in DEVICES}
+    more = _more_of_a_kind(recorded, simulated)
+    parts = [np.concatenate([*values]) for values in every.values()]
+    parts += [column.astype(np.str_) for column in np.concatenate([*more]).T]
+    words = np.stack([np.zeros(len(recorded) + len(simulated), np.str_), *parts], axis=1)
+    codes = pd.DataFrame(words).groupby(list(range(words.shape[1]))).ngroup()
+    ours, theirs = np.split(np.asarray(codes, np.intp), [len(recorded)])
+    return ours, theirs
 
 
 def unseen(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
@@ -139,14 +158,32 @@ def _categories(
     return out
 
 
+def _more_of_a_kind(recorded: pd.DataFrame, simulated: pd.DataFrame) -> tuple[Floats, Floats]:
+    """Return how many obstacles beyond the first rows list of every kind, [n, c] and [k, c].
+
+    Of kinds of which there are several anywhere: three shelves in a row are not one shelf.
+    """
+    if "obstacles" not in recorded or "obstacles" not in simulated:
+        return np.zeros((len(recorded), 0)), np.zeros((len(simulated), 0))
+    listed = [Counter(map(str, row)) for row in map(_listed, _both(recorded, simulated))]
+    several = sorted({kind for row in listed for kind, many in row.items() if many > 1})
+    more = np.array([[max(row[kind] - 1, 0) for kind in several] for row in listed], np.float64)
+    more = more.reshape(len(listed), len(several))
+    return more[: len(recorded)], more[len(recorded) :]
+
+
+def _both(recorded: pd.DataFrame, simulated: pd.DataFrame) -> list[Any]:
+    return [*recorded["obstacles"], *simulated["obstacles"]]
+
+
+def _listed(cell: Any) -> Sequence[Any]:
+    """Return the obstacles of a row, none where the cell holds no list."""
+    return list(cell) if isinstance(cell, list | tuple | np.ndarray) else []
+
+
 def _kinds(lists: pd.Series) -> NDArray[Any]:
     """Return the kinds of obstacles of every row as one word."""
-    made = [
-        "+".join(sorted({str(kind) for kind in row}))
-        if isinstance(row, list | tuple | np.ndarray)
-        else ""
-        for row in lists
-    ]
+    made = ["+".join(sorted({str(kind) for kind in _listed(row)})) for row in lists]
     return np.array(made, dtype=np.str_)
 
 

@@ -21,6 +21,7 @@ from bench.discrepancy.compare.matching import (
     by_link,
     by_neighbours,
     link_means,
+    of_one_kind,
     same_links,
 )
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
@@ -33,6 +34,7 @@ from bench.discrepancy.compare.settings import (
 )
 from bench.discrepancy.compare.shared import (
     NUMBERS,
+    alike,
     far_apart,
     kinds,
     no_overlap,
@@ -236,6 +238,8 @@ class TableComparison:
         def match() -> tuple[list[Rows], int]:
             own = self._same_links(view) if self.paired(view) else []
             more = self._similar_links(view)[bool(own) :] if len(own) < MOST_VERSIONS else []
+            if own:
+                more = of_one_kind(own, more, *alike(view.frame, self.frame))
             versions = (own + more)[:MOST_VERSIONS]
             return versions, len(own) or len(versions)
 
@@ -256,17 +260,17 @@ class TableComparison:
 
     def _similar_links(self, view: View) -> list[Rows]:
         """Match rows with those of the simulated links nearest in all that both tables know."""
-        alike = shared_with_categories(view.frame, self.frame)
-        return by_neighbours(alike.left, alike.right, view.links, self.links, MOST_VERSIONS)
+        both = shared_with_categories(view.frame, self.frame)
+        return by_neighbours(both.left, both.right, view.links, self.links, MOST_VERSIONS)
 
     def _same_links(self, view: View) -> list[NDArray[np.intp]]:
         """Match rows with those of the same link."""
-        alike = shared(view.frame, self.frame, tuple(view.covariates.numbers))
+        both = shared(view.frame, self.frame, tuple(view.covariates.numbers))
         rows = self.frame.groupby(self.frame["link"].astype(str)).indices
         names = view.frame["link"].astype(str).to_numpy()
         labels, codes = np.unique(names, return_inverse=True)
         pools = [np.asarray(rows[label], np.intp) for label in labels]
-        return by_link(alike.left, alike.right, codes, pools, MOST_VERSIONS)
+        return by_link(both.left, both.right, codes, pools, MOST_VERSIONS)
 
     def paired(self, view: View) -> bool:
         """Return whether every recorded link is in the simulated table too."""
@@ -280,20 +284,20 @@ class TableComparison:
         """
         if same_links(frame, self.frame):
             return np.ones(len(frame), bool)
-        alike = shared(frame, self.frame, NUMBERS)
+        both = shared(frame, self.frame, NUMBERS)
         categories = shared_with_categories(frame, self.frame)
-        if not alike.names:
+        if not both.names:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
         code = link_codes(frame)
-        ours, theirs = link_means(alike.left, code), link_means(alike.right, self.links)
-        apart = far_apart(alike.names, ours, theirs)
+        ours, theirs = link_means(both.left, code), link_means(both.right, self.links)
+        apart = far_apart(both.names, ours, theirs)
         far = apart.any(axis=0)
         unknown = np.bincount(code, categories.unknown) > 0
         inside = ~(far | unknown)[code]
         few = len(np.unique(code[inside])) < OVERLAP_LINKS
         if few and inside.mean() < OVERLAP_SHARE:
             named = apart[1:]  # before the covariates stands a constant
-            raise BenchError(no_overlap(alike.names, named, unknown))
+            raise BenchError(no_overlap(both.names, named, unknown))
         return np.asarray(inside)
 
     def _nearer(self, seen: Observables, view: View, pick: Rows, but: str = "") -> Floats:
@@ -317,8 +321,8 @@ class TableComparison:
         """Return what the simulated observables do over the distance; remembered."""
 
         def found() -> dict[str, Walk]:
-            alike = kinds(view.frame, self.frame)
-            return walks(self.observed, self._true_range_m, self.links, alike)
+            known = kinds(view.frame, self.frame)
+            return walks(self.observed, self._true_range_m, self.links, known)
 
         return self._walks.get(view.number, found)
 

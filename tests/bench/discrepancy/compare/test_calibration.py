@@ -48,3 +48,13 @@ def test_a_figure_in_whole_samples_that_matching_moved_tells_no_row_apart() -> N
     assert abs(separability(made, 0) - 0.5) < 0.15
     versions[0] += 2 * 1.0016  # a pulse that is longer is seen all the same
     assert separability(made, 0) > 0.9
+
+
+def test_rows_that_stand_for_several_links_tell_no_recorded_row_apart() -> None:
+    rng = np.random.default_rng(2)
+    shared, links = np.repeat(np.arange(6), 20), np.repeat(np.arange(24), 5)
+    versions = rng.normal(size=(2, 120, 3))
+    versions[1] = rng.normal(size=(6, 3))[shared]  # of six simulated links, the same rows again
+    made = Ensemble(("error_m", "rx_power_dbm", "noise_std"), ("m", "dB", "1"), versions, links)
+    assert separability(made, 0) > 0.9  # known by heart
+    assert separability(made, 0, shared) < 0.8
