@@ -109,23 +109,6 @@ def by_neighbours(
     return list(out)
 
 
-def of_one_kind(own: Sequence[Rows], more: Sequence[Rows], ours: Rows, theirs: Rows) -> list[Rows]:
-    """Return versions from similar links, of rows of one kind as the recorded ones have.
-
-    `ours` [n] and `theirs` [k] are codes of kinds. A row in whose place stands one of another kind
-    has one of its own versions or of its kind again, in turns: what stands behind three walls is no
-    draw of what stands behind one.
-    """
-    every = np.array([*own, *more])
-    if not more or bool((fits := ours == theirs[every]).all()):
-        return list(more)
-    fits[: len(own)] = True
-    able = np.argsort(~fits, axis=0, kind="stable")  # those that fit come first, in their order
-    turn = np.arange(len(every))[:, None] % fits.sum(axis=0)
-    place = np.where(fits, np.arange(len(every))[:, None], np.take_along_axis(able, turn, axis=0))
-    return list(np.take_along_axis(every, place, axis=0)[len(own) :])
-
-
 def _stretch(pool: Rows, size: int, version: int) -> Rows:
     """Return so many rows of a link in a row, others for another version.
 

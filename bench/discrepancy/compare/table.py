@@ -21,10 +21,10 @@ from bench.discrepancy.compare.matching import (
     by_link,
     by_neighbours,
     link_means,
-    of_one_kind,
     same_links,
 )
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
+from bench.discrepancy.compare.over_kinds import OverKinds, over_kinds
 from bench.discrepancy.compare.settings import (
     LEAST_STD,
     MIX_DIGITS,
@@ -238,8 +238,6 @@ class TableComparison:
         def match() -> tuple[list[Rows], int]:
             own = self._same_links(view) if self.paired(view) else []
             more = self._similar_links(view)[bool(own) :] if len(own) < MOST_VERSIONS else []
-            if own:
-                more = of_one_kind(own, more, *alike(view.frame, self.frame))
             versions = (own + more)[:MOST_VERSIONS]
             return versions, len(own) or len(versions)
 
@@ -303,8 +301,10 @@ class TableComparison:
     def _nearer(self, seen: Observables, view: View, pick: Rows, but: str = "") -> Floats:
         """Return by how much observables [n, p], all `but` one, change from their range to ours."""
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        over = {name: walk for name, walk in self._over_distance(view).items() if name != but}
-        return nearer(seen.names, over, ours, self._true_range_m[pick])
+        over = {name: walk for name, walk in self._over(view)[0].items() if name != but}
+        walked = nearer(seen.names, over, ours, self._true_range_m[pick])
+        stepped = self._over(view)[1].change(seen.names, pick)
+        return walked + stepped * [name != but for name in seen.names]
 
     def _error_m(self, view: View, pick: Rows) -> Floats:
         """Return errors [n] of matched rows at our distances, before effects (rounding) act."""
@@ -317,18 +317,20 @@ class TableComparison:
         """The true ranges of the simulated rows, NaN where unknown."""
         return numeric(self.frame, "true_range_m")
 
-    def _over_distance(self, view: View) -> dict[str, Walk]:
-        """Return what the simulated observables do over the distance; remembered."""
+    def _over(self, view: View) -> tuple[dict[str, Walk], OverKinds]:
+        """Return what simulated observables do over the distance, and over kinds; remembered."""
 
-        def found() -> dict[str, Walk]:
-            known = kinds(view.frame, self.frame)
-            return walks(self.observed, self._true_range_m, self.links, known)
+        def found() -> tuple[dict[str, Walk], OverKinds]:
+            known, pair = kinds(view.frame, self.frame), alike(view.frame, self.frame)
+            rows = self._true_range_m, self.links
+            over = walks(self.observed, *rows, known)
+            return over, over_kinds(self.observed, over, *rows, *pair)
 
         return self._walks.get(view.number, found)
 
     @cached_property
-    def _walks(self) -> Memory[dict[str, Walk]]:
-        """What observables do over the distance, as views know kinds of links."""
+    def _walks(self) -> Memory[tuple[dict[str, Walk], OverKinds]]:
+        """What observables do over distance and kinds, as views know kinds of links."""
         return Memory(KEPT_MATCHES)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.compare.matching import of_one_kind
+from bench.discrepancy.compare.over_kinds import over_kinds
 from bench.discrepancy.compare.shared import alike
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
-from bench.discrepancy.data.observables import RANGE, Window
+from bench.discrepancy.data.observables import RANGE, Observables, Window
 from bench.discrepancy.data.split import link_codes
 
 STEP_M = 0.05  # that a shelf delays, on both sides
@@ -27,6 +27,14 @@ def _table(seed: int, rows: int = 3) -> pd.DataFrame:
     ).assign(obstacles=shelves)
 
 
+def _left(recorded: pd.DataFrame, simulated: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return recorded minus simulated range of every row in metres, and how many shelves it has."""
+    rows, comparison = np.arange(len(recorded)), TableComparison(simulated, Window())
+    seen = view(recorded, link_codes(recorded), rows, Window(), None, False)
+    many = np.array([len(one) for one in recorded["obstacles"]])
+    return comparison.ensemble(seen, (), 8).residual_of(RANGE), many
+
+
 def test_rows_are_alike_behind_as_many_obstacles_of_a_kind() -> None:
     ours, theirs = alike(_table(1), _table(2))
     np.testing.assert_array_equal(ours, theirs)
@@ -35,19 +43,25 @@ def test_rows_are_alike_behind_as_many_obstacles_of_a_kind() -> None:
 
 @pytest.mark.parametrize("simulated", [3, 6])
 def test_links_behind_more_obstacles_leave_no_error(simulated: int) -> None:
-    recorded = _table(1)
-    comparison = TableComparison(_table(2, simulated), Window())
-    rows = np.arange(len(recorded))
-    seen = view(recorded, link_codes(recorded), rows, Window(), None, False)
-    made = comparison.ensemble(seen, (), 8)
-    left = made.residual_of(RANGE)
-    many = np.array([len(one) for one in recorded["obstacles"]])
+    left, many = _left(_table(1), _table(2, simulated))
     assert [left[many == one].mean() for one in range(4)] == pytest.approx([0] * 4, abs=0.01)
 
 
-def test_a_row_of_another_kind_has_those_of_its_own_in_turns() -> None:
-    ours, theirs = np.array([0, 1]), np.array([0, 0, 0, 1])
-    own = [np.array([0, 3])]
-    more = [np.array([1, 1]), np.array([3, 2]), np.array([2, 1])]
-    made = of_one_kind(own, more, ours, theirs)
-    assert [one.tolist() for one in made] == [[1, 3], [2, 3], [2, 3]]
+@pytest.mark.parametrize("late_m", [0.0, 0.1])
+def test_what_only_recordings_have_behind_obstacles_stays(late_m: float) -> None:
+    recorded, simulated = _table(1), _table(2)
+    recorded["range_m"] += late_m * np.array([len(one) == 3 for one in recorded["obstacles"]])
+    left, many = _left(recorded, simulated)
+    assert [left[many == one].mean() for one in range(4)] == pytest.approx(
+        [0, 0, 0, late_m], abs=0.01
+    )
+
+
+def test_a_kind_that_no_simulated_link_has_changes_nothing() -> None:
+    names, theirs = (RANGE,), np.repeat([0, 1], 30)
+    values = np.where(theirs == 1, 0.2, 0.0)[:, None] + 0.01 * np.arange(60)[:, None] % 0.02
+    observed = Observables(names, ("m",), values)
+    links = np.arange(60)
+    made = over_kinds(observed, {}, np.full(60, 5.0), links, np.array([0, 1, 2]), theirs)
+    change = made.change((RANGE, "rx_power_dbm"), np.array([59, 0, 0]))
+    np.testing.assert_allclose(change, [[-0.2, 0], [0.2, 0], [0, 0]], atol=0.01)
