@@ -41,6 +41,7 @@ CHUNK_ROWS = 8192
 MAX_ERROR_M = 1000.0
 MAX_LEVEL_DB = 1000.0  # no two powers that an instrument measures are so far apart
 LEVEL_COLUMNS = ("rx_power_dbm", "first_path_power_dbm")
+NEGATIVE = "negative true range"
 HINTS = {"error beyond 1 km": "; are range_m and true_range_m both in metres?"}
 CONTRADICTION_M = 0.01
 FARTHEST_M = 1000.0  # the radios' makers promise some 300 m in the open
@@ -270,7 +271,7 @@ def _bad_ranges(frame: pd.DataFrame) -> Iterator[Finding]:
         error = frame["error_m"].to_numpy() if "error_m" in frame else difference
         yield "no range error", np.isnan(error)
         yield "error beyond 1 km", (np.abs(error) > MAX_ERROR_M) & ~_timestamped(frame)
-        yield "negative true range", true < 0
+        yield NEGATIVE, true < 0
         contradicts = np.abs(error - difference) > CONTRADICTION_M
     yield "error_m contradicts range_m - true_range_m", contradicts
 

@@ -24,19 +24,29 @@ from bench.text import one_line
 
 PARQUET_BEGINS, GZIP_BEGINS, ZIP_BEGINS = b"PAR1", b"\x1f\x8b", b"PK\x03\x04"
 FIRST_BYTES = 1024
+OTHER_DELIMITERS = ";\t|"
 IMPORT = "bench data import finds its delimiter and decimal mark"
 _AS_TEXT = (*STRING_COLUMNS, *CIR_COLUMNS, "obstacles", "los")
 
 
 def read_csv(path: Path) -> pd.DataFrame:
     """Return the table of a CSV, as it is. Raises BenchError where it is no CSV table."""
+    other = not _no_text(path) and _other_delimiter(path)
     try:
         frame = read_text_table(path)
     except BenchError as problem:
-        if _no_text(path):
-            raise
-        raise BenchError(f"{problem}; a log of another form: {IMPORT}") from problem
+        if other:
+            raise BenchError(f"{problem}; a log of another form: {IMPORT}") from problem
+        raise
+    if other and len(frame.columns) == 1:
+        raise BenchError(f"{path}: its header has no comma; a log of another form: {IMPORT}")
     return with_lists(frame, path)
+
+
+def _other_delimiter(path: Path) -> bool:
+    """Return whether what a text file begins with is parted by something else than commas."""
+    lines = _begins(path).decode(errors="replace").splitlines()
+    return any(line.count(",") < max(map(line.count, OTHER_DELIMITERS)) for line in lines[:-1])
 
 
 def read_text_table(

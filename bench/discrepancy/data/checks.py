@@ -21,7 +21,7 @@ from bench.discrepancy.data.settings import (
     TURNS,
     UNIT_MISTAKE,
 )
-from bench.discrepancy.data.truth import check_truth
+from bench.discrepancy.data.truth import check_positive, check_truth
 from bench.discrepancy.settings import WINDOW_AFTER
 from bench.errors import BenchError
 from bench.recordings.places import distance_m
@@ -115,6 +115,7 @@ def check_recorded(recorded: Recordings) -> None:
     frame, source = recorded.frame, recorded.source
     if not len(frame):
         raise BenchError(f"{source}: the table has no rows")
+    check_positive(recorded)
     if "link" not in frame:
         raise BenchError(
             f"{source}: no column 'link': expected a name for every pair of antenna positions, "
@@ -169,7 +170,8 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
             "(millimetres or kilometres?)"
         )
     measured_m = numeric(frame, "range_m")
-    ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):  # antennas may touch
+        ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
     _check_positions(frame, source)

@@ -45,6 +45,8 @@ LOGS_ALIKE_DB: Final = 0.5  # by which logs of one noise differ at most [convent
 SAMPLES_APART_DB: Final = 2.0  # by which what samples hold differs at least [convention]
 ROWS_THAT_TELL: Final = 2000  # of a table [cost]
 
-# --- Ranges that never change (data/checks) -------------------------------------------------------
+# --- Ranges that never change, truths that are none (data/checks, data/truth) ---------------------
 STUCK_ROWS: Final = 10  # of one range, to say that a receiver is stuck [convention]
+MOST_NEGATIVE: Final = 0.05  # of the rows with a negative true range: more are no slips
+# [convention]
 STUCK_APART_M: Final = 2.0  # that true ranges differ by then: no rounding is so coarse [convention]

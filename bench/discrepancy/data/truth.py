@@ -10,6 +10,7 @@ from bench.discrepancy.data.observables import error_m
 from bench.discrepancy.data.settings import (
     EXACT_M,
     FOOT_M,
+    MOST_NEGATIVE,
     ONE_FACTOR,
     PLACES_APART,
     QUARTILES,
@@ -17,7 +18,20 @@ from bench.discrepancy.data.settings import (
 )
 from bench.errors import BenchError
 from bench.physics.units import Floats
+from bench.recordings.clean import NEGATIVE
 from bench.recordings.places import distance_m
+from bench.recordings.table import Recordings
+
+
+def check_positive(recorded: Recordings) -> None:
+    """Raise where many true distances were negative, as differences of distances are."""
+    below = recorded.dropped.get(NEGATIVE, 0)
+    rows = len(recorded.frame) + sum(recorded.dropped.values())
+    if below > MOST_NEGATIVE * rows:
+        raise BenchError(
+            f"{recorded.source}: true_range_m is negative in {below} of {rows} rows: expected "
+            "distances (differences of distances, TDoA, cannot be compared)"
+        )
 
 
 def check_truth(frame: pd.DataFrame, source: str) -> None:

@@ -16,13 +16,18 @@ from bench.discrepancy.settings import SHOWN_VALUES
 
 KNOT = re.compile(r"\[-?[\d.]+(e[-+]?\d+)? \w+\]$")  # a value of a curve, at -80 dBm or 30 deg
 
+PER_OBSTACLE, OF_THICKNESS = "excess_m[", ("thickness_scale", "delay_scale")
+
 
 def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
     """Return the parameters with their intervals; of a long list those farthest from zero.
 
-    Those that are not determined share the last line.
+    Those that are not determined share the last line. Factors of a thickness that no table has
+    stand in the last table alone where metres per obstacle say the same.
     """
     out, open_ones = [], []
+    told = any(one.name.startswith(PER_OBSTACLE) for one in parameters)
+    parameters = [one for one in parameters if not (told and one.name in OF_THICKNESS)]
     for name, group in groupby(parameters, lambda one: one.name.partition("[")[0]):
         values = list(group)
         long = len(values) > SHOWN_VALUES + 1

@@ -57,11 +57,13 @@ def test_unreadable_cells_are_dropped_and_counted(tmp_path: Path) -> None:
     [
         (["error_m,cir_0,cir_2", "0.1,1,2"], "no column 'cir_1'; expected cir_0 to cir_2"),
         (["error_m,cir_0,cir_1", "0.1,1,x"], "column 'cir_1' holds text"),
-        (["error_m,error_m", "0.1,1"], "'error_m' stands twice"),
-        (["error_m", "0.1,1"], "bench data import finds its delimiter"),
+        (["error_m,error_m", "0.1,1"], "'error_m' stands twice in the header"),
+        (["error_m", "0.1,1"], "not a CSV table"),
+        (["error_m;link", "0,1;a"], "bench data import finds its delimiter"),
         (["error_m"], "no rows"),
         ([""], "not a CSV table"),
-        (["range_m;true_range_m", "1;2"], "no column 'range_m'"),
+        (["range_m;true_range_m", "1;2"], "bench data import finds its delimiter"),
+        (["range_m | link", "1 | a"], "bench data import finds its delimiter"),
     ],
 )
 def test_a_bad_csv_gives_one_clear_line(tmp_path: Path, lines: list[str], expected: str) -> None:

@@ -6,10 +6,22 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.data.truth import check_hidden, check_truth
+from bench.discrepancy.data.truth import check_hidden, check_positive, check_truth
 from bench.errors import BenchError
+from bench.recordings.clean import NEGATIVE
+from bench.recordings.table import Recordings
 
 FOOT = 0.3048
+
+
+@pytest.mark.parametrize(("below", "refused"), [(2, False), (20, True)])
+def test_differences_of_distances_are_no_distances(below: int, refused: bool) -> None:
+    table = Recordings(made(), "mine", dropped={NEGATIVE: below, "no range error": 3})
+    if not refused:
+        check_positive(table)
+        return
+    with pytest.raises(BenchError, match=r"negative in 20 of 83 rows: expected distances"):
+        check_positive(table)
 
 
 def made(**other: object) -> pd.DataFrame:

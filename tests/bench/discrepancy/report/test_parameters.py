@@ -84,3 +84,12 @@ def test_a_report_says_why_the_last_digits_of_a_simulator_are_others() -> None:
     )  # fmt: skip
     assert "other random draws" in " ".join(value_table((one,), written=True))
     assert "other random draws" not in " ".join(value_table((one,)))
+
+
+def test_factors_of_a_thickness_are_left_out_where_metres_per_obstacle_are_known() -> None:
+    scale = ParameterEstimate("thickness_scale", 2.5, 2.0, 3.0, "1")
+    step = ParameterEstimate("excess_m[shelf]", 0.05, 0.04, 0.06, "m")
+    assert any("thickness_scale" in line for line in parameter_lines([scale]))
+    lines = parameter_lines([step, scale])
+    assert len(lines) == 1
+    assert "excess_m[shelf]" in lines[0]
