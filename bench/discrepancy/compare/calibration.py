@@ -29,7 +29,10 @@ def separability(ensemble: Ensemble, seed: int, groups: NDArray[np.intp] | None 
     several = len(np.unique(apart))
     if several < 2:
         return float("nan")
-    X = in_whole_samples(np.concatenate([ensemble.recorded, ensemble.simulated[0]]), ensemble.names)
+    made = ensemble.recorded, ensemble.simulated[0]
+    known = np.isfinite(made[0]) & np.isfinite(made[1])  # that a log has gaps is no physics
+    whole = np.concatenate([np.where(known, side, np.nan) for side in made])
+    X = in_whole_samples(whole, ensemble.names)
     y = np.repeat([1, 0], len(ensemble.links))
     model = HistGradientBoostingClassifier(
         max_iter=AUC_TREES, max_leaf_nodes=AUC_LEAVES, random_state=seed

@@ -58,3 +58,12 @@ def test_rows_that_stand_for_several_links_tell_no_recorded_row_apart() -> None:
     made = Ensemble(("error_m", "rx_power_dbm", "noise_std"), ("m", "dB", "1"), versions, links)
     assert separability(made, 0) > 0.9  # known by heart
     assert separability(made, 0, shared) < 0.8
+
+
+def test_gaps_in_a_log_tell_no_row_apart() -> None:
+    rng = np.random.default_rng(3)
+    versions = rng.normal(size=(2, 120, 2))
+    versions[0, rng.random(120) < 0.3, 1] = np.nan
+    links = np.repeat(np.arange(24), 5)
+    made = Ensemble(("error_m", "rx_power_dbm"), ("m", "dB"), versions, links)
+    assert abs(separability(made, 0) - 0.5) < 0.15
