@@ -116,12 +116,12 @@ def _print(diagnosis: Diagnosis, kept: bool) -> None:
     """Print the verdicts and the confirm figures; what a report that is `kept` has is cut."""
     from bench.discrepancy.compare.calibration import auc_doubt
     from bench.discrepancy.report.document import measured_lines
-    from bench.discrepancy.report.found_lines import found_lines, nameless_lines
+    from bench.discrepancy.report.found_lines import found_lines, left_lines, nameless_lines
     from bench.discrepancy.report.parameters import skipped_line, skipped_lines
 
     say(named(diagnosis.headline))
     said = [line for told in found_lines(diagnosis) for line in told]
-    for line in (*said, *nameless_lines(diagnosis)):
+    for line in (*said, *nameless_lines(diagnosis), *left_lines(diagnosis)):
         say(named(line.replace("**", "")))
     seen = diagnosis.confirmed
     for line in diagnosis.counted:

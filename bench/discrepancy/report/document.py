@@ -14,7 +14,12 @@ from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.report.folder import REPORT
-from bench.discrepancy.report.found_lines import finding_lines, found_lines, nameless_lines
+from bench.discrepancy.report.found_lines import (
+    finding_lines,
+    found_lines,
+    left_lines,
+    nameless_lines,
+)
 from bench.discrepancy.report.parameters import (
     skipped_lines,
     value_table,
@@ -107,6 +112,7 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     lines += ["## What was found", ""]
     lines += [part for told in found_lines(diagnosis) for part in (*told, "")]
     lines += [part for line in nameless_lines(diagnosis) for part in (line, "")]
+    lines += [*left, ""] if (left := left_lines(diagnosis)) else []
     lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
     lines += ["## Pictures", ""]
     for name, caption in figures:

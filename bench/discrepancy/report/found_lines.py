@@ -21,7 +21,9 @@ from bench.discrepancy.select.verdict import (
     Unknown,
     Verdict,
 )
+from bench.discrepancy.settings import SURE_P
 
+SHOWN_LEFT = 3
 UNTRIED = "it could not be tried"
 
 
@@ -102,6 +104,22 @@ def nameless_lines(diagnosis: Diagnosis) -> list[str]:
         "but they do not reproduce enough of what they act on, or remove too little):",
         *(f"- {effect.name}: {_short(vars(effect))}" for effect in every),
     ]
+
+
+def left_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return what still differs, beyond doubt, beside names after which nothing is called unknown.
+
+    Levels, say, of a device that is named for its delay: too little for a cause of its own. Of
+    ranges and levels; with waveforms no search follows the last name.
+    """
+    selection = diagnosis.selection
+    last = selection.rounds[-1]
+    unknown = any(isinstance(verdict, Unknown) for verdict in selection.verdicts)
+    if unknown or last.added or diagnosis.law or diagnosis.options.waveform or not selection.names:
+        return []
+    sure = [one for one in last.located.findings if one.p <= SURE_P]
+    lines = finding_lines(sure, SHOWN_LEFT)
+    return ["**Beside that still differs, without a name:**", *lines] if lines else []
 
 
 def _behind(nats: float) -> str:

@@ -9,7 +9,7 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.headline import _change
 from bench.discrepancy.report.document import measured_lines
-from bench.discrepancy.report.found_lines import describe
+from bench.discrepancy.report.found_lines import describe, left_lines
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
 from bench.physics.effects.propagation.diffraction import Diffraction
 
@@ -62,3 +62,27 @@ def test_a_change_says_what_stays_and_what_gets_worse(
         for when, value in zip(("before", "after"), pair, strict=True)
     }
     assert words in _change(SimpleNamespace(**seen, serves=True))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({}, True),
+        ({"waveform": True}, False),
+        ({"names": ()}, False),
+        ({"p": 0.04}, False),
+        ({"verdicts": (Unknown((), Estimate(0, 0, 0, "nats"), {}, "why"),)}, False),
+    ],
+)
+def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], said: bool) -> None:
+    level = "rx_power_dbm where maker=NXP: recorded - simulated = -2.8 dB"
+    found = {"names": (("antenna-delay",),), "verdicts": (), "waveform": False, "p": 0.002} | change
+    finding = SimpleNamespace(p=found["p"], told=level)
+    turn = SimpleNamespace(added=None, located=SimpleNamespace(findings=(finding,)))
+    selection = SimpleNamespace(rounds=[turn], verdicts=found["verdicts"], names=found["names"])
+    options = SimpleNamespace(waveform=found["waveform"])
+    diagnosis = SimpleNamespace(selection=selection, law=None, options=options)
+    lines = left_lines(diagnosis)  # type: ignore[arg-type]
+    assert lines == (
+        ["**Beside that still differs, without a name:**", f"- {level}"] if said else []
+    )
