@@ -10,6 +10,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.physics.effects.ranging.law import Law, with_constants
 from bench.text import significant
 
+MOST_DIGITS = 10
 FAULT, LAW = "a fault of the set-up", "a law"
 
 
@@ -34,7 +35,9 @@ class LawConstant:
         unit = "" if self.unit == "1" else f" {_in_words(self.unit)}"
         if self.low == self.high:
             return f"{significant(self.value, 4)}{unit}"
-        value, low, high = (significant(one, 3) for one in (self.value, self.low, self.high))
+        every = self.value, self.low, self.high
+        texts = [[significant(one, digits) for one in every] for digits in range(3, MOST_DIGITS)]
+        value, low, high = next((text for text in texts if text[1] != text[2]), texts[0])
         return f"{value} ({low}..{high}){unit}"
 
 

@@ -19,6 +19,9 @@ from bench.physics.formula.units import over
 Floats = NDArray[np.float64]
 
 
+PER_UNIT = "{a} per {x}"
+
+
 @dataclass(frozen=True)
 class Fitted:
     """A fitted structure: its constants (name, value, unit) and how well they do."""
@@ -181,7 +184,9 @@ class GridLaw:
 
     def words(self, shown: dict[str, str]) -> str:
         """Return it for people."""
-        said = self.shape.words.format(x=self.names[1], **shown)
+        plain = self.form == "linear" and " per " not in shown["a"]  # nobody knows its unit
+        of = f"unit of {self.names[1]}" if plain else self.names[1]
+        said = (PER_UNIT if plain else self.shape.words).format(x=of, **shown)
         said += f" plus {shown['b']}" if self.offset else ""
         if not self.by:
             return f"error = {said}"

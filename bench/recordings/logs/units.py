@@ -35,7 +35,7 @@ _EXAMPLES = {
     "angle": "deg or rad",
     "time": "s, ms or dw_tick",
     "length": "m, cm or mm",
-    "temperature": "degC or K",
+    "temperature": "degC, degF or K",
 }
 EXTRA_COLUMNS = ("prf_mhz", "tx_power_dbm", "room_x_m", "room_y_m", "room_z_m")
 
