@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.forms import FORMS
+from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.structures import GridLaw
 
 
