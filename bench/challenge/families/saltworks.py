@@ -131,7 +131,7 @@ def _ranged(rows: pd.DataFrame, rng: np.random.Generator, scatter: float) -> pd.
     """
     haul, size = Haul(rows, 0, rng), len(rows)
     level = at_the_works(haul)
-    wide = 0.0125 * np.sqrt(1 + 10 ** ((-91.0 - level) / 10))
+    wide = 0.0125 * np.sqrt(1 + 10 ** ((-90.0 - level) / 10))
     kept = haul.each(lambda n: rng.uniform(-0.008, 0.008, n))
     error = scatter * (wide * logistic(rng, size) + kept)
     symbols, noise = counted(haul)

@@ -40,7 +40,7 @@ EXCHANGE = 3.4  # replies that an exchange lasts
 LEARNS_S, NEVER = 0.9, 0.45  # of a loop: until e times less; what it never learns
 GAP_M_K, DEBYE_K, READ_K = 0.0115, 636.0, 290.0  # of silicon's gap; at which it was calibrated
 POST_DEG = 62.0  # on either side of a post's middle until its edge
-LOUDEST_DBM, SPAN_DB = -66.0, 31.0  # between which and how far below it biases turn over
+LOUDEST_DBM, SPAN_DB = -65.0, 31.0  # between which and how far below it biases turn over
 LAMBDA = -0.11  # of Tukey's law: ends are heavier than a bell's
 VERNIER_M = (0.13, 0.21)  # steps of both scales
 TRIMMED, STEEPER = 0.0042, 1.09  # by how much the first vane's divider is slow; the next, more
@@ -278,7 +278,7 @@ def edge_db(high: Floats, before: Floats, after: Floats) -> Floats:
 def _over_a_belt(haul: Haul, strength: float) -> Levy:
     """Bend over both edges of a belt's trough, each as the one before it casts (Tokyo's atlas)."""
     steel, drawn, each = haul.cross("metal"), haul.rng, haul.each
-    high = np.sqrt(strength) * each(lambda n: drawn.weibull(1.8, n) * 0.2).clip(0.03, 0.55)
+    high = np.sqrt(strength) * each(lambda n: drawn.weibull(1.8, n) * 0.1).clip(0.02, 0.4)
     before = haul.far * each(lambda n: drawn.uniform(0.2, 0.75, n))
     wide = np.minimum(each(lambda n: drawn.uniform(0.5, 1.1, n)), 0.2 * haul.far)
     past = before + wide
@@ -286,13 +286,13 @@ def _over_a_belt(haul: Haul, strength: float) -> Levy:
     lost = edge_db(high, before, haul.far - before) + edge_db(high * past / haul.far, past, after)
     detour = np.hypot(high, before) + wide + np.hypot(high, after) - haul.far
     lips = strength * each(lambda n: drawn.uniform(0.05, 0.13, n))
-    return {"m": steel * (detour + lips).clip(0.0, 0.46), "first": -steel * lost.clip(max=15.0)}
+    return {"m": steel * (detour + lips).clip(0.0, 0.46), "first": -steel * lost.clip(max=17.0)}
 
 
 def _log_cosh(haul: Haul, strength: float) -> Levy:
     """Turn gain down by the logarithm of a cosh of what is too much; count the fewer symbols."""
-    over = (haul.of("rx_power_dbm") + 89.0).clip(0.0)
-    less = 1.75 * min(strength, 2.2) * np.log(np.cosh(over / 6.0))
+    over = (haul.of("rx_power_dbm") + 90.0).clip(0.0)
+    less = 2.0 * min(strength, 2.2) * np.log(np.cosh(over / 6.0))
     return {"all": -less, "count": -1.15 * less}
 
 
@@ -308,7 +308,7 @@ def _mills(haul: Haul, strength: float) -> Levy:
     apart = np.linalg.norm(VANES_M[:, None, :2] - MILLS_M, axis=2).min(axis=1)
     near = (1 + (apart / 15.0) ** 2) ** -0.75
     db = strength * (own + 9.4 * near[haul.vane] * blows(haul.of("wind_ms")))
-    weak = 10 ** ((-91.0 - haul.of("rx_power_dbm")) / 20) * np.sqrt(10 ** (db / 10) - 1)
+    weak = 10 ** ((-90.0 - haul.of("rx_power_dbm")) / 20) * np.sqrt(10 ** (db / 10) - 1)
     return {"m": 0.016 * weak.clip(max=8.0) * haul.rng.normal(size=len(db)), "noise": db}
 
 

@@ -24,7 +24,7 @@ from bench.challenge.families.saltworks_pans import (
 )
 
 Floats = NDArray[np.float64]
-AT_A_METRE_DB, PER_DECADE_DB, BLUNT_M2 = -58.4, 9.2, 0.9  # of levels, by squares of ways
+AT_A_METRE_DB, PER_DECADE_DB, BLUNT_M2 = -57.4, 9.2, 0.9  # of levels, by squares of ways
 CRUST_UM = 46.0  # at which 1 / e is lacking from the most
 BRINE_CM, BLOWS_MS = 30.0, 12.0  # deep; of a stiff breeze
 DOSE_UG = 2.2  # of iodine

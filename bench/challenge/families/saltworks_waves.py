@@ -34,7 +34,7 @@ Complexes = NDArray[np.complex128]
 LEAD, SAMPLES = 18, 152
 OF_ROWS = np.repeat(np.arange(1, 10), [30, 24, 19, 15, 10, 6, 4, 2, 1])
 """How many rows links have."""
-FULL_DB = 116.5  # of levels: a count for each symbol
+FULL_DB = 115.5  # of levels: a count for each symbol
 ECHOES, NEAREST, PITCH = (
     20,
     4.6,
@@ -124,7 +124,7 @@ def _by_air(haul: Haul, top: Floats) -> Complexes:
     of chance, and are as loud as each row finds them.
     """
     each, rng = haul.each, haul.rng
-    steel = haul.cross("metal") * each(lambda n: rng.uniform(0.38, 0.72, n))
+    steel = haul.cross("metal") * each(lambda n: rng.uniform(0.45, 0.8, n))
     wave = (1 - steel)[:, None] * _turned(haul, top)
     busy = each(lambda n: rng.triangular(0.22, 0.3, 0.55, n))
     late = np.full(len(top), NEAREST)

@@ -82,7 +82,6 @@ def test_tags_stay_in_the_works_and_a_turn_has_one_tag_and_some_vanes() -> None:
     assert turns["time_s"].apply(lambda one: one.is_monotonic_increasing).all()
     assert {*rows["environment"]} == {*PLACES.values()}
     assert {*rows["tx"]} == {*TAGS}
-    assert "room_x_m" not in rows
 
 
 def test_vanes_wait_an_eighth_longer_from_one_time_to_the_next() -> None:
@@ -207,12 +206,9 @@ def test_only_what_is_behind_something_is_blocked_or_goes_through_things() -> No
 
 
 def test_heaps_return_what_makes_one_angle_with_their_flanks() -> None:
-    rows = _known().head(60)
-    haul = Haul(rows, 0, np.random.default_rng(0))
-    more = by_heaps(haul)
+    more = by_heaps(Haul(_known(), 0, np.random.default_rng(0)))
     assert (more > 0.45).all()
-    assert np.isfinite(more).all()
-    assert np.median(more) < 9.0
+    assert np.median(more) < 4.0 < more.max() < 40.0
 
 
 def test_mills_are_heard_by_near_vanes_and_by_cubes_of_the_wind() -> None:
