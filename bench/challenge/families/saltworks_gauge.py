@@ -22,6 +22,7 @@ OF_SIZES = float(np.sqrt(2 - np.pi / 2))  # how sizes of noise scatter, next to 
 REACH = 4.75  # samples from a pulse's top to its ends
 TOLD = 1.3  # samples before tops that first paths are told, as chips do
 FINE = 8  # places a sample in which tops are seen
+NEAR = 6  # samples on either side that places between are of
 BESIDE = 12  # places on either side that a product is of
 SOON = 16  # places: what is higher so soon after a top is of the same pulse
 STANDS, OF_TOP = 6.0, 0.13  # what tops count: times noise's parts; of the highest size
@@ -68,12 +69,20 @@ def lagged(waves: Complexes, samples: Floats) -> Complexes:
     return np.asarray(made[:, :WIDE_SAMPLES] * (late[:, None] - REACH < PLACES))
 
 
+def _between() -> Floats:
+    """Return what samples about a place count in what is between them [2 NEAR, FINE]."""
+    off = np.arange(FINE) / FINE - np.arange(1 - NEAR, NEAR + 1)[:, None]
+    return np.asarray(np.sinc(off) * np.cos(0.5 * np.pi * off / NEAR) ** 2)
+
+
+BETWEEN = _between()
+
+
 def finely(waves: Complexes) -> Complexes:
-    """Return waveforms at FINE places a sample [n, FINE WIDE_SAMPLES]."""
-    half, spectrum = WIDE_SAMPLES // 2, np.fft.fft(waves, axis=1)
-    wide = np.zeros((len(waves), FINE * WIDE_SAMPLES), np.complex128)
-    wide[:, :half], wide[:, -half:] = spectrum[:, :half], spectrum[:, half:]
-    return np.asarray(FINE * np.fft.ifft(wide, axis=1))
+    """Return waveforms at FINE places a sample [n, FINE WIDE_SAMPLES], of what is NEAR alone."""
+    wide = np.pad(waves, ((0, 0), (NEAR - 1, NEAR)))
+    views = np.lib.stride_tricks.sliding_window_view(wide, 2 * NEAR, axis=1)
+    return np.asarray((views @ BETWEEN).reshape(len(waves), FINE * WIDE_SAMPLES))
 
 
 def teager(fine: Complexes) -> Floats:
