@@ -35,11 +35,7 @@ LEAD, SAMPLES = 18, 152
 OF_ROWS = np.repeat(np.arange(1, 10), [30, 24, 19, 15, 10, 6, 4, 2, 1])
 """How many rows links have."""
 FULL_DB = 115.5  # of levels: a count for each symbol
-ECHOES, NEAREST, PITCH = (
-    20,
-    4.6,
-    4.1,
-)  # of a link; samples: the first; the mean from one to the next
+ECHOES, NEAREST, PITCH = 20, 5.5, 4.1  # of a link; samples: the first; from one to the next
 FALLS = 26.0  # samples until echoes are e times less
 LATER_DB = 1.6  # what comes later adds to what comes straight
 RARELY = ()
@@ -124,7 +120,7 @@ def _by_air(haul: Haul, top: Floats) -> Complexes:
     of chance, and are as loud as each row finds them.
     """
     each, rng = haul.each, haul.rng
-    steel = haul.cross("metal") * each(lambda n: rng.uniform(0.45, 0.8, n))
+    steel = haul.cross("metal") * each(lambda n: rng.uniform(0.45, 0.77, n))
     wave = (1 - steel)[:, None] * _turned(haul, top)
     busy = each(lambda n: rng.triangular(0.22, 0.3, 0.55, n))
     late = np.full(len(top), NEAREST)
