@@ -18,6 +18,7 @@ from bench.challenge.families import (
     opera_console,
     printworks_console,
     roundhouse_recorder,
+    saltworks_gauge,
     sawmill_decoder,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
@@ -34,6 +35,7 @@ OF_ITS_OWN = {
     "laundry": {"lever", "gap_s", "into_s"},
     "bowls": {"bias", "wide", "into_s"},
     "canal": {"craft", "reach", "done_s"},
+    "saltworks": {"gang", "swing", "done_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -54,6 +56,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (laundry_meter.sizzle, laundry_meter.OF_SIZES, -0.2),
         (bowls_dial.rush, bowls_dial.OF_SIZES, -0.2),
         (canal_staff.swash, canal_staff.OF_SIZES, -0.2),
+        (saltworks_gauge.lapping, saltworks_gauge.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -79,6 +82,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (laundry_meter.lobes, laundry_meter.belated, 0.02),
         (bowls_dial.pulses, bowls_dial.retarded, 0.02),
         (canal_staff.splines, canal_staff.detained, 0.02),
+        (saltworks_gauge.humps, saltworks_gauge.lagged, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
