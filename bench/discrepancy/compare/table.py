@@ -34,6 +34,7 @@ from bench.discrepancy.compare.settings import (
 from bench.discrepancy.compare.shared import (
     NUMBERS,
     far_apart,
+    in_reach,
     kinds,
     no_overlap,
     shared,
@@ -280,7 +281,7 @@ class TableComparison:
         """
         if same_links(frame, self.frame):
             return np.ones(len(frame), bool)
-        alike = shared(frame, self.frame, NUMBERS)
+        alike = in_reach(frame, self.frame)
         categories = shared_with_categories(frame, self.frame)
         if not alike.names:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")
