@@ -199,15 +199,19 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     if not found.divides:
         return False
     given = found.mixture.given
-    if rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
-        return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
-    known = np.isfinite(offset_m)
+    known, long = np.isfinite(offset_m), read_long(offset_m, struck)
+    if rows_jump(made, struck | long):
+        return False
     longer = is_longer(offset_m[known], struck[known])
     if not longer or as_often_short(offset_m[known], struck[known]):
         return False
-    long = read_long(offset_m, struck)
     return not told_of_both(given, struck, long, able, seen > CLASS_NATS)
+
+
+def rows_jump(made: Ensemble, struck: NDArray[np.bool_]) -> bool:
+    """Return whether rows lie off their links more often than so many struck ones [L] explain."""
+    return bool(rows_off(made) > ROWS_STRUCK_SHARE * struck.mean())
 
 
 def told_of_both(
