@@ -98,7 +98,7 @@ def strike_beside(
     if not _witnessed(made, found[0], seen):
         return None
     alike = told(_alike(found, common), seen)
-    if not enough(alike[0], common, common - shared[0], seen):
+    if not enough(alike[0], common, common - shared[0], seen) or by_one(alike[0], common, seen):
         return None
     first, *others = (_strike(one, common) for one in alike)
     return replace(first, others=tuple(others))
@@ -111,6 +111,23 @@ def enough(found: Found, common: float, explained: float, seen: float) -> bool:
     """
     seen = 0.0 if found.mixture.kind.silent_before else seen
     return found.nats - common + seen >= least_nats(explained, found, seen)
+
+
+def by_one(found: Found, common: float, seen: float) -> bool:
+    """Return whether one link alone makes a strike: without it no name's nats are left.
+
+    What strikes at random strikes several; one odd link (influential: Cook 1977) is itself alone.
+    """
+    seen = 0.0 if found.mixture.kind.silent_before else seen
+    rest = found.nats - common - float(of_each(found).max())
+    return rest + seen < NAME_NATS + found.mixture.by_chance(found.best)
+
+
+def of_each(found: Found) -> Floats:
+    """Return the nats that every link [L] brings to a mixture."""
+    best = found.best
+    nats = np.logaddexp(0, best.odds) + np.log1p(-best.share)
+    return np.asarray(nats / found.mixture.given.crowding)
 
 
 def least_nats(explained: float, found: Found, seen: float) -> float:
@@ -308,7 +325,7 @@ def _strike(found: Found, common: float) -> Strike:
     """Return the strike with its evidence and intervals."""
     given, kind = found.mixture.given, found.mixture.kind
     links = np.unique(given.rows.links)
-    each = (np.logaddexp(0, found.best.odds) + np.log1p(-found.best.share)) / given.crowding
+    each = of_each(found)
     excess = each.sum() - (found.nats - common)
     evidence = cluster_bootstrap(each * len(each) - excess, links, 0, "nats of likelihood")
     near = found.mixture.near(found.best)

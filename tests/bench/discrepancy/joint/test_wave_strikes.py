@@ -21,9 +21,11 @@ from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strikes import (
     as_often_short,
     but_devices,
+    by_one,
     enough,
     is_longer,
     least_nats,
+    of_each,
     predicted,
     read_long,
     rows_jump,
@@ -254,3 +256,15 @@ def test_links_that_read_long_are_struck_though_waveforms_find_few_of_them() -> 
     few, all_long = np.arange(30) < 1, np.arange(30) < 9
     assert rows_jump(made, few)
     assert not rows_jump(made, few | all_long)
+
+
+def test_one_odd_link_strikes_no_others() -> None:
+    mixture = Mixture(Statistics(*compared(recordings(()))), (), ObstructedPath)
+    assert mixture.begun
+    chance = mixture.by_chance(mixture.begun)
+    for odds, alone in (([82.0, 1.0, 2.0], True), ([30.0, 30.0 + chance, 25.0], False)):
+        best = replace(mixture.begun, odds=np.array([*odds, *[-20.0] * (LINKS - 3)]))
+        found = Found(mixture, best, 0.0)
+        found = replace(found, nats=float(of_each(found).sum()))
+        assert by_one(found, 0.0, 0.0) is alone
+        assert not by_one(found, 0.0, 200.0)  # straight paths that are seen speak for more
