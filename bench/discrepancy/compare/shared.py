@@ -31,6 +31,7 @@ from bench.discrepancy.settings import MOST_CATEGORIES
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 DISTANCE = "true_range_m"
+DECADES = "decades of true_range_m"
 NUMBERS = (
     DISTANCE, "reply_time_s", "temperature_c", "azimuth_deg", "tx_z_m", "rx_z_m",
     "room_x_m", "room_y_m", "room_z_m", "preamble_symbols", "channel", "prf_mhz", "tx_power_dbm",
@@ -57,6 +58,25 @@ def shared(recorded: pd.DataFrame, simulated: pd.DataFrame, numbers: tuple[str, 
     names = _known_numbers(recorded, simulated, numbers)
     left, right = _standardised(recorded, simulated, names)
     return Shared(left, right, names, np.zeros(len(recorded), bool))
+
+
+def in_reach(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Shared:
+    """Return both tables' rows as points in all numbers, and in decades of their distance.
+
+    Levels and edges walk over its logarithm: between 1 m and 5 m they change by as much as between
+    5 m and 25 m, and what a table without links there would do is not known.
+    """
+    names = (*NUMBERS, DECADES)
+    return shared(_with_decades(recorded), _with_decades(simulated), names)
+
+
+def _with_decades(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the numbers of a table with the logarithm of its distances, where it has these."""
+    known = frame[[name for name in NUMBERS if name in frame]]
+    if DISTANCE not in known:
+        return known
+    far = numeric(known, DISTANCE)
+    return known.assign(**{DECADES: np.log10(np.where(far > 0, far, np.nan))})
 
 
 def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Shared:

@@ -36,6 +36,7 @@ from bench.discrepancy.compare.shared import (
     NUMBERS,
     alike,
     far_apart,
+    in_reach,
     kinds,
     no_overlap,
     shared,
@@ -282,7 +283,7 @@ class TableComparison:
         """
         if same_links(frame, self.frame):
             return np.ones(len(frame), bool)
-        both = shared(frame, self.frame, NUMBERS)
+        both = in_reach(frame, self.frame)
         categories = shared_with_categories(frame, self.frame)
         if not both.names:
             raise BenchError("the two tables share no covariate to match rows on (true_range_m?)")

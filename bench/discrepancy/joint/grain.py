@@ -65,7 +65,7 @@ class Grain:
         """Return whether late samples are surely not as one effect of a set would have them.
 
         They scatter as without it, within chance, though it would plainly change that; or nothing
-        is at its delays; or more comes the later it is.
+        is at its delays, or what is there is no chance; or more comes the later it is.
         """
         if self.recorded is None:
             return False
@@ -74,7 +74,10 @@ class Grain:
         after, before, foreseen = self.misfits(effects, rest)
         if foreseen > NAME_NATS and before < min(after, foreseen, self._chance):
             return True
-        if kind.at_one_delay and self._unseen(effects, rest):
+        if kind.at_one_delay:
+            if self._unseen(effects, rest):
+                return True
+        elif kind.dies_away and self._steadier(effects):
             return True
         return kind.dies_away and self.grows(rest)
 
@@ -109,6 +112,23 @@ class Grain:
         every = left, (grain - before) ** 2 / plain, (after - before) ** 2 / plain
         with_it, without, foreseen = (0.5 * float(one.sum()) for one in every)
         return with_it, without, foreseen
+
+    def _steadier(self, whole: Added) -> bool:
+        """Return whether late samples of a record are surely more alike than waves in any phase.
+
+        However a dense tail dies away, its powers scatter as those of noise do, whose mean square
+        is twice the square of the mean; fewer ways scatter by more.
+        """
+        assert self.recorded is not None
+        zones = len(zones_of(mean_known(self.recorded[1], 0), GRAIN_ZONES_NS))
+        (grain, error), (after, sure) = (
+            (figures[:zones], errors[:zones])
+            for figures, errors in (self._of_recorded, self._simulated(whole))
+        )
+        least = np.minimum(after, np.log(2.0))
+        wide = error**2 + sure**2 + (GRAIN_FORM * least) ** 2
+        square = float((np.maximum(least - grain, 0) ** 2 / wide).sum())
+        return bool(zones) and square > chi2.isf(GRAIN_CHANCE, zones)
 
     def shown(self, whole: Added, rest: Added) -> tuple[float, float]:
         """Return how much of what a set has sharply over the delay, beside its rest, is recorded.

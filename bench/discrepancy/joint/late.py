@@ -36,9 +36,11 @@ from bench.discrepancy.joint.settings import (
     LATE_SIZES_M,
     LATE_TIMES,
     NAME_NATS,
+    PULSE_NS,
 )
+from bench.discrepancy.locate.rare import struck_above
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.settings import MAD_TO_STD
+from bench.discrepancy.settings import MAD_TO_STD, ROWS_P
 from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.units import C_M_PER_NS, Floats
 
@@ -48,12 +50,14 @@ class Late:
     """Means of links, recorded beyond simulated, in metres [L each].
 
     `index_m`: how much later the index lies behind the edge; `range_m`: how much longer ranges are;
-    `own_m`: the first of one simulated version beyond the others.
+    `own_m`: the first of one simulated version beyond the others. `chance`: that of rows found on
+    another, later path than in all simulated versions, if all of these were alike.
     """
 
     index_m: Floats
     range_m: Floats
     own_m: Floats
+    chance: float = 1.0
 
     @property
     def nats(self) -> float:
@@ -82,12 +86,17 @@ class Late:
     def moved(self) -> bool:
         """Whether first paths were found at another place, later or sooner."""
         follow = self.follows and self.nats >= NAME_NATS
-        return abs(self.later) >= LATE_ERRORS and follow
+        return (self.rare or abs(self.later) >= LATE_ERRORS) and follow
+
+    @property
+    def rare(self) -> bool:
+        """Whether single rows were found on a later path, which hardly move a sum over links."""
+        return self.chance <= ROWS_P
 
     @property
     def found(self) -> bool:
         """Whether first paths were found late."""
-        return self.moved and self.later > 0
+        return self.moved and (self.rare or self.later > 0)
 
 
 def likelihood(left_m: Floats) -> float:
@@ -103,13 +112,14 @@ def likelihood(left_m: Floats) -> float:
 class Seen:
     """Rows of `links` [n] that two sides hold: recorded, simulated versions, and ranges.
 
-    `left_m` [n]: recorded ranges beyond simulated ones, in metres.
+    `left_m` [n]: recorded ranges beyond simulated ones, in metres. `crowding`: see `struck_rows`.
     """
 
     recorded: Heard
     versions: tuple[Heard, ...]
     left_m: Floats
     links: NDArray[np.intp]
+    crowding: float = 1.0
 
     def late_by(self, detector: Detector = USUAL) -> Late | None:
         """Return by how much first paths are found later, None where no edge is seen."""
@@ -120,7 +130,10 @@ class Seen:
         if not able.any():
             return None
         values = (_m(index), self.left_m, _m(own))
-        return Late(*(_means(one[able], self.links[able]) for one in values))
+        index_m, range_m, own_m = (_means(one[able], self.links[able]) for one in values)
+        before_m = _m(-np.stack([detector.edges_ns(self.recorded), *edges]))[:, able]
+        chance = struck_above(before_m, self.links[able], C_M_PER_NS * PULSE_NS, self.crowding)
+        return Late(index_m, range_m, own_m, chance)
 
 
 def seen_beside(search: Search, rows: View, added: Added) -> Seen | None:
@@ -129,7 +142,8 @@ def seen_beside(search: Search, rows: View, added: Added) -> Seen | None:
     ensemble = search.comparison.ensemble(rows, added, LATE_MEMBERS)
     if recorded is None or not known or RANGE not in ensemble.names:
         return None
-    return Seen(recorded, tuple(known), ensemble.residual_of(RANGE), rows.links)
+    crowding = search.comparison.crowding(rows)
+    return Seen(recorded, tuple(known), ensemble.residual_of(RANGE), rows.links, crowding)
 
 
 def _late(seen: Seen | None, detector: Detector = USUAL) -> bool:

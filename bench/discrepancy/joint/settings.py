@@ -158,7 +158,8 @@ EDGE_SPARE_NS: Final = 0.005  # on the mean, by which deafer detectors may diffe
 # one edge in 600 is another path [convention]
 EDGE_EARLY_NS: Final = 0.03  # on the mean, by which a recorded index may lie before what a deafer
 # detector finds: one in 100 is of noise [convention]
-LATE_MEMBERS: Final = 4  # simulated versions whose edges are found [cost]
+LATE_MEMBERS: Final = 8  # simulated versions whose edges are found: of three late rows, all are
+# recorded ones by chance once in 200 [derived]
 LATE_SIZES_M: Final = tuple(1e-3 * 10 ** (0.1 * step) for step in range(41))
 # scatters of links that are tried, up to 10 m [cost]
 LATE_SHARES: Final = tuple(0.05 * step for step in range(-20, 61))

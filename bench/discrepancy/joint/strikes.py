@@ -98,7 +98,7 @@ def strike_beside(
     if not _witnessed(made, found[0], seen):
         return None
     alike = told(_alike(found, common), seen)
-    if not enough(alike[0], common, common - shared[0], seen):
+    if not enough(alike[0], common, common - shared[0], seen) or by_one(alike[0], common, seen):
         return None
     first, *others = (_strike(one, common) for one in alike)
     return replace(first, others=tuple(others))
@@ -111,6 +111,23 @@ def enough(found: Found, common: float, explained: float, seen: float) -> bool:
     """
     seen = 0.0 if found.mixture.kind.silent_before else seen
     return found.nats - common + seen >= least_nats(explained, found, seen)
+
+
+def by_one(found: Found, common: float, seen: float) -> bool:
+    """Return whether one link alone makes a strike: without it no name's nats are left.
+
+    What strikes at random strikes several; one odd link (influential: Cook 1977) is itself alone.
+    """
+    seen = 0.0 if found.mixture.kind.silent_before else seen
+    rest = found.nats - common - float(of_each(found).max())
+    return rest + seen < NAME_NATS + found.mixture.by_chance(found.best)
+
+
+def of_each(found: Found) -> Floats:
+    """Return the nats that every link [L] brings to a mixture."""
+    best = found.best
+    nats = np.logaddexp(0, best.odds) + np.log1p(-best.share)
+    return np.asarray(nats / found.mixture.given.crowding)
 
 
 def least_nats(explained: float, found: Found, seen: float) -> float:
@@ -199,15 +216,19 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     if not found.divides:
         return False
     given = found.mixture.given
-    if rows_off(made) > ROWS_STRUCK_SHARE * struck.mean():
-        return False
     offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
-    known = np.isfinite(offset_m)
+    known, long = np.isfinite(offset_m), read_long(offset_m, struck)
+    if rows_jump(made, struck | long):
+        return False
     longer = is_longer(offset_m[known], struck[known])
     if not longer or as_often_short(offset_m[known], struck[known]):
         return False
-    long = read_long(offset_m, struck)
     return not told_of_both(given, struck, long, able, seen > CLASS_NATS)
+
+
+def rows_jump(made: Ensemble, struck: NDArray[np.bool_]) -> bool:
+    """Return whether rows lie off their links more often than so many struck ones [L] explain."""
+    return bool(rows_off(made) > ROWS_STRUCK_SHARE * struck.mean())
 
 
 def told_of_both(
@@ -304,7 +325,7 @@ def _strike(found: Found, common: float) -> Strike:
     """Return the strike with its evidence and intervals."""
     given, kind = found.mixture.given, found.mixture.kind
     links = np.unique(given.rows.links)
-    each = (np.logaddexp(0, found.best.odds) + np.log1p(-found.best.share)) / given.crowding
+    each = of_each(found)
     excess = each.sum() - (found.nats - common)
     evidence = cluster_bootstrap(each * len(each) - excess, links, 0, "nats of likelihood")
     near = found.mixture.near(found.best)

@@ -51,10 +51,28 @@ def struck_rows(ensemble: Ensemble, crowding: float = 1.0) -> tuple[float, float
         return 1.0, 0.0
     most = _most_off(ensemble.versions_of(RANGE), ensemble.links)
     widest = float(most[1:].max(initial=0.0))
-    links, beyond = most.shape[1], int((most[0] > RARE_BEYOND * widest).sum())
-    drawn = links * (1 + (len(most) - 1) / crowding**2)
-    p = float(np.prod((links - np.arange(beyond)) / (drawn - np.arange(beyond))))
+    p = _first_by_chance(most, RARE_BEYOND * widest, crowding)
     return p, float(most[0].max(initial=0.0)) / widest if widest > 0 else 0.0
+
+
+def struck_above(
+    versions: Floats, links: NDArray[np.intp], least: float, crowding: float = 1.0
+) -> float:
+    """Return the p value of recorded rows above all simulated ones, and above `least` (as there).
+
+    `versions` [1 + m, n] of rows of `links` [n], the recorded one first, beside their median.
+    """
+    above = np.maximum(versions - np.median(versions, axis=0), 0.0)
+    most = _most_off(above, links)
+    beyond = max(RARE_BEYOND * float(most[1:].max(initial=0.0)), least)
+    return _first_by_chance(most, beyond, crowding)
+
+
+def _first_by_chance(most: Floats, beyond: float, crowding: float) -> float:
+    """Return the chance that all links [1 + m, L] `beyond` are recorded (see `struck_rows`)."""
+    links, many = most.shape[1], int((most[0] > beyond).sum())
+    drawn = links * (1 + (len(most) - 1) / crowding**2)
+    return float(np.prod((links - np.arange(many)) / (drawn - np.arange(many))))
 
 
 def _most_off(versions: Floats, links: NDArray[np.intp]) -> Floats:

@@ -104,6 +104,15 @@ def test_a_mix_without_far_links_says_nothing_of_far_ones() -> None:
     assert not inside[recorded["true_range_m"] > 65].any()
 
 
+def test_links_nearer_than_all_simulated_ones_by_far_take_no_part() -> None:
+    far = np.array([1.0, 1.5, 2.0, *np.linspace(5, 30, 40)])
+    recorded = pd.DataFrame({"link": [f"l{i}" for i in range(43)], "true_range_m": far})
+    simulated = recorded[3:].assign(link=[f"s{i}" for i in range(40)])
+    inside = TableComparison(simulated, Window()).covered(recorded)
+    assert not inside[:3].any()  # within half a deviation in metres, and not of its logarithm
+    assert inside[3:].all()
+
+
 def test_sums_over_links_that_share_one_scatter_more() -> None:
     weight, alone = np.ones(4), np.eye(4) / 2
     assert widening(weight, alone) == 1

@@ -54,6 +54,19 @@ def test_a_tail_with_gaps_is_no_dense_one_but_changes_how_samples_scatter(monkey
     assert not heard.refutes((TAIL,), TAIL.name)  # far from both: without it is no answer either
 
 
+def test_what_is_steadier_than_waves_in_any_phase_is_no_tail(monkeypatch):
+    def smooth(rng):
+        phases = np.exp(2j * np.pi * rng.random((ROWS, 1)))
+        return _echoes(rng) + 0.5 * phases * np.exp(-np.maximum(DELAY, 0) / 60) * (DELAY > 3)
+
+    heard = _heard(monkeypatch, smooth)
+    after, before, _ = heard.misfits((TAIL,), ())
+
+    assert min(after, before) > 10  # neither as with a tail nor as without it
+    assert heard.refutes((TAIL,), TAIL.name)
+    assert not heard.refutes((PathLoss(),), PathLoss.name)
+
+
 def test_noise_that_grows_is_no_tail_but_may_be_what_need_not_die_away(monkeypatch):
     louder = np.sqrt(np.clip(DELAY - 8, 0, None) / 60)
     heard = _heard(monkeypatch, lambda rng: _echoes(rng) + 0.1 * louder * _wave(rng))

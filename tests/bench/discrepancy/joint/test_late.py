@@ -14,7 +14,7 @@ from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.late import Late, found_late, holds, moved
-from bench.discrepancy.joint.settings import NAME_NATS
+from bench.discrepancy.joint.settings import LATE_ERRORS, NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
@@ -93,3 +93,14 @@ def test_ranges_must_follow_the_index_by_as_much() -> None:
     jitter = rng.normal(0, 0.05, (2, 60))
     assert Late(jitter[0], jitter[0] + noise[0], jitter[1]).nats > NAME_NATS
     assert not Late(jitter[0], jitter[0] + noise[0], jitter[1]).found  # any detector's
+
+
+def test_a_few_rows_on_a_later_path_are_found_though_they_move_no_sum() -> None:
+    rng = np.random.default_rng(1)
+    index, noise = rng.normal(0, 0.003, 86), rng.normal(0, 0.01, (2, 86))
+    index[:3] += 0.25  # one row of each of three links
+    few = Late(index, index + noise[0], 0.003 * noise[1])
+    assert few.later < LATE_ERRORS
+    assert not few.found
+    assert replace(few, chance=0.006).found
+    assert not replace(few, chance=0.006, range_m=noise[0]).found  # ranges do not follow

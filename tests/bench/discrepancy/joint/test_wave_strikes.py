@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
@@ -20,11 +21,14 @@ from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strikes import (
     as_often_short,
     but_devices,
+    by_one,
     enough,
     is_longer,
     least_nats,
+    of_each,
     predicted,
     read_long,
+    rows_jump,
     strike_beside,
     told,
     told_of_both,
@@ -241,3 +245,26 @@ def test_what_tells_which_struck_links_are_found_sooner_does_not_tell_which_are_
     np.testing.assert_array_equal(long, hit)
     assert told_of_both(given, metal, metal, every, False)
     assert not told_of_both(given, metal, long, every, False)
+
+
+def test_links_that_read_long_are_struck_though_waveforms_find_few_of_them() -> None:
+    links = np.repeat(np.arange(30), 3)
+    ranges = 0.01 * np.random.default_rng(2).normal(size=(3, 90))
+    ranges[0, links < 9] += 0.6
+    ranges[0, 88] += 0.6  # one row in ninety jumps off its link
+    made = Ensemble(("error_m",), ("m",), ranges[..., None], links)
+    few, all_long = np.arange(30) < 1, np.arange(30) < 9
+    assert rows_jump(made, few)
+    assert not rows_jump(made, few | all_long)
+
+
+def test_one_odd_link_strikes_no_others() -> None:
+    mixture = Mixture(Statistics(*compared(recordings(()))), (), ObstructedPath)
+    assert mixture.begun
+    chance = mixture.by_chance(mixture.begun)
+    for odds, alone in (([82.0, 1.0, 2.0], True), ([30.0, 30.0 + chance, 25.0], False)):
+        best = replace(mixture.begun, odds=np.array([*odds, *[-20.0] * (LINKS - 3)]))
+        found = Found(mixture, best, 0.0)
+        found = replace(found, nats=float(of_each(found).sum()))
+        assert by_one(found, 0.0, 0.0) is alone
+        assert not by_one(found, 0.0, 200.0)  # straight paths that are seen speak for more

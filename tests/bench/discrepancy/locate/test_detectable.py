@@ -8,7 +8,7 @@ import pytest
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.permutation_test import locate, rare_links
-from bench.discrepancy.locate.rare import struck_rows
+from bench.discrepancy.locate.rare import struck_above, struck_rows
 
 LINKS, ROWS = 40, 5
 
@@ -78,6 +78,15 @@ def test_late_rows_say_nothing_where_chance_or_the_simulator_makes_them():
     assert struck_rows(_late_rows(1, late=5))[0] == 1.0  # of two versions, which one is off?
     crowded = struck_rows(_late_rows(8, late=3), crowding=2.0)[0]
     assert crowded > 20 * struck_rows(_late_rows(8, late=3))[0]
+
+
+def test_late_rows_count_from_a_least_delay_on_and_sooner_ones_never():
+    made = _late_rows(8, late=3)
+    versions, p = made.versions[..., 0], struck_rows(made)[0]
+    assert struck_above(versions, made.links, 0.6) == pytest.approx(p)
+    assert struck_above(versions, made.links, 2.5) == 1.0
+    assert struck_above(-versions, made.links, 0.6) == 1.0
+    assert struck_above(versions, made.links, 0.6, crowding=2.0) > 20 * p
 
 
 def test_rows_without_a_range_are_no_late_ones():
