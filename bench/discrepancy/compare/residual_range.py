@@ -14,28 +14,57 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.settings import FEW_VERSIONS
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 
 
 def residual_range(
-    comparison: Comparison, view: View, added: Added, members: int
+    comparison: Comparison, view: View, added: Added, members: int, alike: bool = False
 ) -> tuple[Ensemble, Floats] | None:
     """Return the ensemble with what is `added`, and recorded minus simulated range [n] in metres.
 
-    None where ranges are not on both sides.
+    Beside the mean of the simulated rows of its own link alone, where it has enough of these (see
+    `crowded`); with `alike` of those of similar links, too. None where ranges are not on both
+    sides.
     """
+    own = has_own(comparison, view) and not alike
+    count = comparison.distinct(view) if own else None
     whole = comparison.ensemble(view, added, members)
     if RANGE not in whole.names:
         return None
     smooth = tuple(effect for effect in added if not type(effect).marked)
     if len(smooth) == len(added) or view.waveform:
-        return whole, whole.residual_of(RANGE)
-    bare = comparison.ensemble(view, smooth, members)
-    rounded = np.nanmean(whole.simulated_of(RANGE) - bare.simulated_of(RANGE))
+        return whole, _first(whole, count).residual_of(RANGE)
+    bare = _first(comparison.ensemble(view, smooth, members), count)
+    rounded = _first(whole, count).simulated_of(RANGE) - bare.simulated_of(RANGE)
     leant = np.sum([effect.leant_m(view.scene) for effect in added], axis=0)
-    return whole, np.asarray(bare.residual_of(RANGE) - rounded - (leant - np.nanmean(leant)))
+    leant = leant - np.nanmean(leant)
+    return whole, np.asarray(bare.residual_of(RANGE) - np.nanmean(rounded) - leant)
+
+
+def crowded(comparison: Comparison, view: View) -> float:
+    """Return as how many independent ones a residual of `residual_range` counts once.
+
+    Where each link is held beside simulated rows that no other link shares, its residual is off by
+    what these have by chance and no other's is: that is in the scatter that residuals show.
+    """
+    return 1.0 if has_own(comparison, view) else comparison.crowding(view) ** 2
+
+
+def has_own(comparison: Comparison, view: View) -> bool:
+    """Return whether every row has enough simulated rows of its link to need no others.
+
+    Beside waveforms sets of their own are weighed (see `bench.discrepancy.joint`).
+    """
+    several = comparison.distinct(view) >= FEW_VERSIONS
+    return several and not view.waveform and comparison.paired(view)
+
+
+def _first(made: Ensemble, count: int | None) -> Ensemble:
+    """Return an ensemble of its first simulated versions alone, of all where None are counted."""
+    return made if count is None else made.first(count)
 
 
 def moved_m(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.residual_range import crowded, has_own
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import View
@@ -75,7 +76,7 @@ def logs(search: Search, rows: View) -> Logged:
         noise_db = 20 * np.log10(numeric(frame, NOISE)) - noise
     groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
     devices = np.stack([np.ones(len(frame)), *groups], axis=1)
-    links = len(np.unique(rows.links)) / search.comparison.crowding(rows) ** 2
+    links = len(np.unique(rows.links)) / crowded(search.comparison, rows)
     return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
 
 
@@ -94,7 +95,8 @@ def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
         return 10 * np.log10(made), 20 * np.log10(logged.noise_std), np.asarray(seen.rx_power_dbm)
     if not isinstance(other, TableComparison):
         return unknown, unknown, unknown
-    picks = np.stack(other.versions(rows))
+    own = other.distinct(rows) if has_own(other, rows) else None
+    picks = np.stack(other.versions(rows)[:own])
     with np.errstate(divide="ignore", invalid="ignore"):
         count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
     arriving = numeric(other.frame, LEVEL)[picks].mean(axis=0)

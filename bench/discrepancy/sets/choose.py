@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.residual_range import residual_range
+from bench.discrepancy.compare.residual_range import crowded, residual_range
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
@@ -37,10 +37,10 @@ from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mere_constant import without_mere_constants
-from bench.discrepancy.sets.mistaken import mistaken
+from bench.discrepancy.sets.mistaken import beside_alike, mistaken
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
-from bench.discrepancy.sets.rivals import beside_a_constant, delays_and_more, rivals
+from bench.discrepancy.sets.rivals import beside_a_constant, clear_levels, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,
@@ -83,8 +83,8 @@ def chosen(search: Search, beside: Added) -> Choice:
         return Choice()
     contest, ensemble = made
     found = replace(contest.settled(), beside=_names(beside))
-    best = (*found.names, *found.others)
-    return replace(found, mistaken=mistaken(contest, best, search.doubtful, ensemble))
+    best, alike = (*found.names, *found.others), beside_alike(search, beside, contest)
+    return replace(found, mistaken=mistaken(alike, best, search.doubtful, ensemble))
 
 
 def worth_beside(search: Search, beside: Added) -> float:
@@ -106,8 +106,8 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
-    crowding = search.comparison.crowding(rows) ** 2
     usual = usual_levels(rows, ensemble)[known]
+    crowding = crowded(search.comparison, rows)
     contest = Contest(evidence, kinds, crowding, rows, known, usual)
     contest.fading = fading_db(rows, ensemble)[known]
     return contest, ensemble
@@ -325,7 +325,7 @@ class Contest:
         Where something stands in the way signals are weaker for their distance, and longer: what
         stands there may be a cause with a name, so the best set without the error is sought anew.
         """
-        made = self.evidence.among(self.usual)
+        made = self.evidence.among(clear_levels(self))
         for one in [c for c in causes if c in self.kinds and self.kinds[c].follows]:
             lead = made.of(causes).nats - made.of(but(causes, one)).nats
             if lead < NAME_NATS * self.crowding:

@@ -9,6 +9,7 @@ simulated rows do, the column says nothing of the noise: it was known before.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
 from itertools import islice
 from math import log
@@ -19,8 +20,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.residual_range import residual_range
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.material import material
+from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.beside import nats_with, reweighed
 from bench.discrepancy.sets.choice import Set
 from bench.discrepancy.sets.evidence import Weighed
@@ -34,6 +38,7 @@ from bench.discrepancy.sets.settings import (
     MISTAKEN_NATS,
     RIVAL_NATS,
 )
+from bench.discrepancy.settings import RESIDUAL_MEMBERS
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -52,6 +57,24 @@ def mistaken(
         return ()
     asked = _Asked(contest, best, doubtful, _scatter(contest, ensemble))
     return tuple(filter(asked.known_before, map(str, doubtful.columns)))
+
+
+def beside_alike(search: Search, beside: Added, contest: Contest) -> Contest:
+    """Return a contest of ranges beside the simulated rows of similar links, too.
+
+    Few rows of a link leave so much of their own noise that what follows the recorded one seems to
+    leave what is simulated.
+    """
+    rows = search.work
+    if rows is None or not len(search.doubtful.columns):
+        return contest
+    made = residual_range(search.comparison, rows, beside, RESIDUAL_MEMBERS, alike=True)
+    if made is None:
+        return contest
+    other = copy(contest)
+    other.evidence = contest.evidence.toward(made[1][contest.known])
+    other.crowding, other._nats = search.comparison.crowding(rows) ** 2, {}
+    return other
 
 
 @dataclass(frozen=True)

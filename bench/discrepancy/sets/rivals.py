@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.settings import RIVAL_NATS
@@ -53,7 +54,7 @@ def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, flo
     kind = contest.kinds[name]
     if not kind.follows or AntennaDelay.name in causes or AntennaDelay.name not in contest.library:
         return {}
-    evidence, rest = contest.evidence.among(contest.usual), but(causes, name)
+    evidence, rest = contest.evidence.among(clear_levels(contest)), but(causes, name)
     least = evidence.of(causes).nats - RIVAL_NATS * contest.crowding
     out = {}
     for one in sorted(contest.library - set(causes)):
@@ -61,6 +62,17 @@ def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, flo
         if nats > least and contest.possible((*rest, one), one):
             out[one] = constant_m
     return out
+
+
+def clear_levels(contest: Contest) -> NDArray[np.bool_]:
+    """Return the rows whose levels are usual, and hardly those of obstructed paths.
+
+    Where links keep large offsets something stands in the way of some: weaker signals are then
+    longer by themselves, if only by little, and only stronger ones tell what follows a level.
+    """
+    if contest.evidence.mean_ratio <= 0:
+        return contest.usual
+    return np.asarray(contest.usual & (contest.fading >= 0))
 
 
 def delays_and_more(contest: Contest, causes: Set, others: Set) -> dict[str, float]:

@@ -26,7 +26,8 @@ ANY_MEAN: Final = 1e6  # variance of a mean over that of rows: nothing is known 
 LARGE_OFFSETS: Final = 2.0  # of the variance of rows, from which on link offsets are more than what
 # positions and antennas leave, and their mean is in doubt [plan cases]
 EM_STEPS: Final = 14  # of the sizes of causes [cost]
-SIZE_BOUNDS: Final = (1e-4, 100.0)  # of a cause's variance, of what is typical [convention]
+SIZE_BOUNDS: Final = (1e-8, 100.0)  # of a cause's variance, of what is typical: what is left of a
+# clock whose carrier was corrected is a hundredth of a ppm and less, over milliseconds [convention]
 LAW_SIZE: Final = 1e5  # largest, of a law's variance: faults of the set-up are metres [convention]
 REWEIGHINGS: Final = 3  # [cost]
 NOTHING: Final = 1e-6  # the weight of a row that takes no part [derived]

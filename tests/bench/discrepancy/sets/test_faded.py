@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from bench.discrepancy.sets.choose import _contest, chosen
 from bench.discrepancy.sets.faded import NAME, faded
+from bench.discrepancy.sets.rivals import clear_levels
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -53,3 +56,14 @@ def test_levels_that_do_not_fade_tell_nothing() -> None:
     contest, _ = made
     contest.fading = np.zeros(len(contest.known))
     assert faded(contest, ("power-bias",)) is None
+
+
+@pytest.mark.parametrize("offsets_m", [0.0, 0.05])
+def test_where_links_keep_offsets_weak_signals_tell_no_error_of_the_level(
+    offsets_m: float,
+) -> None:
+    levels, usual = np.array([-3.0, -1.0, 1.0, 2.0]), np.array([True, True, True, False])
+    contest = SimpleNamespace(usual=usual, fading=levels)
+    contest.evidence = SimpleNamespace(mean_ratio=offsets_m)
+    told = [False, False, True, False] if offsets_m else usual
+    assert np.array_equal(clear_levels(contest), told)  # type: ignore[arg-type]

@@ -35,7 +35,8 @@ def test_two_causes_that_do_little_alone_are_found() -> None:
 def test_what_only_unusual_levels_show_gives_way_to_another_cause() -> None:
     contest = Told()
     weighed = SimpleNamespace(of=lambda _: SimpleNamespace(nats=0.0))
-    contest.evidence = SimpleNamespace(among=lambda _: weighed)  # type: ignore[assignment]
+    evidence = SimpleNamespace(among=lambda _: weighed, mean_ratio=0.0)
+    contest.evidence = evidence  # type: ignore[assignment]
     contest.usual, contest.crowding = np.ones(1, bool), 1.0
     contest.kinds = {"power-bias": PowerBias}
     contest.able = ("power-bias", "diffraction")

@@ -80,8 +80,8 @@ def test_effects_that_have_much_in_common_are_fitted_at_once() -> None:
 
 
 def hardly_more(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
-    """Return 0.12 m everywhere and 1.8 mm per metre: too little for a name of its own."""
-    return constant(frame, rng) + 0.0018 * frame["true_range_m"].to_numpy()
+    """Return 0.12 m everywhere and 1.1 mm per metre: too little for a name of its own."""
+    return constant(frame, rng) + 0.0011 * frame["true_range_m"].to_numpy()
 
 
 def test_what_falls_short_of_a_name_may_still_be_there() -> None:
