@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.law.settings import LAW_DIGITS
 from bench.physics.effects.ranging.law import Law, with_constants
 from bench.text import significant
 
-MOST_DIGITS = 10
 FAULT, LAW = "a fault of the set-up", "a law"
 
 
@@ -36,7 +36,7 @@ class LawConstant:
         if self.low == self.high:
             return f"{significant(self.value, 4)}{unit}"
         every = self.value, self.low, self.high
-        texts = [[significant(one, digits) for one in every] for digits in range(3, MOST_DIGITS)]
+        texts = [[significant(one, digits) for one in every] for digits in LAW_DIGITS]
         value, low, high = next((text for text in texts if text[1] != text[2]), texts[0])
         return f"{value} ({low}..{high}){unit}"
 
