@@ -65,4 +65,4 @@ LAW_FLOOR_M: Final = 0.006  # that true ranges are off distances of places, in w
 LAW_SAME_PLACE_M: Final = 0.05  # positions of a device that stands still; and as true ranges say
 SHOWN_RIVALS: Final = 5  # laws that are not excluded, shown to people [convention]
 UNDETERMINED_M: Final = 50.0  # of a shift's interval, that says nothing of where [convention]
-LAW_DIGITS: Final = range(3, 10)  # of a constant, until the ends of its interval differ [convention]
+LAW_DIGITS: Final = range(3, 10)  # of a constant, until ends of its interval differ [convention]
