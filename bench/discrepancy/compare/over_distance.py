@@ -61,12 +61,17 @@ def nearer(
     return np.asarray(np.nan_to_num(np.stack(change, axis=1)))
 
 
+def of_links(links: Rows, kinds: Rows) -> tuple[Rows, Rows]:
+    """Return the number of every row's link [n], and the kind of every link [L]."""
+    _, some, code = np.unique(links, return_index=True, return_inverse=True)
+    return np.asarray(code, np.intp), kinds[some]
+
+
 def _walk(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: float) -> Walk:
     """Return a walk, nearer to the first guess the less it is told from that."""
     known = np.isfinite(values) & np.isfinite(decades)
-    _, some, code = np.unique(links[known], return_index=True, return_inverse=True)
-    count = np.bincount(code)
-    kind = np.unique(kinds[known][some], return_inverse=True)[1]
+    code, kind = of_links(links[known], kinds[known])
+    count, kind = np.bincount(code), np.unique(kind, return_inverse=True)[1]
     free = len(count) - len(np.unique(kind)) - 2
     if len(count) < SLOPE_LINKS or free < 1:
         return Walk(first)

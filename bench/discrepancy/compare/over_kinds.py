@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.discrepancy.compare.over_distance import Walk
+from bench.discrepancy.compare.over_distance import Walk, of_links
 from bench.discrepancy.compare.settings import WALK_CLIP
 from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
@@ -60,9 +60,9 @@ def over_kinds(
 def _steps(values: Floats, links: Rows, kinds: Rows) -> tuple[Rows, Floats]:
     """Return the kinds that rows have, and the steps of one observable; none of too few links."""
     known = np.isfinite(values)
-    _, some, code = np.unique(links[known], return_index=True, return_inverse=True)
+    code, each = of_links(links[known], kinds[known])
     count = np.bincount(code)
-    kind, at = np.unique(kinds[known][some], return_inverse=True)
+    kind, at = np.unique(each, return_inverse=True)
     if len(kind) < 2 or len(count) <= len(kind):
         return kind[:0], np.zeros(0)
     high = np.bincount(code, values[known]) / count

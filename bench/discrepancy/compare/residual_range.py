@@ -29,8 +29,7 @@ def residual_range(
     `crowded`); with `alike` of those of similar links, too. None where ranges are not on both
     sides.
     """
-    own = has_own(comparison, view) and not alike
-    count = comparison.distinct(view) if own else None
+    count = None if alike else own_versions(comparison, view)
     whole = comparison.ensemble(view, added, members)
     if RANGE not in whole.names:
         return None
@@ -50,16 +49,18 @@ def crowded(comparison: Comparison, view: View) -> float:
     Where each link is held beside simulated rows that no other link shares, its residual is off by
     what these have by chance and no other's is: that is in the scatter that residuals show.
     """
-    return 1.0 if has_own(comparison, view) else comparison.crowding(view) ** 2
+    return comparison.crowding(view) ** 2 if own_versions(comparison, view) is None else 1.0
 
 
-def has_own(comparison: Comparison, view: View) -> bool:
-    """Return whether every row has enough simulated rows of its link to need no others.
+def own_versions(comparison: Comparison, view: View) -> int | None:
+    """Return how many simulated versions, the first, are of the rows' own links alone.
 
-    Beside waveforms sets of their own are weighed (see `bench.discrepancy.joint`).
+    None where these are too few to need no others. Beside waveforms sets of their own are weighed
+    (see `bench.discrepancy.joint`).
     """
-    several = comparison.distinct(view) >= FEW_VERSIONS
-    return several and not view.waveform and comparison.paired(view)
+    count = comparison.distinct(view)
+    enough = count >= FEW_VERSIONS and not view.waveform and comparison.paired(view)
+    return count if enough else None
 
 
 def _first(made: Ensemble, count: int | None) -> Ensemble:

@@ -40,9 +40,9 @@ def beyond_level(given: Statistics, fit: Fit, rest: Fit) -> float:
 
 
 def _weaker_devices(given: Statistics, fit: Fit, rest: Fit) -> list[Floats]:
-    """Return what links [L, p] of each device would be with a level of their own; none at first.
+    """Return what links [L, p] of each device would be with a level of their own.
 
-    Beside a new pattern alone: as statistics follow its level, so would they follow another.
+    As statistics follow the level of a new pattern, so would they follow another; none without one.
     """
     parts = zip(fit.effects, fit.responses, strict=True)
     new = [r for e, r in parts if e.name not in rest.names and e.physics == AntennaPattern.name]

@@ -123,16 +123,18 @@ class Seen:
 
     def late_by(self, detector: Detector = USUAL) -> Late | None:
         """Return by how much first paths are found later, None where no edge is seen."""
-        edges = np.stack([detector.edges_ns(one) for one in self.versions])
-        index = edges.mean(axis=0) - detector.edges_ns(self.recorded)
+        every = np.stack([detector.edges_ns(one) for one in (self.recorded, *self.versions)])
+        edges = every[1:]
+        index = edges.mean(axis=0) - every[0]
         own = edges[1:].mean(axis=0) - edges[0] if len(edges) > 1 else np.zeros(len(index))
         able = np.isfinite(index) & np.isfinite(self.left_m)
         if not able.any():
             return None
         values = (_m(index), self.left_m, _m(own))
         index_m, range_m, own_m = (_means(one[able], self.links[able]) for one in values)
-        before_m = _m(-np.stack([detector.edges_ns(self.recorded), *edges]))[:, able]
-        chance = struck_above(before_m, self.links[able], C_M_PER_NS * PULSE_NS, self.crowding)
+        chance = struck_above(
+            _m(-every)[:, able], self.links[able], C_M_PER_NS * PULSE_NS, self.crowding
+        )
         return Late(index_m, range_m, own_m, chance)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.residual_range import crowded, has_own
+from bench.discrepancy.compare.residual_range import crowded, own_versions
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import View
@@ -95,8 +95,7 @@ def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
         return 10 * np.log10(made), 20 * np.log10(logged.noise_std), np.asarray(seen.rx_power_dbm)
     if not isinstance(other, TableComparison):
         return unknown, unknown, unknown
-    own = other.distinct(rows) if has_own(other, rows) else None
-    picks = np.stack(other.versions(rows)[:own])
+    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
     with np.errstate(divide="ignore", invalid="ignore"):
         count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
     arriving = numeric(other.frame, LEVEL)[picks].mean(axis=0)
