@@ -8,7 +8,7 @@ from typing import Final
 
 from bench.discrepancy.confirm import Confirmed, is_farther
 from bench.discrepancy.law.found import FAULT, LAW
-from bench.discrepancy.select.one_device import left_at_device
+from bench.discrepancy.select.one_device import all_at_device, left_at_device
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -89,7 +89,7 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
         return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)
     if not names:
-        return f"Something is there, without a name{cause}{told}"
+        return f"Something is there, without a name{cause}{told or _weak(unknown)}"
     found = f"Left out: {names}{cause} - and something without a name"
     return found + (told or _device(verdicts))
 
@@ -117,6 +117,12 @@ def _device(verdicts: tuple[Verdict, ...]) -> str:
     unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
     seen = [one for v in unknown if not v.cause for one in left_at_device(v.findings)]
     return f" ({seen[0].what} {seen[0].cell.place.where()})" if seen else ""
+
+
+def _weak(unknown: list[Unknown]) -> str:
+    """Return at which device, and how much, all that has no name shows, "" where at none."""
+    seen = [one for v in unknown if not v.cause for one in all_at_device(v.findings)[:1]]
+    return f" ({seen[0].what} {seen[0].effect} {seen[0].cell.place.where()})" if seen else ""
 
 
 def _only_median(seen: Confirmed) -> bool:

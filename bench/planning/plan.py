@@ -28,7 +28,7 @@ from bench.planning.settings import (
     SURE_NATS,
     WAVE_ROWS,
 )
-from bench.planning.strays import stray_links
+from bench.planning.strays import of_one_device, stray_links
 from bench.planning.trends import trends
 from bench.planning.words import expected
 from bench.planning.world import World
@@ -235,7 +235,11 @@ def _before(past: Past, question: Question) -> str:
     """Return what to do about something without a name before a plan helps, "" where one does."""
     if question.options or question.law:
         return ""
-    return _elsewhere(question, past.evidence) or stray_links(past, question.rest)
+    return (
+        of_one_device(question.seen)
+        or _elsewhere(question, past.evidence)
+        or stray_links(past, question.rest)
+    )
 
 
 def _elsewhere(question: Question, evidence: Evidence) -> str:

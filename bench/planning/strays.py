@@ -1,10 +1,12 @@
-"""Few links that are far off all others: to be looked at before anything is measured."""
+"""Few links, or one device, far off all others: to be looked at before anything is measured."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.settings import LEADING
 from bench.discrepancy.settings import MAD_TO_STD
 from bench.planning.alternatives import Past
 from bench.planning.scatter import link_means
@@ -32,4 +34,17 @@ def stray_links(past: Past, rest: Added) -> str:
         f"({middle:+.2f} m): {each}. If something stands in their way, list it (`obstacles`, "
         "`los`); if a device or a position is wrong, put it right; diagnose again, and plan what "
         "stays open"
+    )
+
+
+def of_one_device(seen: tuple[str, ...]) -> str:
+    """Return what to do where all that is told first of a mismatch is of one device, else ""."""
+    places = [one.split(":")[0].rpartition(" where ")[2] for one in seen[:LEADING]]
+    if len(places) < LEADING or len(set(places)) > 1 or not places[0].startswith(DEVICES):
+        return ""
+    device = places[0].partition("=")[2]
+    return (
+        f"all of it shows where {places[0]}: let another device take the place of {device}, and "
+        f"{device} another's (then its antenna and its cable alone), record the same links again, "
+        "and diagnose again: what goes along is its own, what stays is of its place"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.select.settings import DEVICE_LEADS
+from bench.discrepancy.select.settings import DEVICE_LEADS, LEADING
 from bench.discrepancy.settings import SURE_P
 
 WIDER = ("spread", "link")  # moments that grow where a device stands elsewhere
@@ -22,6 +22,18 @@ def left_at_device(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
     off_m = [_size(one) for one in findings if one.cell.observable == RANGE and one not in here]
     least_m = DEVICE_LEADS * max(off_m, default=0.0)
     return tuple(one for one in here if one.p <= SURE_P and _size(one) >= least_m)
+
+
+def all_at_device(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Return the most telling findings where these are all of rows of one device, else none.
+
+    Of levels and waveforms, too: one device that is weak (its antenna, its cable, its power).
+    """
+    first = findings[:LEADING]
+    places = {one.cell.place.where() for one in first}
+    of_device = [(one.cell.place.covariate or "").startswith(DEVICES) for one in first]
+    told = len(first) == LEADING and len(places) == 1 and all(of_device)
+    return first if told and all(one.p <= SURE_P for one in first) else ()
 
 
 def _size(found: Finding) -> float:

@@ -123,6 +123,8 @@ OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coar
 
 # --- What names leave at one device (select/one_device) -------------------------------------------
 DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhere [four tables]
+LEADING: Final = 3  # findings, the most telling ones, that name a device where all are of it [one
+# may be of it by chance]
 
 # --- What is said and shown (report) --------------------------------------------------------------
 MOST_PUBLISHED_M: Final = 0.25  # from weak to strong, of a DW1000 at 64 MHz: -0.11 to 0.08 m, a

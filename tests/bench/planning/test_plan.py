@@ -29,7 +29,7 @@ from bench.planning.plan import Answer, answer
 from bench.planning.questions import Question, read_questions
 from bench.planning.scatter import Scatter, components, log_likelihood
 from bench.planning.settings import ASSURED_NATS, SURE, SURE_NATS
-from bench.planning.strays import stray_links
+from bench.planning.strays import of_one_device, stray_links
 from bench.planning.trends import trends
 from bench.planning.world import World
 
@@ -294,6 +294,19 @@ def test_what_shows_in_waveforms_alone_gets_no_plan_over_ranges():
     made = answer(question, evidence(), Simulator(Base()), None, 0)
     assert not made.planned()
     assert made.note.startswith("it shows in profile_db[3.5..6.5ns] as a trend over rx_y_m, not")
+
+
+def test_what_is_all_of_one_device_is_told_by_exchanging_it():
+    words = ("rx_power_dbm where tx=t3: -7.6 dB", "energy_db where tx=t3: -7.5 dB")
+    more = "max_amplitude_db where tx=t3: -7.4 dB"
+    question = Question("what no known effect explains", (), (), seen=(*words, more))
+    made = answer(question, evidence(), Simulator(Base()), None, 0)
+    assert made.note.startswith("all of it shows where tx=t3: let another device take the place")
+    assert not of_one_device((*words, "rx_power_dbm in all rows: -2.1 dB"))
+    assert not of_one_device(words)
+    assert not of_one_device(
+        tuple(one.replace("tx=t3", "rx_z_m is 2 to 3") for one in (*words, more))
+    )
 
 
 def test_what_a_diagnosis_says_tells_apart_is_repeated_where_no_setting_does(tmp_path: Path):

@@ -11,7 +11,7 @@ from bench.discrepancy.headline import headline
 from bench.discrepancy.locate.hypotheses import Cell, Moment, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import conclude
-from bench.discrepancy.select.one_device import left_at_device
+from bench.discrepancy.select.one_device import all_at_device, left_at_device
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
 from bench.discrepancy.sets.choice import Choice
@@ -85,3 +85,17 @@ def test_the_headline_says_at_which_device_something_without_a_name_shows() -> N
     left = Unknown((seen("rx_z_m"), seen("rx=a2", value=0.5)), GAIN)
     line = headline((LAG, left), False, None)  # type: ignore[arg-type]
     assert "time-lag - and something without a name (error_m where rx=a2)." in line
+
+
+def test_one_weak_device_is_in_the_first_line() -> None:
+    weak = (seen("tx=t3", value=-7.6), seen("tx=t3", value=-7.5), seen("tx=t3", value=7.4))
+    assert all_at_device(weak) == weak
+    said = headline((Unknown(weak, GAIN),), False, None)  # type: ignore[arg-type]
+    assert said.startswith("Something is there, without a name (error_m -7.6 m [")
+    assert said.endswith("where tx=t3). Nothing was added to the simulator.")
+
+
+@pytest.mark.parametrize("other", [seen("tx=t4"), seen("rx_z_m"), seen("tx=t3", p=0.02)])
+def test_what_shows_elsewhere_too_is_of_no_device(other: Finding) -> None:
+    assert not all_at_device((seen("tx=t3"), other, seen("tx=t3")))
+    assert not all_at_device((seen("tx=t3"), seen("tx=t3")))
