@@ -257,7 +257,8 @@ class ForeignTable:
         waveform *= scale[:, None]
         if not self._scaled.held or self._scaled.with_noise:
             drawn = self._drawn[part]
-            waveform = with_own_noise(waveform, _louder_by(batch, edge), power, drawn)
+            louder, first = _louder_by(batch, edge), self._index(batch.rows)
+            waveform = with_own_noise(waveform, louder, power, drawn, first)
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch

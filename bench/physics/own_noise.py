@@ -12,22 +12,26 @@ from scipy.ndimage import uniform_filter1d
 
 from bench.physics.units import Complexes, Floats, Reals, absolute
 
-WINDOW = 5  # samples over which power is averaged: about a pulse
+PULSE = 3  # samples that a pulse has at least
+LOUD = 3.3  # times the noise's power, from where these are one: noise is so in 3 of 1000 cases
+QUIET = 15  # samples over which a tail stays as it is: the mean of noise varies by a quarter there
 
 
 def with_own_noise(
-    waveform: Complexes, gain: Floats, noise_power: Floats, drawn: Complexes
+    waveform: Complexes, gain: Floats, noise_power: Floats, drawn: Complexes, first: Floats
 ) -> Complexes:
     """Return waveforms [n, S] with the noise they had before `gain` [n] scaled it along.
 
-    `noise_power` [n] is the mean |noise|^2 of a sample before, `drawn` [n, S] noise of power one;
-    rows of gain one stay as they are.
+    `noise_power` [n] is the mean |noise|^2 of a sample before, `drawn` [n, S] noise of power one,
+    `first` [n] the sample of the first path, ahead of which there is no tail; rows of gain one
+    stay as they are.
     """
     known = np.isfinite(gain) & (np.abs(gain - 1) > 1e-4)
     if not known.any():
         return waveform
     out, louder, weaker = waveform.copy(), known & (gain > 1), known & (gain < 1)
-    factor = _factor(absolute(waveform[louder]), gain[louder] ** 2, noise_power[louder])
+    size = absolute(waveform[louder])
+    factor = _factor(size, gain[louder] ** 2, noise_power[louder], first[louder])
     out[louder] *= factor.astype(np.float32)
     away = np.sqrt((1 - gain[weaker] ** 2) * noise_power[weaker]).astype(np.float32)
     out[weaker] += drawn[weaker] * away[:, None]
@@ -45,10 +49,35 @@ def unit_noise(peaks: Floats, samples: int) -> Complexes:
     return np.asarray(parts[..., 0] + 1j * parts[..., 1], np.complex64)
 
 
-def _factor(size: Reals, ratio: Floats, noise_power: Floats) -> Floats:
+def _factor(size: Reals, ratio: Floats, noise_power: Floats, first: Floats) -> Floats:
     """Return what gives samples of magnitude `size` [n, S] the noise again, by power ratio [n]."""
-    power = uniform_filter1d(size.astype(np.float64) ** 2, WINDOW, axis=1, mode="nearest")
     scaled = (ratio * noise_power)[:, None]
-    signal = np.maximum(power - scaled, 0)
+    signal = _signal(size.astype(np.float64) ** 2, scaled, first)
     whole = signal + scaled
     return np.asarray(np.sqrt((signal + noise_power[:, None]) / np.maximum(whole, 1e-12)))
+
+
+def _signal(power: Floats, noise_power: Floats, first: Floats) -> Floats:
+    """Return the power of the signal in every sample [n, S], beside noise of a power [n, 1].
+
+    What few samples have beyond the noise is the chance of noise in every second window: it counts
+    where it is a pulse. Of a tail counts what more samples have, shrunk by what they vary (James
+    and Stein 1961), as far as there may be one.
+    """
+    near, more = _beside(power, PULSE), _beside(power, QUIET) - noise_power
+    varies = noise_power**2 / QUIET
+    tail = np.maximum(more - varies / np.maximum(more, 1e-12), 0) * (more > 0)
+    tail *= ~(np.arange(power.shape[1]) < first[:, None])  # where unknown, anywhere
+    return np.where(near > LOUD * noise_power, near - noise_power, tail)
+
+
+def _beside(power: Floats, width: int) -> Floats:
+    """Return the mean power [n, S] of the samples up to each, or from it on: of the quieter ones.
+
+    What lies ahead of a pulse is none of it.
+    """
+    half = width // 2
+    before, after = (
+        uniform_filter1d(power, width, axis=1, mode="reflect", origin=at) for at in (half, -half)
+    )
+    return np.minimum(before, after)

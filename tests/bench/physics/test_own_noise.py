@@ -18,15 +18,17 @@ def test_noise_stays_and_signals_follow(gain_db: float) -> None:
     gain = np.full(200, 10 ** (gain_db / 20))
     scaled = ((signal + noise) * gain[:, None]).astype(np.complex64)
     drawn = unit_noise(np.arange(200.0), 64)
-    made = with_own_noise(scaled, gain, np.full(200, 100.0), drawn)
+    made = with_own_noise(scaled, gain, np.full(200, 100.0), drawn, np.full(200, 40.0))
     quiet_db = 10 * np.log10((np.abs(made[:, :30]) ** 2).mean() / 100)
-    assert abs(quiet_db) < 1.2 + 0.1 * abs(gain_db)  # a quarter of the change at most
+    assert abs(quiet_db) < 0.3 + 0.1 * abs(gain_db)
+    ahead_db = 10 * np.log10((np.abs(made[:, 36:39]) ** 2).mean() / 100)
+    assert abs(ahead_db) < 1.5  # what lies just ahead of a pulse is noise, too
     np.testing.assert_allclose(np.abs(made[:, 43]), 1000 * gain, rtol=0.08)
 
 
 def test_rows_that_are_not_scaled_stay_as_they_are() -> None:
     given = np.ones((3, 8), np.complex64)
-    assert with_own_noise(given, np.ones(3), np.ones(3), given) is given
+    assert with_own_noise(given, np.ones(3), np.ones(3), given, np.ones(3)) is given
 
 
 @pytest.mark.parametrize("offset_db", [10.0, -5.0])

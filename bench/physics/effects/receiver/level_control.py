@@ -75,7 +75,8 @@ class LevelControl(Effect):
         waveform = scaled(batch.waveform, signal)
         if batch.as_given and power is not None:  # noise is in a table's samples: no gain moves it
             drawn = draws.complex_normal(*waveform.shape)
-            waveform = with_own_noise(waveform, signal / np.sqrt(longer), power, drawn)
+            first = batch.rows.number("first_path_index", np.nan)
+            waveform = with_own_noise(waveform, signal / np.sqrt(longer), power, drawn, first)
         return altered(made, waveform=waveform, noise=noise)
 
     def _deviation_db(self, level_dbm: Floats) -> Floats:
