@@ -8,7 +8,7 @@ scaled by how much of them is signal (Wiener 1949).
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from bench.physics.units import Complexes, Floats, Reals, absolute
 
@@ -61,14 +61,20 @@ def _signal(power: Floats, noise_power: Floats, first: Floats) -> Floats:
     """Return the power of the signal in every sample [n, S], beside noise of a power [n, 1].
 
     What few samples have beyond the noise is the chance of noise in every second window: it counts
-    where it is a pulse. Of a tail counts what more samples have, shrunk by what they vary (James
-    and Stein 1961), as far as there may be one.
+    where it is a pulse; at its feet, what a sample has. Of a tail counts what more samples have, as
+    far as there may be one. Both are shrunk by what noise varies (James and Stein 1961).
     """
-    near, more = _beside(power, PULSE), _beside(power, QUIET) - noise_power
-    varies = noise_power**2 / QUIET
-    tail = np.maximum(more - varies / np.maximum(more, 1e-12), 0) * (more > 0)
+    near, loud = _beside(power, PULSE), LOUD * noise_power
+    tail = _sure(_beside(power, QUIET) - noise_power, noise_power / np.sqrt(QUIET))
     tail *= ~(np.arange(power.shape[1]) < first[:, None])  # where unknown, anywhere
-    return np.where(near > LOUD * noise_power, near - noise_power, tail)
+    foot = maximum_filter1d(near, 2 * PULSE - 1, axis=1) > loud
+    beside = np.where(foot, np.maximum(_sure(power - noise_power, noise_power), tail), tail)
+    return np.where(near > loud, near - noise_power, beside)
+
+
+def _sure(more: Floats, varies: Floats) -> Floats:
+    """Return what is more than by chance, which varies so much, shrunk by that."""
+    return np.maximum(more - varies**2 / np.maximum(more, 1e-12), 0) * (more > 0)
 
 
 def _beside(power: Floats, width: int) -> Floats:
