@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.joint.settings import (
     ACTS,
-    FORM_ALONE,
+    ALONE,
     FORMS,
     FREE_SIZES,
     KNOWN_SIZE,
@@ -31,17 +31,41 @@ NONE: Free = 0.0, np.zeros((0, 0))
 
 
 def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple[Floats, float]:
-    """Return the matrices [L, p, p] that whiten every link, and the log volume of its scatter."""
+    """Return the matrices [L, p, p] that whiten every link, and the log volume of its scatter.
+
+    Links may differ from each response by a share of it by themselves: the likeliest of some. A
+    larger one than there is would make a smaller response, which asks for less, look likelier.
+    """
+    scatter = _scatter(given, moments)
+    made = [_whitening(scatter, size, responses) for size in (ALONE if responses else ALONE[:1])]
+    if len(made) == 1:
+        return made[0]
+    return max(made, key=lambda one: _nats(white(one[0], moments.left), one[1]))
+
+
+def _scatter(given: Statistics, moments: Moments) -> Floats:
+    """Return the covariance [L, p, p] by which every link scatters, whatever forms effects have."""
     numbers, place = np.unique(given.count, return_inverse=True)
     covariance = np.stack([moments.covariances[int(n)] for n in numbers])[place]
-    places = np.arange(covariance.shape[1])
-    for response in responses:
-        covariance[:, places, places] += (FORM_ALONE * response) ** 2
     if moments.uneven is not None:
         covariance += np.einsum("lik,ljk->lij", moments.uneven, moments.uneven)
+    return covariance
+
+
+def _whitening(scatter: Floats, size: float, responses: Responses) -> tuple[Floats, float]:
+    """Return what whitens links that differ by a share of each response, and the log volume."""
+    covariance, places = scatter.copy(), np.arange(scatter.shape[1])
+    for response in responses:
+        covariance[:, places, places] += (size * response) ** 2
     root = np.linalg.cholesky(covariance)
     volume = 2 * float(np.log(np.einsum("lii->li", root)).sum())
     return np.asarray(np.linalg.inv(root)), volume
+
+
+def _nats(flat: Floats, volume: float) -> float:
+    """Return the log likelihood of what is left, whitened [L, p], but for a constant."""
+    freedom = TAIL + flat.shape[1]
+    return -0.5 * freedom * float(np.log1p((flat**2).sum(axis=1) / TAIL).sum()) - 0.5 * volume
 
 
 def white(matrices: Floats, values: Floats) -> Floats:
@@ -62,10 +86,7 @@ def fitness(
     Links far off count by the logarithm of how far (Student's t).
     """
     matrices, volume = whitener(given, moments, responses)
-    square = (white(matrices, left) ** 2).sum(axis=1)
-    freedom = TAIL + left.shape[1]
-    nats = -0.5 * freedom * float(np.log1p(square / TAIL).sum()) - 0.5 * volume
-    return paid(given, nats + moments.within, parameters)
+    return paid(given, _nats(white(matrices, left), volume) + moments.within, parameters)
 
 
 def misfits(given: Statistics, moments: Moments, responses: Responses) -> Floats:

@@ -7,28 +7,42 @@ tells whether it is needed (automatic Occam's razor: MacKay 1992).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.starts import free_parameters
-from bench.discrepancy.joint.polish import Fit, fitted
-from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE
+from bench.discrepancy.joint.polish import Fit, fitted, in_rounds
+from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE, STEPS
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 
 
 def plainer(given: Statistics, fit: Fit, evidence: Callable[[Fit], float]) -> Fit:
-    """Return a set with all but its members' first amplitudes off, as far as `evidence` grows."""
-    best = fit
+    """Return a set with all but its members' first amplitudes off, as far as `evidence` grows.
+
+    What stays is fitted again: it was fitted beside what is off now.
+    """
+    best, off = fit, set[tuple[int, str]]()
     for place, effect in enumerate(fit.effects):
         for item in [p for p in free_parameters(type(effect)) if p.null is not None][1:]:
             other = replace(best.effects[place], **{item.name: item.null})
             made = fitted(given, _with(best.effects, place, other))
+            made = made and replace(made, off=len(off) + 1)
             if made and evidence(made) > evidence(best):
                 best = made
-    return best
+                off.add((place, item.name))
+    if best is fit:
+        return fit
+    again = in_rounds(given, best, STEPS, _places(best.effects, off))
+    return replace(again, off=len(off))
+
+
+def _places(effects: Added, off: Collection[tuple[int, str]]) -> list[int]:
+    """Return where parameters, by the places of their effects and their names, stand among all."""
+    free = [(at, p.name) for at, e in enumerate(effects) for p in free_parameters(type(e))]
+    return [place for place, one in enumerate(free) if one in off]
 
 
 def flat_gain(given: Statistics, fit: Fit, rest: Fit, evidence: Callable[[Fit], float]) -> bool:

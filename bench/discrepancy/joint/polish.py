@@ -43,13 +43,20 @@ Floats = NDArray[np.float64]
 class Fit:
     """A set of effects as fitted: what its members do beside the others, and how likely it is.
 
-    `responses`: the change of the simulated mean [L, p] by each; `nats` as `fitness` gives.
+    `responses`: the change of the simulated mean [L, p] by each; `nats` as `fitness` gives; `off`:
+    how many parameters do nothing because they need not.
     """
 
     effects: Added
     moments: Moments
     responses: tuple[Floats, ...]
     nats: float
+    off: int = 0
+
+    @property
+    def key(self) -> tuple[Added, int]:
+        """What tells it from others that are fitted to the same statistics."""
+        return self.effects, self.off
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -58,8 +65,8 @@ class Fit:
 
     @property
     def parameters(self) -> int:
-        """How many parameters were fitted."""
-        return sum(len(free_parameters(type(effect))) for effect in self.effects)
+        """How many parameters were fitted, but for those that are off."""
+        return sum(len(free_parameters(type(effect))) for effect in self.effects) - self.off
 
 
 def key_of(effects: Added) -> frozenset[str]:

@@ -42,11 +42,16 @@ def beside_unformed(given: Statistics, fit: Fit, whole: Fit | None = None) -> fl
 
 
 def _beside(given: Statistics, fit: Fit, whole: Fit) -> float:
+    """Return that evidence for one scatter, at the likeliest allowance for forms of the set."""
     matrices, volume = whitener(given, fit.moments, whole.responses)
     flat = white(matrices, fit.moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in fit.responses]
     free = columns_of(matrices, np.ones_like(flat), given.ways)
-    every = (np.concatenate([own, *forms], axis=2) for own in owns(matrices, fit.moments))
+    every = (
+        np.concatenate([own, *(size / FORMS[1] * form for form in forms)], axis=2)
+        for own in owns(matrices, fit.moments)
+        for size in (FORMS if forms else FORMS[:1])
+    )
     best = max(_of_sizes(flat, fixed, free) for fixed in every) - 0.5 * volume
     return paid(given, best + fit.moments.within, fit.parameters)
 
@@ -78,5 +83,6 @@ def _likeliest(flat: Floats, fixed: Floats, free: Floats, square: Floats) -> tup
         left = flat - columns @ factors
     nats = -0.5 * freedom * float(np.log1p((left**2).sum(axis=1) / TAIL).sum())
     nats -= 0.5 * float(factors @ factors) + 0.5 * float(np.linalg.slogdet(inner)[1])
-    moved = (factors**2 + np.diag(np.linalg.inv(inner)))[fixed.shape[2] :] * sizes**2
-    return nats, np.asarray(moved.reshape(len(square), -1).mean(axis=1))
+    told = (1 - np.diag(np.linalg.inv(inner)))[fixed.shape[2] :].reshape(len(square), -1)
+    moved = (factors[fixed.shape[2] :] ** 2).reshape(len(square), -1).sum(axis=1)
+    return nats, square * moved / np.maximum(told.sum(axis=1), 1e-9)

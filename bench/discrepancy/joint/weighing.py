@@ -32,7 +32,7 @@ class Weighing:
         own, so one cause that differs from device to device would lose to another that scatters.
         With what samples of noise alone say of a tone, which the statistics of rows do not show.
         """
-        return self._evidences.get(fit.effects, lambda: self._evidence(fit))
+        return self._evidences.get(fit.key, lambda: self._evidence(fit))
 
     def worth(self, fit: Fit) -> float:
         """Return the evidence of a set without what it does not need, in nats."""
@@ -40,21 +40,21 @@ class Weighing:
 
     def plain(self, fit: Fit) -> Fit:
         """Return a set without the amplitudes that it does not need."""
-        return self._plains.get(fit.effects, lambda: self._plainer(fit))
+        return self._plains.get(fit.key, lambda: self._plainer(fit))
 
     def weigh(self, fits: Iterable[Fit]) -> None:
         """Weigh sets beside one another, where many were not."""
         new = _by_effects(fits, self._evidences)
         if len(new) >= WEIGHED:
             for fit, nats in zip(new, in_forks(self._evidence, new), strict=True):
-                self._evidences.keep(fit.effects, nats)
+                self._evidences.keep(fit.key, nats)
 
     def weigh_plain(self, fits: Iterable[Fit]) -> None:
         """Find beside one another what sets need, with what that is worth."""
         new = _by_effects(fits, self._plains)
         for fit, (plain, nats) in zip(new, in_forks(self._plain_worth, new), strict=True):
-            self._plains.keep(fit.effects, plain)
-            self._evidences.keep(plain.effects, nats)
+            self._plains.keep(fit.key, plain)
+            self._evidences.keep(plain.key, nats)
 
     def _plain_worth(self, fit: Fit) -> tuple[Fit, float]:
         plain = self._plainer(fit)
@@ -70,5 +70,5 @@ class Weighing:
 
 def _by_effects(fits: Iterable[Fit], known: Memory[float] | Memory[Fit]) -> Sequence[Fit]:
     """Return one set of each kind that is not `known` yet."""
-    each = {fit.effects: fit for fit in fits}
-    return [fit for fit in each.values() if known.find(fit.effects) is None]
+    each = {fit.key: fit for fit in fits}
+    return [fit for fit in each.values() if known.find(fit.key) is None]
