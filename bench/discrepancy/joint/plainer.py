@@ -7,39 +7,53 @@ tells whether it is needed (automatic Occam's razor: MacKay 1992).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import replace
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.polish import Fit, fitted, in_rounds
-from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE, STEPS
+from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE, PASSES, STEPS
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
+
+Off = frozenset[tuple[int, str]]  # places of effects, and their parameters that do nothing
 
 
 def plainer(given: Statistics, fit: Fit, evidence: Callable[[Fit], float]) -> Fit:
     """Return a set with all but its members' first amplitudes off, as far as `evidence` grows.
 
-    What stays is fitted again: it was fitted beside what is off now.
+    What stays is fitted again, as it was fitted beside what is off now, and may need fewer then.
     """
-    best, off = fit, set[tuple[int, str]]()
+    best, off = fit, Off()
+    for _ in range(PASSES):
+        fewer, now = _fewer(given, best, off, evidence)
+        if now == off:
+            break
+        again = in_rounds(given, fewer, STEPS, _places(fewer.effects, now))
+        best, off = replace(again, off=len(now)), now
+    return best
+
+
+def _fewer(
+    given: Statistics, fit: Fit, off: Off, evidence: Callable[[Fit], float]
+) -> tuple[Fit, Off]:
+    """Return a set with more amplitudes off, one after the other, and which are."""
+    best = fit
     for place, effect in enumerate(fit.effects):
         for item in [p for p in free_parameters(type(effect)) if p.null is not None][1:]:
+            if (place, item.name) in off:
+                continue
             other = replace(best.effects[place], **{item.name: item.null})
             made = fitted(given, _with(best.effects, place, other))
             made = made and replace(made, off=len(off) + 1)
             if made and evidence(made) > evidence(best):
-                best = made
-                off.add((place, item.name))
-    if best is fit:
-        return fit
-    again = in_rounds(given, best, STEPS, _places(best.effects, off))
-    return replace(again, off=len(off))
+                best, off = made, off | {(place, item.name)}
+    return best, off
 
 
-def _places(effects: Added, off: Collection[tuple[int, str]]) -> list[int]:
+def _places(effects: Added, off: Off) -> list[int]:
     """Return where parameters, by the places of their effects and their names, stand among all."""
     free = [(at, p.name) for at, e in enumerate(effects) for p in free_parameters(type(e))]
     return [place for place, one in enumerate(free) if one in off]

@@ -61,6 +61,7 @@ GROWN: Final = 2  # sets with one effect more that are fitted in full, of each [
 MOST: Final = 4  # effects in a set [cost]
 SETTLED: Final = 6  # times that another set may take the place of the likeliest [cost]
 STEPS: Final = 5  # of a fit [cost]
+PASSES: Final = 2  # of leaving off what is not needed, each with a fit of the rest [cost]
 FIT_ROUNDS: Final = 3  # of so many steps, where the last still gains [cost]
 STEP: Final = 0.03  # of the bounds, for differences [convention]
 LONGEST_STEP: Final = 0.3  # of the bounds, in one step of a fit [convention]

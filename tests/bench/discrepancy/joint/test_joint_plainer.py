@@ -13,7 +13,7 @@ from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.likelihood import evidence
 from bench.discrepancy.joint.plainer import plainer
-from bench.discrepancy.joint.polish import Fit, polished
+from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
@@ -81,6 +81,16 @@ def test_what_scatters_by_link_stays() -> None:
     of = given(made((PathLoss(2.4, 0.0, 3.0),)))
     plain = plain_of(of, fit_of(of, PathLoss(2.2, 0.0, 1.0)))
     assert plain.effects[0].shadowing_db > 1.5
+
+
+def test_what_stays_is_fitted_again_and_pays_for_itself_alone() -> None:
+    of = given(made((PathLoss(2.5),)))
+    begun = fitted(of, (PathLoss(2.4, 0.8),))
+    assert begun is not None
+    plain = plain_of(of, begun)
+    assert (plain.effects[0].offset_db, plain.parameters) == (0, 1)
+    assert abs(plain.effects[0].exponent - 2.5) < 0.05
+    assert plain.nats > begun.nats
 
 
 def test_a_name_does_not_pay_alone_for_that_forms_may_be_wrong() -> None:

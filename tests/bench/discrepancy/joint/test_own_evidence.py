@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.joint.agreement import links_agree
 from bench.discrepancy.joint.beyond_level import beyond_level
-from bench.discrepancy.joint.likelihood import evidence
+from bench.discrepancy.joint.likelihood import evidence, whitener
 from bench.discrepancy.joint.polish import Fit
+from bench.discrepancy.joint.settings import ALONE
 from bench.discrepancy.joint.statistics import Moments
 from bench.physics.effects.receiver.level_control import LevelControl
 
@@ -82,3 +83,13 @@ def test_links_agree_where_something_is_done_but_one_odd_link_decides_nothing(
     assert links_agree(given, fit, rest) == agree
     assert links_agree(given, fit, rest, struck=True) == (agree and of == LINKS)
     assert links_agree(SimpleNamespace(told_within=True), fit, rest)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1])
+def test_links_differ_from_a_response_by_the_share_that_is_likeliest(share: float) -> None:
+    response = 8 * np.ones((LINKS, 3))
+    left = 0.1 * NOISE + share * response * np.random.default_rng(1).normal(size=(LINKS, 3))
+    seen = _fit(left, response, scatter=0.1).moments
+    volumes = [2 * np.log(0.01 + (size * 8) ** 2) / 2 * 3 * LINKS / 2 for size in ALONE]
+    _, volume = whitener(_given(), seen, (response,))
+    assert np.argmin(np.abs(np.array(volumes) - volume)) == (2 if share else 0)

@@ -79,7 +79,8 @@ def _apart(level_db: float, again: bool = True, uneven: np.ndarray | None = None
     links, scatter_db = 84, 0.4
     names = ("noise_std",)
     given = SimpleNamespace(names=names, count=np.ones(links, int), crowding=1.0, by_rows=again)
-    moments = SimpleNamespace(covariances={1: np.array([[scatter_db**2]])}, uneven=uneven)
+    covariances = {1: np.array([[scatter_db**2]])}
+    moments = SimpleNamespace(covariances=covariances, uneven=uneven, left=np.zeros((links, 1)))
     fit = SimpleNamespace(
         effects=(NoiseFloor(level_db=level_db),),
         names=("noise-floor",),

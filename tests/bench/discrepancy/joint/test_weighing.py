@@ -16,7 +16,8 @@ from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 def _fit(level_db: float) -> Fit:
     effects = (NoiseFloor(level_db=level_db),)
-    made = SimpleNamespace(effects=effects, moments=level_db, responses=(), parameters=1)
+    key = effects, 0
+    made = SimpleNamespace(effects=effects, key=key, moments=level_db, responses=(), parameters=1)
     return cast("Fit", made)
 
 
