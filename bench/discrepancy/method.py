@@ -21,8 +21,7 @@ from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.confirm import Confirmed, confirm
 from bench.discrepancy.counterpart import beside, counted, covered
 from bench.discrepancy.data.checks import check_tables
-from bench.discrepancy.data.columns import has_waveforms, hidden, text_instead, with_motion
-from bench.discrepancy.data.nominal_noise import untrue_logs
+from bench.discrepancy.data.columns import hidden, text_instead, with_motion
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.data.split import LinkSplit
@@ -69,6 +68,7 @@ from bench.discrepancy.select.unnamed import curve_words, unnamed
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
+from bench.discrepancy.with_waveforms import decided, or_without
 from bench.discrepancy.working import WorkingRows
 from bench.errors import about
 from bench.physics.base import Base
@@ -76,7 +76,7 @@ from bench.physics.effect import Effect
 from bench.physics.memory import keep_freed
 from bench.physics.simulator import Simulator
 from bench.recordings.places import cut_into_places, link_count
-from bench.recordings.table import CIR_COLUMNS, Recordings
+from bench.recordings.table import Recordings
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def diagnose(
     earlier, unfinished diagnosis of the same input is not done again.
     """
     keep_freed()
-    asked, journal = _decided(options or Options(), recorded, simulated), journal or Journal()
+    asked, journal = decided(options or Options(), recorded, simulated), journal or Journal()
     check_tables(recorded, simulated, bool(asked.waveform))
     numbers = counted(recorded, simulated, options is None or options.waveform is None)
     frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
@@ -204,19 +204,12 @@ def diagnose(
     name = simulated.label if isinstance(simulated, Recordings) else simulated.name
     lost = 1 - float(inside.mean())
     kept = evidence(comparison, rows.view(rows.split.work, EVIDENCE_ROWS))
-    return Diagnosis(
+    made = Diagnosis(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
         law, said.fault, kept, measured, (link_count(whole), link_count(frame)), numbers,
     )  # fmt: skip
-
-
-def _decided(asked: Options, recorded: Recordings, simulated: Simulator | Recordings) -> Options:
-    """Return the options with what they leave open decided; without waveforms no CIR is seen."""
-    if asked.waveform is not None:
-        return asked if asked.waveform else replace(asked, hide=(*asked.hide, *CIR_COLUMNS))
-    seen = [hidden(t.frame, asked.hide) for t in (recorded, simulated) if isinstance(t, Recordings)]
-    hide = (*asked.hide, *untrue_logs(seen))
-    return replace(asked, waveform=all(map(has_waveforms, seen)), hide=hide)
+    again = replace(options or Options(), waveform=False)
+    return or_without(made, lambda: diagnose(recorded, simulated, again, progress, kinds))
 
 
 def compared_with(
