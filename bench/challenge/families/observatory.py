@@ -66,8 +66,10 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     """Return a case's tables from two tables that nothing is hidden in."""
     found, added_m = _burdened(clean, drawn, seed, 1)
     truth, _ = _burdened(simulated, drawn, seed, 2)
-    four = [filed(one, drawn.listed) for one in (found, clean, simulated, truth)]
-    return Tables(*four, added_m)
+    found, clean, simulated, truth = (
+        filed(one, drawn.listed) for one in (found, clean, simulated, truth)
+    )
+    return Tables(found, clean, simulated, truth, added_m)
 
 
 def filed(table: pd.DataFrame, listed: bool) -> pd.DataFrame:

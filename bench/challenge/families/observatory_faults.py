@@ -68,7 +68,7 @@ def _rollers(shot: Exposure, strength: float) -> Toll:
 
 def _slit(shot: Exposure, strength: float) -> Toll:
     """Come later while the dome's slit stands wide open."""
-    return Toll(0.092 * strength * (shot["slit_deg"] > WIDE_DEG))
+    return Toll(np.where(shot["slit_deg"] > WIDE_DEG, 0.092 * strength, 0.0))
 
 
 def _mist(shot: Exposure, strength: float) -> Toll:

@@ -159,7 +159,8 @@ class Exposure:
             table["rx"].str.removeprefix("sconce").astype(np.int64).to_numpy(np.int64)
         )
         self.tag: Integers = table["tx"].map(TAGS.index).to_numpy(np.int64)
-        self.link: Integers = np.unique(table["link"].to_numpy(str), return_inverse=True)[1]
+        found = np.unique(table["link"].to_numpy(str), return_inverse=True)[1]
+        self.link: Integers = np.asarray(found, np.int64)
 
     def __getitem__(self, column: str) -> Floats:
         """Return a column [n]."""

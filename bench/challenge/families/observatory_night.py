@@ -30,7 +30,7 @@ HEARD_BY: Integers = np.repeat(np.arange(3, 8), [4, 6, 7, 4, 2])
 """How many sconces range a watch's tag."""
 OF_ROWS: Integers = np.repeat(np.arange(1, 14), [15, 15, 15, 13, 12, 10, 9, 7, 5, 4, 2, 1, 1])
 """How many rows links have."""
-AT_REST = 6  # watches whose tag rests
+AT_REST = 6  # tags that rest in one of their watches
 SLOT_S, PRIMES = 0.029, (5, 7, 11, 13, 17)
 NEAREST_M, FARTHEST_S = 1.8, 9.5  # that tags come to sconces; until when they stay in the hall
 PIERS_M = ((8.0, 11.0), (15.0, 7.0), (15.2, 15.0), (22.0, 11.0))
@@ -46,8 +46,9 @@ def watched(rng: np.random.Generator, rare: str, of_rows: Integers = OF_ROWS) ->
     heard_by = rng.permutation(HEARD_BY)
     lots = np.split(rng.permutation(of_rows), np.cumsum(heard_by)[:-1])
     begins_s = np.sort(rng.random(len(lots)) ** 0.9) * NIGHT_S
-    moves = rng.permutation(np.arange(len(lots)) >= AT_REST)
-    who = [TAGS[k % len(TAGS)] for k in rng.permutation(len(lots))]
+    turn = rng.permutation(len(lots))
+    who = [TAGS[k % len(TAGS)] for k in turn]
+    moves = ~np.isin(turn, rng.choice(len(TAGS), AT_REST, replace=False))
     made = [_watch(rng, k, who[k], lot).assign(moves=float(moves[k])) for k, lot in enumerate(lots)]
     rows = pd.concat([_placed(one) for one in made], ignore_index=True)
     rows["time_s"] += np.repeat(begins_s, [len(one) for one in made])

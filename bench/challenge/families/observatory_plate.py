@@ -135,7 +135,8 @@ def _first_tops(values: Floats, sigma: Floats, deaf: float) -> Integers:
     asked = (1 + 6.0 * deaf) * np.maximum(STANDS * OF_NOISE * sigma, OF_TOP * most)
     counts = outstanding(values) & (inner >= np.minimum(asked, 0.85 * most)[:, None])
     counts &= (place >= highest - SINCE * FINE) & (place <= highest)
-    return np.where(counts.any(axis=1), counts.argmax(axis=1), highest[:, 0]).astype(np.int64)
+    first = np.where(counts.any(axis=1), counts.argmax(axis=1), highest[:, 0])
+    return np.asarray(first, np.int64)
 
 
 def first_paths(waves: Complexes, sigma: Floats, deaf: float = 0.0) -> Floats:

@@ -220,7 +220,8 @@ def combed(waves: Complexes, step: float) -> Complexes:
     for shift in (0.0, 0.5):
         across = step * (np.rint(waves.real / step - shift) + shift)
         found.append(across + 1j * tall * (np.rint(waves.imag / tall - shift) + shift))
-    return np.where(np.abs(waves - found[0]) <= np.abs(waves - found[1]), *found)
+    nearer = np.abs(waves - found[0]) <= np.abs(waves - found[1])
+    return np.asarray(np.where(nearer, found[0], found[1]))
 
 
 def _combed(plate: Plate, strength: float) -> None:
