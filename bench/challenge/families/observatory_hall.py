@@ -155,12 +155,11 @@ class Exposure:
     ) -> None:
         self.table, self.case, self.rng, self.rare = table, case, rng, rare
         self.rows = len(table)
-        self.sconce: Integers = (
-            table["rx"].str.removeprefix("sconce").astype(np.int64).to_numpy(np.int64)
-        )
-        self.tag: Integers = table["tx"].map(TAGS.index).to_numpy(np.int64)
-        found = np.unique(table["link"].to_numpy(str), return_inverse=True)[1]
-        self.link: Integers = np.asarray(found, np.int64)
+        sconces = table["rx"].str.removeprefix("sconce")
+        self.sconce: Integers = np.asarray(sconces.to_numpy(str).astype(np.int64), np.int64)
+        self.tag: Integers = np.array([TAGS.index(name) for name in table["tx"]], np.int64)
+        links = np.unique(table["link"].to_numpy(str), return_inverse=True)
+        self.link: Integers = np.array(links[1], np.int64)
 
     def __getitem__(self, column: str) -> Floats:
         """Return a column [n]."""
