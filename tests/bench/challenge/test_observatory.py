@@ -239,6 +239,32 @@ def _of_seed(name: str, seed: int) -> np.ndarray:
     return np.asarray(made.shifts_m[0])
 
 
+LATE_PARTS = {
+    "obstructed-path": (0.05, 0.3), "specular-reflections": (0.1, 0.4),
+    "ground-bounce": (0.15, 0.5),
+    "small-scale-fading": (0.15, 0.45), "diffuse-tail": (0.3, 0.8), "pulse-ringing": (0.15, 0.6),
+    "narrowband-interference": (0.03, 0.1), "quantisation": (0.005, 0.06),
+    "charges-trail-from-size-to-size": (0.08, 0.4), "wells-spill-to-both-sides": (0.15, 0.6),
+    "faint-ones-clipped-by-sigmas": (0.08, 0.4),
+}  # fmt: skip
+"""Parts by which effects change sizes after first paths, about as in the families before."""
+
+
+@pytest.mark.parametrize("name", LATE_PARTS)
+def test_effects_change_waveforms_by_about_as_much_as_elsewhere(name: str) -> None:
+    made = _tables(name, mode="CIR")
+    found, plain = (np.stack([*t["cir"]])[:, 18:] for t in (made.recorded, made.clean))
+    low, high = LATE_PARTS[name]
+    assert low < np.abs(found - plain).mean() / plain.mean() < high
+
+
+def test_only_what_is_hidden_behind_things_is_late_by_far_in_waveforms() -> None:
+    for name in ("specular-reflections", "diffuse-tail", "pulse-ringing", "noise-floor"):
+        assert np.abs(_shift(name, mode="CIR")).max() < 0.1, name
+    for name in ("obstructed-path", "late-detection"):
+        assert _shift(name, mode="CIR").max() > 1.0, name
+
+
 def test_levels_fall_and_noise_rises_where_they_should() -> None:
     for name, low, high in (("path-loss", -6.5, -2.0), ("level-control", -3.0, -1.0)):
         made = _tables(name)
