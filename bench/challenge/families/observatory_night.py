@@ -37,7 +37,7 @@ PIERS_M = ((8.0, 11.0), (15.0, 7.0), (15.2, 15.0), (22.0, 11.0))
 NEWELS_M = ((3.4, 18.4), (26.4, 3.6), (26.6, 18.2), (3.6, 3.8))
 THROUGH = ("wood", "marble", "glass", "brick")
 """Cases of books, columns, glazed doors and instruments' piers."""
-BEHIND_IRON = {False: 0.16, True: 0.055}  # of links, and where these are rare
+BEHIND_IRON = {False: 0.18, True: 0.055}  # of links, and where these are rare
 RARELY = ("blocked-path", "diffraction")
 
 

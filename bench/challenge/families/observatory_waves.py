@@ -36,8 +36,8 @@ OF_ROWS = np.repeat(np.arange(1, 10), [29, 24, 19, 14, 10, 6, 4, 2, 1])
 """How many rows links have."""
 FULL_DB = 114.5  # of levels: a count for each symbol
 NEAREST, EVERY, UNTIL = 5.4, 3.9, 96.0  # samples: the first echo; between two; the last
-FALLS = 24.0  # samples until echoes are e times less
-LATER_DB = 1.2  # what comes later adds to what comes straight
+FALLS = 26.0  # samples until echoes are e times less
+LATER_DB = 1.6  # what comes later adds to what comes straight
 RARELY = ()
 KNOWN = tuple(name for name in (*OF_RANGES, *WAVES) if name not in LAWS)
 CAUSES = {name: cause for name, cause in observatory.CAUSES.items() if name in OF_RANGES}
@@ -123,9 +123,9 @@ def _in_the_air(shot: Exposure, top: Floats) -> Complexes:
     none is heard, after waits of chance, and are as loud as each row finds them.
     """
     link, rng = shot.per_link, shot.rng
-    iron = shot.behind("metal") * link(lambda n: 0.45 + 0.35 * rng.beta(2.0, 2.0, n))
+    iron = shot.behind("metal") * link(lambda n: 0.52 + 0.31 * rng.beta(2.0, 2.0, n))
     wave = _star(shot, top, 1 - iron)
-    busy = link(lambda n: 0.22 + 0.36 * rng.beta(1.5, 3.0, n))
+    busy = link(lambda n: 0.27 + 0.42 * rng.beta(1.5, 2.6, n))
     late = link(lambda n: NEAREST + rng.uniform(0.0, 3.0, n))
     while late.min() < UNTIL:
         loud = busy * np.exp(-late / FALLS) * np.sqrt(rng.exponential(1.0, shot.rows))
