@@ -15,6 +15,7 @@ from bench.challenge.families import (
     canal_staff,
     laundry_meter,
     manege_handset,
+    observatory_plate,
     opera_console,
     printworks_console,
     roundhouse_recorder,
@@ -36,6 +37,7 @@ OF_ITS_OWN = {
     "bowls": {"bias", "wide", "into_s"},
     "canal": {"craft", "reach", "done_s"},
     "saltworks": {"gang", "swing", "done_s"},
+    "observatory": {"sort", "arm", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -57,6 +59,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (bowls_dial.rush, bowls_dial.OF_SIZES, -0.2),
         (canal_staff.swash, canal_staff.OF_SIZES, -0.2),
         (saltworks_gauge.lapping, saltworks_gauge.OF_SIZES, -0.2),
+        (observatory_plate.sky, observatory_plate.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -83,6 +86,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (bowls_dial.pulses, bowls_dial.retarded, 0.02),
         (canal_staff.splines, canal_staff.detained, 0.02),
         (saltworks_gauge.humps, saltworks_gauge.lagged, 0.02),
+        (observatory_plate.stars, observatory_plate.exposed_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
