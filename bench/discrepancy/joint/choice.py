@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from bench.discrepancy.compare.view import Added
@@ -50,8 +51,10 @@ class WaveChoice:
         """Whether waveforms hold what no effect explains, which may shift ranges too."""
         return self.unexplained or bool(self.quiet)
 
-    @property
-    def likeness(self) -> str:
-        """What the set looks most like, of effects that are not named, in words."""
-        quiet = [effect.physics for effect in self.quiet]
+    def likeness(self, worse: Collection[str] = ()) -> str:
+        """Return what the set looks most like, of effects that are not named, in words.
+
+        None of those that make links `worse` that they were not fitted on.
+        """
+        quiet = [effect.physics for effect in self.quiet if effect.name not in worse]
         return f"looks most like {' and '.join(quiet)}, but " if quiet else ""

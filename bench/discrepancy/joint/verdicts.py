@@ -74,7 +74,8 @@ def wave_verdicts(
     said = {t.added.name: _said(search, t, added, choice, sizes) for t in turns if t.added}
     named = standing({name: one for name, one in said.items() if one is not None}, choice)
     if choice.unlisted:
-        left = _unknown(rounds[0], last, choice.likeness + LEFT_OF_WAVES, added)
+        why = choice.likeness(_worse(rounds)) + LEFT_OF_WAVES
+        left = _unknown(rounds[0], last, why, added)
         return seen_beside(search, (*named, left), added, rounds)
     if not any(one.names for one in named) or _more_in_ranges(search, last):
         refused = [one.note for one in named if isinstance(one, Unknown)]
@@ -83,6 +84,12 @@ def wave_verdicts(
         why = LEFT_OF_RANGES if named else (*refused, NOTHING_NAMED)[0]
         named = (*named, _unknown(rounds[0], last, why, added))
     return seen_beside(search, named, added, rounds)
+
+
+def _worse(rounds: tuple[Round, ...]) -> set[str]:
+    """Return the names of effects that make held-out links surely worse."""
+    tried = [one for turn in rounds if turn.explanation for one in turn.explanation.contenders]
+    return {one.name for one in tried if one.gain.high < 0}
 
 
 def seen_beside(

@@ -109,11 +109,11 @@ def test_no_name_is_sure_where_links_are_far_off_beside_it():
     found = choice_of(frame.assign(cir=echoed).drop(columns="noise_std"))
     assert found.unlisted
     assert names(found) == set()
-    assert "looks most like" in found.likeness
-    assert "noise" in found.likeness  # which a log of the noise, the same as ever, would deny
+    assert "looks most like" in found.likeness()
+    assert "noise" in found.likeness()  # which a log of the noise, the same as ever, would deny
     denied = choice_of(frame.assign(cir=echoed))
     assert denied.unexplained
-    assert "noise" not in denied.likeness
+    assert "noise" not in denied.likeness()
 
 
 def test_a_fit_of_all_parameters_at_once_is_likelier_than_where_it_began():

@@ -103,9 +103,10 @@ def test_what_is_doubted_is_named_only_by_its_mark():
     both = (PulseRinging(ring_db=-10.0), Quantisation())
     found = WaveChoice(both, marked=("quantisation",), doubted=("pulse-ringing", "quantisation"))
     assert [effect.name for effect in found.named] == ["quantisation"]
-    assert found.likeness == "looks most like pulse-ringing, but "
+    assert found.likeness() == "looks most like pulse-ringing, but "
+    assert found.likeness(["pulse-ringing"]) == ""
     assert WaveChoice(both, unexplained=True).named == both
-    assert WaveChoice(both).likeness == ""
+    assert WaveChoice(both).likeness() == ""
     assert found.unlisted  # a doubted name stands for something that nobody listed
     assert WaveChoice(both, unexplained=True).unlisted
     assert not WaveChoice(both).unlisted
