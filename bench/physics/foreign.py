@@ -256,9 +256,8 @@ class ForeignTable:
         waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.own.pulse_fwhm)
         waveform *= scale[:, None]
         if not self._scaled.held or self._scaled.with_noise:
-            drawn = self._drawn[part]
             louder, first = _louder_by(batch, edge), self._index(batch.rows)
-            waveform = with_own_noise(waveform, louder, power, drawn, first)
+            waveform = with_own_noise(waveform, louder, power, self._drawn[part], first)
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch
