@@ -147,8 +147,8 @@ def without_idle(
     without one is there only where that finds anything.
     """
     kept = {effect.physics for effect in best} | set(sure)
-    named = [one for one in said if isinstance(one, LeftOut) and not kept & {*one.names}]
-    idle = [one for one in named if not one.gain.likely_above_zero]
+    named = [one for one in said if one.names and not kept & {*one.names}]
+    idle = [one for one in named if not _likely(one)]
     stay = tuple(one for one in said if one not in idle)
     if idle:
         stay = tuple(one for one in stay if not _scatters_beside(one, {*sure, *waves}))
@@ -160,6 +160,12 @@ def without_idle(
         return (*stay, _unknown(rounds[0], rounds[-1], why))
     last = replace(rounds[-1], located=left())
     return (*stay, _unknown(last, last, why, best)) if last.located.significant else stay
+
+
+def _likely(said: Verdict) -> bool:
+    """Return whether held-out links are likely better with an effect, or with one of a class."""
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    return any(isinstance(one, LeftOut) and one.gain.likely_above_zero for one in options)
 
 
 def _scatters_beside(said: Verdict, but: Collection[str]) -> bool:

@@ -16,6 +16,7 @@ from bench.discrepancy.joint.verdicts import without_idle
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -42,6 +43,14 @@ def test_only_a_name_without_any_use_is_taken_back() -> None:
         (SURE, (), ()), (UNSURE, (GroundBounce(),), ()), (UNSURE, (), ("ground-bounce",)),
     ):  # fmt: skip
         assert without_idle((said(gain),), (TURN,), best, sure, (), nothing) == (said(gain),)
+
+
+def test_a_class_of_which_none_is_of_use_is_taken_back() -> None:
+    tail = replace(said(UNSURE), effect=DiffuseTail())
+    (left,) = without_idle((Ambiguous((said(UNSURE), tail), ""),), (TURN,), (), (), (), nothing)
+    assert isinstance(left, Unknown)
+    one_of_use = Ambiguous((said(UNSURE), replace(tail, gain=SURE)), "")
+    assert without_idle((one_of_use,), (TURN,), (), (), (), nothing) == (one_of_use,)
 
 
 def test_scatter_that_was_seen_beside_a_name_goes_with_it() -> None:
