@@ -11,12 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.discrepancy.compare.view import Added
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.own_scatter import left_by_causes
-from bench.discrepancy.select.state import Round, Search
+from bench.discrepancy.select.second_level import levels_of_forms
+from bench.discrepancy.select.state import Round, Search, Selection
 from bench.discrepancy.select.stepwise import ranges_left
+from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.shifted import Shifted
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
+
+WITH_A_MEAN = (AntennaPattern.name, GroundBounce.name)  # what goes up and down, and pulls
 
 
 def left_by_names(search: Search, added: Added, last: Round) -> bool:
@@ -25,18 +32,44 @@ def left_by_names(search: Search, added: Added, last: Round) -> bool:
 
 
 def _of_form(search: Search, added: Added, last: Round) -> bool:
-    """Return whether nothing is found in ranges beside a set of causes, all of which are named.
+    """Return whether nothing is found beside a set of causes, all of which are named.
 
-    Asked where ranges alone were found.
+    Asked where ranges and levels alone were found; of levels, beside other forms of the names.
     """
     choice, rows = search.choice, search.work
     named = {effect.physics for effect in added}
-    cells = [one.cell for one in last.located.findings]
-    if rows is None or not choice.names or choice.others or not set(choice.names) <= named:
+    seen = {one.cell.observable for one in last.located.findings}
+    if rows is None or not choice.names or not set(choice.names) <= named or seen - {RANGE, LEVEL}:
+        return False
+    if set(choice.others) - ({MERE} if _pulled(search, rows) else set()):
         return False
     shift_m = np.sum(list(choice.shifts_m.values()), axis=0)
-    if len(shift_m) != len(rows.rows) or any(cell.observable != RANGE for cell in cells):
+    if len(shift_m) != len(rows.rows):
         return False
     beside = tuple(effect for effect in added if effect.physics not in choice.names)
     known = replace(search, comparison=Shifted(search.comparison, shift_m))
-    return not ranges_left(known, beside).significant
+    if RANGE in seen and ranges_left(known, beside).significant:
+        return False
+    return LEVEL not in seen or levels_of_forms(search, added)
+
+
+def mean_left(search: Search, found: Selection) -> tuple[Finding, ...]:
+    """Return what names of a set leave where that is the mean of one (see `_pulled`), else ()."""
+    mine = MERE in search.choice.others and {*search.choice.names} & {
+        n for g in found.names for n in g
+    }
+    if not mine or search.work is None or not _pulled(search, search.work):
+        return ()
+    return found.rounds[-1].located.findings
+
+
+def _pulled(search: Search, rows: View) -> bool:
+    """Return whether a name of a set goes up and down by more than a constant beside it.
+
+    A reflection pulls whatever a receiver finds to one side in the mean, and an antenna is late in
+    the mean over its directions: a constant that is smaller than what goes up and down is theirs.
+    """
+    shifts_m = search.choice.shifts_m
+    swing = [np.ptp(m) / 2 for one, m in shifts_m.items() if one in WITH_A_MEAN]
+    constant = np.abs(shifts_m.get(MERE, np.zeros(len(rows.rows)))).max(initial=0.0)
+    return bool(swing) and float(max(swing)) > float(constant)

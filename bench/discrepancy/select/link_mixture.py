@@ -22,8 +22,8 @@ from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
-from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.shared_variance import shared_variance
+from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
     BEHIND_M,
