@@ -257,15 +257,11 @@ def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
     if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
         return False
     added = (*kept, _effect(alone))
-    before, after = (
-        strike(search.comparison, search.work, some, some, search.kinds) for some in (kept, added)
-    )
-    if after is not None:
-        return False
-    if before is None:
-        return True
-    left = left_far(search.comparison, search.work, kept, added, before.struck)
-    return left <= EXPLAINED_STRAYS
+    rows, kinds, both = search.work, search.kinds, (kept, added)
+    before, after = (strike(search.comparison, rows, some, some, kinds) for some in both)
+    if before is None or after is not None:
+        return after is None
+    return left_far(search.comparison, rows, *both, before.struck) <= EXPLAINED_STRAYS
 
 
 def _effect(proposal: Proposal) -> Law:
