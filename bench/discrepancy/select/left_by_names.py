@@ -12,10 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
-from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.own_scatter import left_by_causes
-from bench.discrepancy.select.second_level import levels_of_forms
 from bench.discrepancy.select.state import Round, Search, Selection
 from bench.discrepancy.select.stepwise import ranges_left
 from bench.discrepancy.sets.choice import MERE
@@ -32,14 +31,14 @@ def left_by_names(search: Search, added: Added, last: Round) -> bool:
 
 
 def _of_form(search: Search, added: Added, last: Round) -> bool:
-    """Return whether nothing is found beside a set of causes, all of which are named.
+    """Return whether nothing is found in ranges beside a set of causes, all of which are named.
 
-    Asked where ranges and levels alone were found; of levels, beside other forms of the names.
+    Asked where ranges alone were found.
     """
     choice, rows = search.choice, search.work
     named = {effect.physics for effect in added}
     seen = {one.cell.observable for one in last.located.findings}
-    if rows is None or not choice.names or not set(choice.names) <= named or seen - {RANGE, LEVEL}:
+    if rows is None or not choice.names or not set(choice.names) <= named or seen - {RANGE}:
         return False
     if set(choice.others) - ({MERE} if _pulled(search, rows) else set()):
         return False
@@ -48,9 +47,7 @@ def _of_form(search: Search, added: Added, last: Round) -> bool:
         return False
     beside = tuple(effect for effect in added if effect.physics not in choice.names)
     known = replace(search, comparison=Shifted(search.comparison, shift_m))
-    if RANGE in seen and ranges_left(known, beside).significant:
-        return False
-    return LEVEL not in seen or levels_of_forms(search, added)
+    return not ranges_left(known, beside).significant
 
 
 def mean_left(search: Search, found: Selection) -> tuple[Finding, ...]:

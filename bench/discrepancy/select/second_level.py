@@ -37,7 +37,7 @@ from bench.discrepancy.select.settings import (
     LOGGED_LEVELS,
 )
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.stepwise import locate_left, observable_left
+from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import FIT_MEMBERS, ONE_SIDED_95
 from bench.physics.base import Base
@@ -69,41 +69,23 @@ def calmed(search: Search, added: Added, located: Located, turn: int) -> Located
     As it was, where ranges differ too or levels still do: only what all of these leave counts.
     """
     rows, seen = search.work, {finding.cell.observable for finding in located.findings}
-    made = None if rows is None or seen != {LEVEL} else _bent(search, rows, added)
-    if rows is None or made is None:
+    if rows is None or search.fit.waveform or not added or seen != {LEVEL}:
         return located
-    bent, small = made
-    again = locate_left(bent, added, turn)
-    if not again.significant:
-        return again
-    left = search.comparison.ensemble(rows, added, FIT_MEMBERS).residual_of(LEVEL)
-    small = small or _of_a_curve(search, rows, added, left)
-    return replace(again, findings=()) if small else located
-
-
-def levels_of_forms(search: Search, added: Added) -> bool:
-    """Return whether levels, by themselves, may do what other forms of the named effects do."""
-    made = None if search.work is None else _bent(search, search.work, added)
-    return made is not None and (made[1] or not observable_left(made[0], added, LEVEL).significant)
-
-
-def _bent(search: Search, rows: View, added: Added) -> tuple[Search, bool] | None:
-    """Return the search whose levels have what other forms of the named effects do to them.
-
-    And whether what is left then is little. None where named effects do nothing to levels.
-    """
-    if search.fit.waveform or not added or LEVEL not in rows.recorded.names:
-        return None
     left = search.comparison.ensemble(rows, added, FIT_MEMBERS).residual_of(LEVEL)
     known = np.isfinite(left)
     design = np.hstack(_reasons(search, rows, added))
-    if not design.any() or not known.any():
-        return None
+    if not design.any():  # named effects do nothing to levels
+        return located
     shift = np.zeros(len(left))
     shift[known] = _ridge(design[known], left[known], design[known])
+    bent = replace(search, comparison=Shifted(search.comparison, shift, LEVEL))
+    again = locate_left(bent, added, turn)
+    if not again.significant:
+        return again
     small = _missed(left[known], design[known], rows.links[known]) < LEVEL_LEFT
     small = small or float(np.sqrt(np.mean((left - shift)[known] ** 2))) < LEVEL_PRINTED_DB
-    return replace(search, comparison=Shifted(search.comparison, shift, LEVEL)), small
+    small = small or _of_a_curve(search, rows, added, left)
+    return replace(again, findings=()) if small else located
 
 
 def _of_a_curve(search: Search, rows: View, added: Added, left_db: Floats) -> bool:
@@ -246,7 +228,7 @@ def _reasons(
             arriving = search.comparison.ensemble(rows, without(added, known), FIT_MEMBERS)
             level = arriving.simulated_of(LEVEL).mean(axis=0)  # recorded ones hold what is asked
             out.append(_over_levels(level, np.any(bent != 0, axis=1)))
-        if bent.any():
+        if bent.any() and not acts.all():
             out.append(acts[:, None].astype(np.float64))
         if any(OBSTACLES in way for way in known.needs):
             kinds = rows.covariates.groups.items()

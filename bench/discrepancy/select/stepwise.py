@@ -55,14 +55,9 @@ def locate_left(search: Search, added: Added, turn: int) -> Located:
 
 def ranges_left(search: Search, added: Added) -> Located:
     """Search for what effects leave of ranges alone, in all rows that are searched."""
-    return observable_left(search, added, RANGE)
-
-
-def observable_left(search: Search, added: Added, name: str) -> Located:
-    """Search for what effects leave of one observable, in all rows that are searched."""
     rows = search.searched
     made = search.comparison.ensemble(rows, added, SEARCH_MEMBERS, SEARCH_FIRST)
-    return located_in(search, rows, kept(made, (name,)), 0, FAMILY_WISE)
+    return located_in(search, rows, kept(made, (RANGE,)), 0, FAMILY_WISE)
 
 
 def located_in(

@@ -22,8 +22,6 @@ SHIFT = {"range-scale": np.ones(6)}
         (Choice(("range-scale",), shifts_m=SHIFT), "error_m", False, True),
         (Choice(("range-scale",), shifts_m=SHIFT), "error_m", True, False),
         (Choice(("range-scale",), shifts_m=SHIFT), "rx_power_dbm", False, False),
-        (Choice(("range-scale",), shifts_m=SHIFT), "rx_power_dbm", True, True),
-        (Choice(("range-scale",), shifts_m=SHIFT), "noise_std_db", True, False),
         (Choice(("range-scale",), (MERE,), shifts_m=SHIFT), "error_m", False, False),
         (Choice(("range-scale",), ("a law",), shifts_m=SHIFT), "error_m", False, False),
         (Choice(("time-lag",), shifts_m=SHIFT), "error_m", False, False),
@@ -40,7 +38,6 @@ def test_a_form_is_nothing_without_a_name(
         return SimpleNamespace(significant=found)
 
     monkeypatch.setattr(module, "ranges_left", left)
-    monkeypatch.setattr(module, "levels_of_forms", lambda *_: found)
     monkeypatch.setattr(
         module, "replace", lambda _, comparison: SimpleNamespace(comparison=comparison)
     )
