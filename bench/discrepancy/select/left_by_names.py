@@ -13,9 +13,8 @@ import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.own_scatter import left_by_causes
-from bench.discrepancy.select.state import Round, Search, Selection
+from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import ranges_left
 from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.shifted import Shifted
@@ -40,7 +39,7 @@ def _of_form(search: Search, added: Added, last: Round) -> bool:
     seen = {one.cell.observable for one in last.located.findings}
     if rows is None or not choice.names or not set(choice.names) <= named or seen - {RANGE}:
         return False
-    if set(choice.others) - ({MERE} if _pulled(search, rows) else set()):
+    if set(choice.others) - ({MERE} if pulled(search, rows) else set()):
         return False
     shift_m = np.sum(list(choice.shifts_m.values()), axis=0)
     if len(shift_m) != len(rows.rows):
@@ -50,17 +49,7 @@ def _of_form(search: Search, added: Added, last: Round) -> bool:
     return not ranges_left(known, beside).significant
 
 
-def mean_left(search: Search, found: Selection) -> tuple[Finding, ...]:
-    """Return what names of a set leave where that is the mean of one (see `_pulled`), else ()."""
-    mine = MERE in search.choice.others and {*search.choice.names} & {
-        n for g in found.names for n in g
-    }
-    if not mine or search.work is None or not _pulled(search, search.work):
-        return ()
-    return found.rounds[-1].located.findings
-
-
-def _pulled(search: Search, rows: View) -> bool:
+def pulled(search: Search, rows: View) -> bool:
     """Return whether a name of a set goes up and down by more than a constant beside it.
 
     A reflection pulls whatever a receiver finds to one side in the mean, and an antenna is late in

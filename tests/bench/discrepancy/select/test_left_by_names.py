@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.select import left_by_names as module
+from bench.discrepancy.select.state import Selection
+from bench.discrepancy.select.unnamed import with_mean
 from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -61,6 +63,6 @@ def test_what_goes_up_and_down_has_a_mean(name: str, constant_m: float, theirs: 
     waves = 0.03 * np.sin(np.linspace(0, 20, 200))
     choice = Choice((name,), (MERE,), shifts_m={name: waves, MERE: np.full(200, constant_m)})
     search = SimpleNamespace(choice=choice, work=SimpleNamespace(rows=np.arange(200)))
-    last = SimpleNamespace(located=SimpleNamespace(findings=("the mean",)))
-    found = SimpleNamespace(names=((name,),), rounds=(last,))
-    assert module.mean_left(search, found) == (("the mean",) if theirs else ())  # type: ignore[arg-type]
+    located = SimpleNamespace(findings=("the mean",))
+    found = Selection((SimpleNamespace(names=(name,)),), (), (SimpleNamespace(located=located),))  # type: ignore[arg-type]
+    assert with_mean(search, found).mean == (("the mean",) if theirs else ())  # type: ignore[arg-type]
