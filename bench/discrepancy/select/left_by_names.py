@@ -17,11 +17,8 @@ from bench.discrepancy.select.own_scatter import left_by_causes
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import ranges_left
 from bench.discrepancy.sets.choice import MERE
+from bench.discrepancy.sets.mere_constant import swing_m
 from bench.discrepancy.sets.shifted import Shifted
-from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
-from bench.physics.effects.propagation.ground_bounce import GroundBounce
-
-WITH_A_MEAN = (AntennaPattern.name, GroundBounce.name)  # what goes up and down, and pulls
 
 
 def left_by_names(search: Search, added: Added, last: Round) -> bool:
@@ -56,6 +53,5 @@ def pulled(search: Search, rows: View) -> bool:
     the mean over its directions: a constant that is smaller than what goes up and down is theirs.
     """
     shifts_m = search.choice.shifts_m
-    swing = [np.ptp(m) / 2 for one, m in shifts_m.items() if one in WITH_A_MEAN]
     constant = np.abs(shifts_m.get(MERE, np.zeros(len(rows.rows)))).max(initial=0.0)
-    return bool(swing) and float(max(swing)) > float(constant)
+    return swing_m(shifts_m) > float(constant)
