@@ -64,7 +64,7 @@ from bench.discrepancy.select.stepwise import (
     witnessed_by_links,
 )
 from bench.discrepancy.select.uncounted import with_uncounted
-from bench.discrepancy.select.unnamed import curve_words, unnamed
+from bench.discrepancy.select.unnamed import curve_words, unnamed, with_mean
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import EVIDENCE_ROWS, MARGIN_NATS, MOST_ROUNDS
@@ -340,4 +340,4 @@ def concluded(state: State, journal: Journal) -> Selection:
     out = {**state.skipped, **state.guard.failed}
     best = fitting_best(search, held, struck, said)
     found = Selection(said, best, held.rounds, out, choice.names, (), {}, search.logged)
-    return replace(found, tied=choice.tied, elsewhere=choice.elsewhere)
+    return with_mean(search, replace(found, tied=choice.tied, elsewhere=choice.elsewhere))

@@ -32,10 +32,11 @@ from bench.discrepancy.law.settings import (
 from bench.discrepancy.law.structures import cost
 from bench.discrepancy.select.elsewhere import without_others
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.link_mixture import strike
+from bench.discrepancy.select.link_mixture import left_far, strike
 from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
+from bench.discrepancy.sets.settings import EXPLAINED_STRAYS
 from bench.errors import BenchError
 from bench.physics.effects.ranging.law import Law, with_constants
 from bench.physics.materials import is_listed
@@ -248,14 +249,19 @@ def _shifting(found: Selection) -> Added:
 
 
 def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
-    """Return whether no link is struck any more where a law is in place.
+    """Return whether no link is struck any more where a law is in place, as it says which were.
 
     Nobody can predict what is struck at random: where a law over known covariates does, it is none.
+    One that hits a few of them, and others beside, only leaves so much that nothing is made of it.
     """
     if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
         return False
     added = (*kept, _effect(alone))
-    return strike(search.comparison, search.work, added, added, search.kinds) is None
+    rows, kinds, both = search.work, search.kinds, (kept, added)
+    before, after = (strike(search.comparison, rows, some, some, kinds) for some in both)
+    if before is None or after is not None:
+        return after is None
+    return left_far(search.comparison, rows, *both, before.struck) <= EXPLAINED_STRAYS
 
 
 def _effect(proposal: Proposal) -> Law:

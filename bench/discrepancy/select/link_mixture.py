@@ -22,6 +22,7 @@ from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
+from bench.discrepancy.select.shared_variance import shared_variance
 from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
 from bench.discrepancy.settings import (
@@ -70,15 +71,15 @@ class Strike:
 class Offsets:
     """Offset of every link [L] in metres beside the simulator: `links` are their codes.
 
-    `scatter_m`: its standard deviation as known from so many `members`, so offsets are distributed
-    as Student's t; `inert`: the effect must spare the link.
+    `scatter_m`: its standard deviation, known with so many `degrees` of freedom, so offsets are
+    distributed as Student's t; `inert`: the effect must spare the link.
     """
 
     links: NDArray[np.intp]
     offset_m: Floats
     scatter_m: Floats
     inert: Mask
-    members: int
+    degrees: float
 
     @property
     def widest_m(self) -> float:
@@ -92,7 +93,7 @@ class Offsets:
         """
         centre = np.where(self.inert, 0.0, behind_m)
         wide = np.hypot(self.scatter_m, extra_m)
-        return np.asarray(student.pdf((self.offset_m - centre) / wide, self.members - 1) / wide)
+        return np.asarray(student.pdf((self.offset_m - centre) / wide, self.degrees) / wide)
 
 
 @dataclass(frozen=True)
@@ -242,8 +243,18 @@ def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect]
     per_version = link_medians(made.versions[..., which] - middle, code)
     inert = kind().inert(Base().paths(view.scene)) if kind else np.ones(len(code), bool)
     spared = np.bincount(code, inert) == np.bincount(code)
-    scatter = per_version[1:].std(axis=0, ddof=1) * np.sqrt(1 + 1 / members)
-    return Offsets(links, per_version[0], np.maximum(scatter, LEAST_SCATTER_M), spared, members)
+    variance, degrees = shared_variance(per_version[1:].var(axis=0, ddof=1), members - 1)
+    scatter = np.sqrt(variance * (1 + 1 / members))
+    return Offsets(links, per_version[0], np.maximum(scatter, LEAST_SCATTER_M), spared, degrees)
+
+
+def left_far(
+    comparison: Comparison, view: View, before: Added, after: Added, struck: NDArray[np.intp]
+) -> float:
+    """Return which share of struck links lies farther off than half of what it did `before`."""
+    was, now = (offsets(comparison, view, some, None) for some in (before, after))
+    some = np.isin(was.links, struck)
+    return float(np.mean(np.abs(now.offset_m) > np.abs(was.offset_m) / 2, where=some))
 
 
 def unstruck(seen: Offsets) -> Mixture:

@@ -182,12 +182,14 @@ def _surely_worse(sealed: View, found: Served | None, strike: Strike, borne: Bor
     its form in all. Ranges that are farther in the median alone refuse nothing: where most links
     are struck the typical simulated one is, too, and spared ones are far from that. Nor does a
     score speak where chance may have spared every held-out link: all are then a little worse with
-    it, by what a forecast of rare things costs where none happens. Nor does it where `borne`.
+    it, by what a forecast of rare things costs where none happens. Nor does either where `borne`:
+    half of the versions of a link that half are struck of are, and spared ones are far from these.
     """
     if found is None:
         return False
     told = not sealed.waveform and _all_spared(sealed, strike) < ALL_SPARED
-    return found.surely or (found.gain.high <= 0 and told and not borne(strike))
+    worse = found.surely or (found.gain.high <= 0 and told)
+    return worse and not borne(strike)
 
 
 def _all_spared(sealed: View, strike: Strike) -> float:

@@ -20,6 +20,10 @@ OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [co
 EVERYWHERE_SHARE: Final = 0.5  # of the error of a search, for what is off in all rows [convention]
 IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere else
 
+# --- How links scatter (select/shared_variance) ---------------------------------------------------
+ALIKE_DEGREES: Final = (0.01, 200.0)  # of freedom, that other links add to what is known of one:
+# none, and so many that a t is a normal distribution [derived]
+
 # --- Independent scatter (select/scatter_shape) ---------------------------------------------------
 NO_SCATTER_SHARE: Final = (
     0.1  # of recorded variance: less than that has no shape to see [convention]

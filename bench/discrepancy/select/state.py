@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import pandas as pd
 
 from bench.discrepancy.compare.view import Added, Comparison, View, joined
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
@@ -132,6 +132,7 @@ class Selection:
     not whole, and why; `untimed`: those that leave ranges as they are. `logged`: effects that logs
     of the receiver show. `tied`: names that do as well as a fault of the set-up that is said in
     their place; `elsewhere`: devices of which one may stand elsewhere instead of antenna delays.
+    `mean`: what names leave that is the mean of what goes up and down.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -145,6 +146,7 @@ class Selection:
     tied: tuple[str, ...] = ()
     untimed: tuple[str, ...] = ()
     elsewhere: tuple[str, ...] = ()
+    mean: tuple[Finding, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

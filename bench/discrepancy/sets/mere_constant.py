@@ -4,6 +4,8 @@ Antennas of a make are late by a nanosecond or so, and no two by the same: where
 and ranges are a few centimetres off, a cover, a film, a detector or a cable does that as well, and
 so does a law of which rows show the mean alone. Nor does a drift or an error of the level without a
 slope say more. Only where devices differ, or where it is more than all these make, is it a name's.
+Beside what goes up and down by more it is the mean of that: a reflection pulls whatever a receiver
+finds, and an antenna that is late in some directions alone is late in the mean over all.
 """
 
 from __future__ import annotations
@@ -16,11 +18,25 @@ import numpy as np
 
 from bench.discrepancy.sets.choice import MERE, Choice, Set, but
 from bench.discrepancy.sets.rivals import with_constant
-from bench.discrepancy.sets.settings import FLAT_M, LAW_M, RIVAL_NATS, SMALL_CONSTANT_M
+from bench.discrepancy.sets.settings import FLAT_M, LAW_M, OFF_BY, RIVAL_NATS, SMALL_CONSTANT_M
+from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.units import Floats
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
+
+WITH_A_MEAN = (AntennaPattern.name, GroundBounce.name)  # go up and down, and pull
+
+
+def swing_m(shifts_m: Mapping[str, Floats]) -> float:
+    """Return by how much ranges go up and down, at most, by what has a mean of its own (metres).
+
+    Of shifts [n] by cause, to a share that forms are off by; 0 where none has one. A pattern that
+    is right in one direction is late by as much in the mean as it goes up and down.
+    """
+    swings = (float(np.ptp(m)) / 2 for one, m in shifts_m.items() if one in WITH_A_MEAN)
+    return (1 + OFF_BY) * max(swings, default=0.0)
 
 
 def as_mere(choice: Choice, fitted_m: Mapping[str, Floats]) -> Choice:
@@ -54,7 +70,7 @@ def without_mere_constants(contest: Contest, causes: Set) -> Set:
         rest, evidence = but(causes, name), contest.evidence
         least = evidence.of(causes).nats - RIVAL_NATS * contest.crowding
         nats, constant_m = with_constant(contest, evidence, rest)
-        if nats > least and abs(constant_m) < SMALL_CONSTANT_M:
+        if nats > least and abs(constant_m) < max(SMALL_CONSTANT_M, swing_m(contest.shifts(rest))):
             column = contest.seen(np.full((len(contest.known), 1), LAW_M))
             contest.evidence = evidence.with_blocks({**evidence.blocks, MERE: (column,)})
             return (*rest, MERE)

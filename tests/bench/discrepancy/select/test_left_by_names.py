@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from bench.discrepancy.select import left_by_names as module
-from bench.discrepancy.sets.choice import Choice
+from bench.discrepancy.select.state import Selection
+from bench.discrepancy.select.unnamed import with_mean
+from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
@@ -22,6 +24,7 @@ SHIFT = {"range-scale": np.ones(6)}
         (Choice(("range-scale",), shifts_m=SHIFT), "error_m", False, True),
         (Choice(("range-scale",), shifts_m=SHIFT), "error_m", True, False),
         (Choice(("range-scale",), shifts_m=SHIFT), "rx_power_dbm", False, False),
+        (Choice(("range-scale",), (MERE,), shifts_m=SHIFT), "error_m", False, False),
         (Choice(("range-scale",), ("a law",), shifts_m=SHIFT), "error_m", False, False),
         (Choice(("time-lag",), shifts_m=SHIFT), "error_m", False, False),
         (Choice(), "error_m", False, False),
@@ -49,3 +52,17 @@ def test_a_form_is_nothing_without_a_name(
     said = module.left_by_names(search, (*NAMED, jitter), last)  # type: ignore[arg-type]
     assert said is of_form
     assert all(one == ([1.0] * 6, (jitter,)) for one in beside)
+
+
+@pytest.mark.parametrize(
+    ("name", "constant_m", "theirs"),
+    [("ground-bounce", 0.02, True), ("ground-bounce", 0.04, False), ("range-scale", 0.02, False)],
+)
+def test_what_goes_up_and_down_has_a_mean(name: str, constant_m: float, theirs: bool) -> None:
+    """A constant beside it is its own where that is smaller: it is in the simulator, unsaid."""
+    waves = 0.03 * np.sin(np.linspace(0, 20, 200))
+    choice = Choice((name,), (MERE,), shifts_m={name: waves, MERE: np.full(200, constant_m)})
+    search = SimpleNamespace(choice=choice, work=SimpleNamespace(rows=np.arange(200)))
+    located = SimpleNamespace(findings=("the mean",))
+    found = Selection((SimpleNamespace(names=(name,)),), (), (SimpleNamespace(located=located),))  # type: ignore[arg-type]
+    assert with_mean(search, found).mean == (("the mean",) if theirs else ())  # type: ignore[arg-type]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from bench.discrepancy.sets.choice import MERE, Choice
 from bench.discrepancy.sets.choose import chosen
 from bench.discrepancy.sets.mere_constant import as_mere
+from bench.recordings.table import Recordings
 from tests.bench.discrepancy.sets.test_sets import search_of
 
 LATE_M = 0.03
@@ -30,19 +33,42 @@ def apart(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
     return LATE_M + (frame["tx"].map(own) + frame["rx"].map(own)).to_numpy(float)
 
 
+def heading(frame: pd.DataFrame) -> np.ndarray:
+    """Return a heading that is any, and known from the distance."""
+    return np.asarray(frame["true_range_m"].to_numpy(float) * 7919 % 360 - 180)
+
+
+def headed(one: Recordings) -> Recordings:
+    """Return a table with headings."""
+    return replace(one, frame=one.frame.assign(azimuth_deg=heading(one.frame)))
+
+
+def chest(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    """Return a body behind a tag: right where it faces, 0.2 m late where it turns its back."""
+    return 0.1 * (1 - np.cos(np.radians(heading(frame))))
+
+
+def chest_and_delay(frame: pd.DataFrame, rng: np.random.Generator) -> np.ndarray:
+    """Return the same beside a delay that is more than the pattern's mean."""
+    return chest(frame, rng) + 0.25
+
+
 @pytest.mark.parametrize(
     ("hidden", "names", "others"),
     [
         (alike, (), (MERE,)),
         (large, ("antenna-delay",), ()),
         (apart, ("antenna-delay",), ()),
+        (chest, ("antenna-pattern",), (MERE,)),
+        (chest_and_delay, ("antenna-delay", "antenna-pattern"), ()),
     ],
 )
 def test_a_small_constant_of_all_devices_has_no_name(
     hidden: object, names: tuple[str, ...], others: tuple[str, ...]
 ) -> None:
-    found = chosen(search_of(hidden, 4), ())  # type: ignore[arg-type]
-    assert (found.names, found.others) == (names, others)
+    turned = headed if hidden in (chest, chest_and_delay) else lambda one: one
+    found = chosen(search_of(hidden, 4, turned), ())  # type: ignore[arg-type]
+    assert (tuple(sorted(found.names)), found.others) == (names, others)
 
 
 def test_beside_a_constant_scatter_is_asked_beside_a_law_it_is_not() -> None:
