@@ -12,7 +12,9 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import late
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.detector import TIMED, USUAL
 from bench.discrepancy.joint.late import Late, found_late, holds, moved
 from bench.discrepancy.joint.settings import LATE_ERRORS, NAME_NATS
 from bench.discrepancy.select.logged import judged_by
@@ -47,9 +49,9 @@ def searched(hidden: Added) -> Search:
 
 
 def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> None:
-    late = found_late(searched((LATE,)))
-    assert late is not None
-    assert late.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
+    found = found_late(searched((LATE,)))
+    assert found is not None
+    assert found.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
 
 
 def test_what_a_late_detection_is_told_by_is_said() -> None:
@@ -67,6 +69,17 @@ def test_it_is_none_where_waveforms_show_what_no_effect_explains() -> None:
     search = searched((LATE,))
     assert holds(search, LATE, WaveChoice((LATE,)))
     assert not holds(search, LATE, WaveChoice((LATE,), unexplained=True))
+
+
+def test_beside_what_reshapes_pulses_a_late_path_is_late_however_it_is_timed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search, beside = searched((LATE,)), WaveChoice((PathLoss(offset_db=0.5), LATE))
+    assert holds(search, LATE, beside)
+    centred = [one for one in TIMED if one.at is not None]
+    monkeypatch.setattr(late, "_late", lambda _, detector: detector in (USUAL, *centred))
+    assert not holds(search, LATE, beside)  # at its centre of weight the pulse is not late
+    assert holds(search, LATE, WaveChoice((LATE,)))
 
 
 def test_first_paths_found_elsewhere_are_seen_unless_a_set_has_that() -> None:
