@@ -20,6 +20,7 @@ from bench.discrepancy.joint.settings import LATE_ERRORS, NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.receiver.late_detection import LateDetection
@@ -71,15 +72,15 @@ def test_it_is_none_where_waveforms_show_what_no_effect_explains() -> None:
     assert not holds(search, LATE, WaveChoice((LATE,), unexplained=True))
 
 
-def test_beside_what_reshapes_pulses_a_late_path_is_late_however_it_is_timed(
+def test_beside_rays_that_meet_a_late_path_is_late_however_it_is_timed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    search, beside = searched((LATE,)), WaveChoice((PathLoss(offset_db=0.5), LATE))
+    search, beside = searched((LATE,)), WaveChoice((GroundBounce(strength_db=-30.0), LATE))
     assert holds(search, LATE, beside)
-    centred = [one for one in TIMED if one.at is not None]
-    monkeypatch.setattr(late, "_late", lambda _, detector: detector in (USUAL, *centred))
+    parts = [one for one in TIMED if one.at is not None]
+    monkeypatch.setattr(late, "_late", lambda _, detector: detector in (USUAL, *parts))
     assert not holds(search, LATE, beside)  # at its centre of weight the pulse is not late
-    assert holds(search, LATE, WaveChoice((LATE,)))
+    assert holds(search, LATE, WaveChoice((PathLoss(offset_db=0.5), LATE)))
 
 
 def test_first_paths_found_elsewhere_are_seen_unless_a_set_has_that() -> None:
