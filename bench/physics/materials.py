@@ -51,6 +51,10 @@ class Material:
         return complex(self.a * centre_ghz**self.b, -17.98 * conductivity / centre_ghz)
 
 
+WATER = Material(99.0, -0.19, 0.31, 1.79)
+"""Fresh water of 20 degrees between 3 and 10 GHz: Debye's law, relaxing at 17.1 GHz [P.527-6]."""
+
+
 @dataclass(frozen=True)
 class Obstacle:
     """An obstacle kind: its material and a typical thickness of that material in metres."""
@@ -115,6 +119,16 @@ def reflection(permittivity: complex, incidence_rad: Floats) -> Complex:
     cosine = np.cos(incidence_rad)
     inside = np.sqrt(permittivity - np.sin(incidence_rad) ** 2 + 0j)
     return np.asarray((cosine - inside) / (cosine + inside))
+
+
+def upright_reflection(permittivity: complex, incidence_rad: Floats) -> Complex:
+    """Return the Fresnel coefficient of a field within the plane of incidence: of upright antennas.
+
+    -1 at grazing incidence, as `reflection`; from Brewster's angle on it is turned around.
+    """
+    cosine = np.cos(incidence_rad)
+    inside = np.sqrt(permittivity - np.sin(incidence_rad) ** 2 + 0j)
+    return np.asarray((permittivity * cosine - inside) / (permittivity * cosine + inside))
 
 
 def _materials() -> dict[str, Material]:

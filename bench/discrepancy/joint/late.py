@@ -22,7 +22,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View, swapped, without
 from bench.discrepancy.data.observables import NOISE, RANGE
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.detector import USUAL, Detector, Heard, as_deaf, learned
+from bench.discrepancy.joint.detector import TIMED, USUAL, Detector, Heard, as_deaf, learned
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
     CLASS_NATS,
@@ -41,8 +41,13 @@ from bench.discrepancy.joint.settings import (
 from bench.discrepancy.locate.rare import struck_above
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import MAD_TO_STD, ROWS_P
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.units import C_M_PER_NS, Floats
+
+MEET = (GroundBounce, SpecularReflections)
+"""Effects whose rays meet the straight one within its pulse, at another phase in every link."""
 
 
 @dataclass(frozen=True)
@@ -241,11 +246,17 @@ def with_late(search: Search, late: LateDetection, choice: WaveChoice) -> WaveCh
 def holds(search: Search, late: LateDetection, choice: WaveChoice) -> bool:
     """Return whether first paths are found late beside all other effects of a set, too.
 
-    Not where waveforms hold what no effect explains: that may move edges.
+    Not where waveforms hold what no effect explains: that may move edges. Rays of a set that meet
+    the straight one reshape the pulse of every link otherwise, which moves an index by the part of
+    a pulse that a receiver times. No index of a plain pulse tells that part, so beside these paths
+    must be late however they are timed.
     """
     if choice.unlisted:
         return False
-    return _late(seen_beside(search, compared_rows(search), without(choice.added, late)))
+    rest = without(choice.added, late)
+    seen = seen_beside(search, compared_rows(search), rest)
+    ways = TIMED if any(isinstance(one, MEET) for one in rest) else ()
+    return all(_late(seen, one) for one in (USUAL, *ways))
 
 
 def moved(search: Search, choice: WaveChoice) -> bool:

@@ -4,7 +4,15 @@ from physics_scenes import room
 
 from bench.errors import BenchError
 from bench.physics.images import image_paths, orders
-from bench.physics.materials import excess_m, loss_db, material, obstacle, reflection
+from bench.physics.materials import (
+    WATER,
+    excess_m,
+    loss_db,
+    material,
+    obstacle,
+    reflection,
+    upright_reflection,
+)
 from bench.physics.scene import scene
 from bench.physics.slabs import of_kind, of_metal, slabs
 
@@ -102,3 +110,17 @@ def test_floor_and_ceiling_have_their_own_materials() -> None:
     assert abs(length[0, floor] - np.hypot(3, 2)) < 1e-9
     assert np.abs(factor[0, floor]) > 0.99
     assert np.delete(np.abs(factor[0]), floor).max() < 0.2
+
+
+def test_upright_fields_are_not_returned_at_brewsters_angle() -> None:
+    brewster = np.arctan(np.sqrt(4.0))
+    angles = np.array([0.0, brewster, np.pi / 2 - 1e-6])
+    steep, none, grazing = upright_reflection(4.0 + 0j, angles)
+    np.testing.assert_allclose([steep, none, grazing], [1 / 3, 0, -1], atol=1e-4)
+    np.testing.assert_allclose(steep, -reflection(4.0 + 0j, angles)[0])
+
+
+def test_water_relaxes_as_debye_says() -> None:
+    for ghz in (3.5, 4.5, 6.5, 8.0):
+        debye = 5.2 + 74.9 / (1 + 1j * ghz / 17.1)
+        assert abs(WATER.permittivity(ghz) - debye) < 3.5

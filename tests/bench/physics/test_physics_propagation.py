@@ -206,6 +206,35 @@ def test_a_floor_seen_from_uncertain_heights_turns_the_carrier_of_every_link() -
     assert turned.std() > 0.2
 
 
+def _bounced(**values: float) -> np.ndarray:
+    frame = line(64, tx_z_m=1.0, rx_z_m=2.0, link=[f"l{i // 2}" for i in range(64)])
+    batch = Base().paths(scene(frame))
+    return GroundBounce(**values).apply(batch, Draws(0, 0, "x", 0)).gain[2:, 1]
+
+
+def test_no_two_links_see_ground_that_is_alike() -> None:
+    plain, larger, rough = (_bounced(), _bounced(spread_db=6.0), _bounced(rough=0.7))
+    by = larger / plain
+    np.testing.assert_allclose(by.imag, 0, atol=1e-4)  # what differs in size alone is not turned
+    np.testing.assert_allclose(by[::2], by[1::2], rtol=1e-4)  # of links
+    assert 3 < (20 * np.log10(np.abs(by))).std() < 9
+    assert 0.4 < np.abs(rough / plain - 1).std() + np.abs(rough / plain - 1).mean() < 1.4
+    assert np.angle(rough / plain).std() > 0.2
+
+
+def test_upright_fields_are_turned_around_past_brewsters_angle_and_water_reflects_when_steep() -> (
+    None
+):
+    level, upright, wet = _bounced(), _bounced(upright=1.0), _bounced(wet=1.0)
+    turned = (upright / level).real
+    assert turned[0] < 0 < turned[-1]  # steep where ends are near, grazing far off
+    share = np.abs(wet / level)
+    assert share[0] > 1.5
+    assert share[0] > share[-1] > 1.0
+    half = _bounced(upright=0.5)
+    np.testing.assert_allclose(half, (level + upright) / 2, rtol=1e-4, atol=1e-9)
+
+
 def test_tail_decays_as_asked_and_has_the_level_asked_for() -> None:
     frame = line(4096, far_m=2.0)
     effect = DiffuseTail(

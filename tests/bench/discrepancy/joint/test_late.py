@@ -12,12 +12,15 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import late
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.detector import TIMED, USUAL
 from bench.discrepancy.joint.late import Late, found_late, holds, moved
 from bench.discrepancy.joint.settings import LATE_ERRORS, NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.receiver.late_detection import LateDetection
@@ -47,9 +50,9 @@ def searched(hidden: Added) -> Search:
 
 
 def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> None:
-    late = found_late(searched((LATE,)))
-    assert late is not None
-    assert late.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
+    found = found_late(searched((LATE,)))
+    assert found is not None
+    assert found.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
 
 
 def test_what_a_late_detection_is_told_by_is_said() -> None:
@@ -67,6 +70,17 @@ def test_it_is_none_where_waveforms_show_what_no_effect_explains() -> None:
     search = searched((LATE,))
     assert holds(search, LATE, WaveChoice((LATE,)))
     assert not holds(search, LATE, WaveChoice((LATE,), unexplained=True))
+
+
+def test_beside_rays_that_meet_a_late_path_is_late_however_it_is_timed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search, beside = searched((LATE,)), WaveChoice((GroundBounce(strength_db=-30.0), LATE))
+    assert holds(search, LATE, beside)
+    parts = [one for one in TIMED if one.at is not None]
+    monkeypatch.setattr(late, "_late", lambda _, detector: detector in (USUAL, *parts))
+    assert not holds(search, LATE, beside)  # at its centre of weight the pulse is not late
+    assert holds(search, LATE, WaveChoice((PathLoss(offset_db=0.5), LATE)))
 
 
 def test_first_paths_found_elsewhere_are_seen_unless_a_set_has_that() -> None:
