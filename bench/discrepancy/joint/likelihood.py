@@ -65,7 +65,8 @@ def _whitening(scatter: Floats, size: float, responses: Responses) -> tuple[Floa
 def _nats(flat: Floats, volume: float) -> float:
     """Return the log likelihood of what is left, whitened [L, p], but for a constant."""
     freedom = TAIL + flat.shape[1]
-    return -0.5 * freedom * float(np.log1p((flat**2).sum(axis=1) / TAIL).sum()) - 0.5 * volume
+    square = np.log1p((flat**2).sum(axis=1) / TAIL)
+    return -0.5 * freedom * float(square.sum()) - 0.5 * volume
 
 
 def white(matrices: Floats, values: Floats) -> Floats:
@@ -93,9 +94,10 @@ def misfits(given: Statistics, moments: Moments, responses: Responses) -> Floats
     """Return what a set leaves [L, p], in scatters of its links: of size 1 where it is right.
 
     A posterior predictive check (Gelman, Meng and Stern 1996): among other sets the likeliest may
-    be far off all the same. Forms and what devices have of their own are at their likeliest.
+    be far off all the same. Forms and what devices have of their own are at their likeliest; links
+    may differ by the largest share of a response that is allowed: its likeliest makes all fit.
     """
-    matrices, _ = whitener(given, moments, responses)
+    matrices, _ = _whitening(_scatter(given, moments), ALONE[-1], responses)
     flat = white(matrices, moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in responses]
     columns = np.concatenate([own_columns(matrices, moments), *forms], axis=2)
