@@ -107,7 +107,12 @@ def clipped(frame: pd.DataFrame) -> str:
     same = float(np.mean(tops > tops.max() * (1 - CLIPPED_SAME)))
     if same < CLIPPED_ROWS or same * len(tops) < 2 * STUCK_PLACES:
         return ""
-    return f"samples are clipped at {tops.max():.4g} counts, in {same:.0%} of the rows"
+    return f"samples are clipped at {_counts(tops.max())} counts, in {same:.0%} of the rows"
+
+
+def _counts(size: float) -> str:
+    """Return counts in words: a whole number with all its digits, as 16383 is of 14 bits."""
+    return f"{size:.0f}" if size >= 1 and size == round(size) else f"{size:.4g}"
 
 
 def stuck(frame: pd.DataFrame) -> str:

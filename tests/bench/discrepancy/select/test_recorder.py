@@ -48,8 +48,9 @@ def test_what_is_right_bears_no_mark() -> None:
 
 
 def test_clipped_peaks_share_one_value() -> None:
-    words = clipped(frame(np.minimum(samples(), 3000)))
-    assert "clipped at 3000 counts" in words
+    for most, words in ((3000, "3000"), (3001.0, "3001"), (0.25, "0.25"), (2999.5, "3000")):
+        scale = most / 3000
+        assert f"clipped at {words} counts" in clipped(frame(scale * np.minimum(samples(), 3000)))
 
 
 def test_stuck_samples_stand_out_in_every_row_above_or_below() -> None:
