@@ -64,7 +64,7 @@ def _whitening(scatter: Floats, size: float, responses: Responses) -> tuple[Floa
 
 def _nats(flat: Floats, volume: float) -> float:
     """Return the log likelihood of what is left, whitened [L, p], but for a constant."""
-    freedom = TAIL + flat.shape[1]
+    freedom = float(TAIL + flat.shape[1])
     square = np.log1p((flat**2).sum(axis=1) / TAIL)
     return -0.5 * freedom * float(square.sum()) - 0.5 * volume
 
