@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
 from bench.discrepancy.confirm import Confirmed, is_farther
 from bench.discrepancy.law.found import FAULT, LAW
+from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.one_device import all_at_device, left_at_device
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE
@@ -16,6 +17,7 @@ from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 NOT_ADDED: Final = "Nothing was added to the simulator."
 WITHHELD: Final = "was not added"
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
+Findings = tuple[Finding, ...]
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 TOLD = (FAULT, LAW)
 
@@ -89,7 +91,7 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
         return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)
     if not names:
-        return f"Something is there, without a name{cause}{told or _weak(unknown)}"
+        return f"Something is there, without a name{cause}{told or _weak(verdicts)}"
     found = f"Left out: {names}{cause} - and something without a name"
     return found + (told or _device(verdicts))
 
@@ -114,15 +116,20 @@ def _alike(seen: Confirmed) -> str:
 
 def _device(verdicts: tuple[Verdict, ...]) -> str:
     """Return at which device something without a name shows beside names, "" where at none."""
-    unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
-    seen = [one for v in unknown if not v.cause for one in left_at_device(v.findings)]
-    return f" ({seen[0].what} {seen[0].cell.place.where()})" if seen else ""
+    seen = _first(verdicts, left_at_device)
+    return f" ({seen.what} {seen.cell.place.where()})" if seen else ""
 
 
-def _weak(unknown: list[Unknown]) -> str:
+def _weak(verdicts: tuple[Verdict, ...]) -> str:
     """Return at which device, and how much, all that has no name shows, "" where at none."""
-    seen = [one for v in unknown if not v.cause for one in all_at_device(v.findings)[:1]]
-    return f" ({seen[0].what} {seen[0].effect} {seen[0].cell.place.where()})" if seen else ""
+    seen = _first(verdicts, all_at_device)
+    return f" ({seen.what} {seen.effect} {seen.cell.place.where()})" if seen else ""
+
+
+def _first(verdicts: tuple[Verdict, ...], at: Callable[[Findings], Findings]) -> Finding | None:
+    """Return the first finding without a name or a cause that is `at` a device, None where none."""
+    unknown = (one for one in verdicts if isinstance(one, Unknown) and not one.cause)
+    return next((found for one in unknown for found in at(one.findings)), None)
 
 
 def _only_median(seen: Confirmed) -> bool:

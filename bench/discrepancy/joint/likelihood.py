@@ -37,9 +37,9 @@ def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple
     larger one than there is would make a smaller response, which asks for less, look likelier.
     """
     scatter = _scatter(given, moments)
-    made = [_whitening(scatter, size, responses) for size in (ALONE if responses else ALONE[:1])]
-    if len(made) == 1:
-        return made[0]
+    if not responses:
+        return _whitening(scatter, 0.0, responses)
+    made = (_whitening(scatter, size, responses) for size in ALONE)
     return max(made, key=lambda one: _nats(white(one[0], moments.left), one[1]))
 
 

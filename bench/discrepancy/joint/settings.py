@@ -31,11 +31,7 @@ WEIGHED: Final = 4  # sets to weigh, from which on forks do it sooner (changes n
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
 TAIL: Final = 30.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]
-ALONE: Final = (
-    0.025,
-    0.05,
-    0.1,
-)  # of a response, that links may differ by: one of these [convention]
+ALONE: Final = (0.025, 0.05, 0.1)  # of a response, that links differ by: one of these [convention]
 FORMS: Final = (0.1, 0.2, 0.3)  # of a response, that another form of it may differ by: one of these
 CURVE_PARTS: Final = 5  # of the links, in each of which a curve of a receiver's own is free [cost]
 UNEVEN: Final = (0.3, 1.0)  # of a response, that links have more or less of it in all at once

@@ -44,14 +44,14 @@ class Weighing:
 
     def weigh(self, fits: Iterable[Fit]) -> None:
         """Weigh sets beside one another, where many were not."""
-        new = _by_effects(fits, self._evidences)
+        new = _by_key(fits, self._evidences)
         if len(new) >= WEIGHED:
             for fit, nats in zip(new, in_forks(self._evidence, new), strict=True):
                 self._evidences.keep(fit.key, nats)
 
     def weigh_plain(self, fits: Iterable[Fit]) -> None:
         """Find beside one another what sets need, with what that is worth."""
-        new = _by_effects(fits, self._plains)
+        new = _by_key(fits, self._plains)
         for fit, (plain, nats) in zip(new, in_forks(self._plain_worth, new), strict=True):
             self._plains.keep(fit.key, plain)
             self._evidences.keep(plain.key, nats)
@@ -68,7 +68,7 @@ class Weighing:
         return quiet + evidence(self.given, fit.moments, fit.responses, fit.parameters)
 
 
-def _by_effects(fits: Iterable[Fit], known: Memory[float] | Memory[Fit]) -> Sequence[Fit]:
+def _by_key(fits: Iterable[Fit], known: Memory[float] | Memory[Fit]) -> Sequence[Fit]:
     """Return one set of each kind that is not `known` yet."""
     each = {fit.key: fit for fit in fits}
     return [fit for fit in each.values() if known.find(fit.key) is None]

@@ -257,11 +257,13 @@ def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
     if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
         return False
     added = (*kept, _effect(alone))
-    rows, kinds, both = search.work, search.kinds, (kept, added)
-    before, after = (strike(search.comparison, rows, some, some, kinds) for some in both)
-    if before is None or after is not None:
-        return after is None
-    return left_far(search.comparison, rows, *both, before.struck) <= EXPLAINED_STRAYS
+    comparison, rows, kinds = search.comparison, search.work, search.kinds
+    if strike(comparison, rows, added, added, kinds) is not None:
+        return False
+    before = strike(comparison, rows, kept, kept, kinds)
+    if before is None:
+        return True
+    return left_far(comparison, rows, kept, added, before.struck) <= EXPLAINED_STRAYS
 
 
 def _effect(proposal: Proposal) -> Law:

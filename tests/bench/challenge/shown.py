@@ -40,6 +40,11 @@ def rows_of(family: str) -> pd.DataFrame:
     return tables_of(family, "").recorded
 
 
+def column_of(family: str, column: str) -> np.ndarray:
+    """Return a column of `rows_of`, as numbers [n]."""
+    return rows_of(family)[column].to_numpy(np.float64)
+
+
 def are_of(family: str, *kinds: str) -> np.ndarray:
     """Return which of `rows_of` are of tags of some kinds [n]."""
     return np.asarray(rows_of(family)["tx"].str.startswith(kinds), bool)

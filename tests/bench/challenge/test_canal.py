@@ -46,18 +46,9 @@ from tests.bench.challenge import shown
 _are = partial(shown.are_of, "canal")
 _shift = partial(shown.shift_of, "canal")
 _tables = partial(shown.tables_of, "canal")
-
-
-def _rows() -> pd.DataFrame:
-    return shown.rows_of("canal")
-
-
-def _known() -> pd.DataFrame:
-    return shown.known_of("canal")
-
-
-def _of(column: str) -> np.ndarray:
-    return _rows()[column].to_numpy(np.float64)
+_rows = partial(shown.rows_of, "canal")
+_known = partial(shown.known_of, "canal")
+_of = partial(shown.column_of, "canal")
 
 
 def _davits() -> np.ndarray:

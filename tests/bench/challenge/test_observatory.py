@@ -32,18 +32,9 @@ from tests.bench.challenge import shown
 _are = partial(shown.are_of, "observatory")
 _shift = partial(shown.shift_of, "observatory")
 _tables = partial(shown.tables_of, "observatory")
-
-
-def _rows() -> pd.DataFrame:
-    return shown.rows_of("observatory")
-
-
-def _known() -> pd.DataFrame:
-    return shown.known_of("observatory")
-
-
-def _of(column: str) -> np.ndarray:
-    return _rows()[column].to_numpy(np.float64)
+_rows = partial(shown.rows_of, "observatory")
+_known = partial(shown.known_of, "observatory")
+_of = partial(shown.column_of, "observatory")
 
 
 def _sconces() -> np.ndarray:

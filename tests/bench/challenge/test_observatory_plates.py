@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy.special import fresnel
 
@@ -43,9 +43,7 @@ from bench.challenge.families.observatory_wave_effects import (
 )
 from tests.bench.challenge import shown
 
-
-def _known() -> pd.DataFrame:
-    return shown.known_of("observatory")
+_known = partial(shown.known_of, "observatory")
 
 
 def test_rules_of_two_lags_and_of_equal_weights_are_right_for_cubics() -> None:

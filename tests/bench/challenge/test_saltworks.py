@@ -49,18 +49,9 @@ from tests.bench.challenge import shown
 _are = partial(shown.are_of, "saltworks")
 _shift = partial(shown.shift_of, "saltworks")
 _tables = partial(shown.tables_of, "saltworks")
-
-
-def _rows() -> pd.DataFrame:
-    return shown.rows_of("saltworks")
-
-
-def _known() -> pd.DataFrame:
-    return shown.known_of("saltworks")
-
-
-def _of(column: str) -> np.ndarray:
-    return _rows()[column].to_numpy(np.float64)
+_rows = partial(shown.rows_of, "saltworks")
+_known = partial(shown.known_of, "saltworks")
+_of = partial(shown.column_of, "saltworks")
 
 
 def _vanes() -> np.ndarray:

@@ -79,9 +79,12 @@ class GroundBounce(Effect):
         """Return what ground, some of it wet, returns [n] of a field, some of it upright."""
         out = np.zeros(len(incidence_rad), np.complex64)
         for part, kind in ((1 - self.wet, material(self.ground)), (self.wet, WATER)):
-            dense = kind.permittivity(centre_ghz)
-            out += part * (1 - self.upright) * reflection(dense, incidence_rad)
-            out += part * self.upright * upright_reflection(dense, incidence_rad)
+            for share, returns in (
+                (part * (1 - self.upright), reflection),
+                (part * self.upright, upright_reflection),
+            ):
+                if share:
+                    out += share * returns(kind.permittivity(centre_ghz), incidence_rad)
         return np.asarray(out)
 
     def _of_links(self, batch: Batch, extra_m: Floats, sine: Floats, draws: Draws) -> Complexes:
