@@ -208,8 +208,8 @@ def diagnose(
         recorded.label, name, found, added, confirmed, rows.split, after, mix, asked, lost, base,
         law, said.fault, kept, measured, (link_count(whole), link_count(frame)), numbers,
     )  # fmt: skip
-    again = replace(options or Options(), waveform=False)
-    return or_without(made, lambda: diagnose(recorded, simulated, again, progress, kinds))
+    alone = replace(asked, waveform=False)  # what is hidden as untrue stays so
+    return or_without(made, lambda: diagnose(recorded, simulated, alone, progress, kinds))
 
 
 def compared_with(
