@@ -39,7 +39,7 @@ def shape_figures(
     return dict(zip(COLUMNS, out.T, strict=True)), bins
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def compiled(loop: Callable[..., None]) -> Callable[..., None]:
     """Return a loop as machine code that lets other threads run."""
     import numba

@@ -23,11 +23,14 @@ from bench.discrepancy.joint.settings import (
     WEIGHINGS,
 )
 from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.discrepancy.joint.whitening import cholesky, inverted, solved
 
 Floats = NDArray[np.float64]
 Responses = Sequence[Floats]
 Free = tuple[float, Floats]
 NONE: Free = 0.0, np.zeros((0, 0))
+Root = tuple[Floats, float]
+"""Lower roots [L, p, p] of covariances, and their log volume."""
 
 
 def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple[Floats, float]:
@@ -36,11 +39,19 @@ def whitener(given: Statistics, moments: Moments, responses: Responses) -> tuple
     Links may differ from each response by a share of it by themselves: the likeliest of some. A
     larger one than there is would make a smaller response, which asks for less, look likelier.
     """
-    scatter = _scatter(given, moments)
-    if not responses:
-        return _whitening(scatter, 0.0, responses)
-    made = (_whitening(scatter, size, responses) for size in ALONE)
-    return max(made, key=lambda one: _nats(white(one[0], moments.left), one[1]))
+    _, (root, volume) = _likeliest_root(given, moments, moments.left, responses)
+    return inverted(root), volume
+
+
+def _likeliest_root(
+    given: Statistics, moments: Moments, left: Floats, responses: Responses
+) -> tuple[float, Root]:
+    """Return how likely what is `left` [L, p] is in nats, and the root of the scatter it has."""
+    scatter, sizes = _scatter(given, moments), ALONE if responses else (0.0,)
+    made = [_root(scatter, size, responses) for size in sizes]
+    nats = [_nats(solved(root, left), volume) for root, volume in made]
+    best = int(np.argmax(nats))
+    return nats[best], made[best]
 
 
 def _scatter(given: Statistics, moments: Moments) -> Floats:
@@ -52,14 +63,12 @@ def _scatter(given: Statistics, moments: Moments) -> Floats:
     return covariance
 
 
-def _whitening(scatter: Floats, size: float, responses: Responses) -> tuple[Floats, float]:
-    """Return what whitens links that differ by a share of each response, and the log volume."""
+def _root(scatter: Floats, size: float, responses: Responses) -> Root:
+    """Return the root of the scatter of links that differ by a share of each response."""
     covariance, places = scatter.copy(), np.arange(scatter.shape[1])
     for response in responses:
         covariance[:, places, places] += (size * response) ** 2
-    root = np.linalg.cholesky(covariance)
-    volume = 2 * float(np.log(np.einsum("lii->li", root)).sum())
-    return np.asarray(np.linalg.inv(root)), volume
+    return cholesky(covariance)
 
 
 def _nats(flat: Floats, volume: float) -> float:
@@ -86,8 +95,8 @@ def fitness(
 
     Links far off count by the logarithm of how far (Student's t).
     """
-    matrices, volume = whitener(given, moments, responses)
-    return paid(given, _nats(white(matrices, left), volume) + moments.within, parameters)
+    nats, _ = _likeliest_root(given, moments, left, responses)
+    return paid(given, nats + moments.within, parameters)
 
 
 def misfits(given: Statistics, moments: Moments, responses: Responses) -> Floats:
@@ -97,7 +106,7 @@ def misfits(given: Statistics, moments: Moments, responses: Responses) -> Floats
     be far off all the same. Forms and what devices have of their own are at their likeliest; links
     may differ by the largest share of a response that is allowed: its likeliest makes all fit.
     """
-    matrices, _ = _whitening(_scatter(given, moments), ALONE[-1], responses)
+    matrices = inverted(_root(_scatter(given, moments), ALONE[-1], responses)[0])
     flat = white(matrices, moments.left)
     forms = [columns_of(matrices, FORMS[1] * one, given.ways) for one in responses]
     columns = np.concatenate([own_columns(matrices, moments), *forms], axis=2)
