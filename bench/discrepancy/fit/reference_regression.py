@@ -88,12 +88,14 @@ def _fitted(X: Floats, fit: Ensemble, which: int, X_held: Floats) -> tuple[Float
     best, left = None, y[known] - y[known].mean()
     shift = np.full(len(X_held), y[known].mean())
     if folds and min(len(taught) for taught, _ in folds) > 1:  # one row teaches no curve
-        for model in [*_models(), *_fine(X[known])]:
-            guess = cross_val_predict(model, X[known], y[known], cv=folds)
+        every = list(range(X.shape[1]))
+        for model, columns in [*((one, every) for one in _models()), *_fine(X[known])]:
+            guess = cross_val_predict(model, X[known][:, columns], y[known], cv=folds)
             if np.mean(np.abs(y[known] - guess)) < REGRESSION_BETTER * np.mean(np.abs(left)):
-                best, left = model, y[known] - guess
+                best, left = (model, columns), y[known] - guess
     if best is not None:
-        shift = best.fit(X[known], y[known]).predict(X_held)
+        model, columns = best
+        shift = model.fit(X[known][:, columns], y[known]).predict(X_held[:, columns])
     return np.asarray(shift, np.float64), float(max(left.std() / max(spread, 1e-12), LEAST_SCALE))
 
 
@@ -116,16 +118,12 @@ def _models() -> list[Any]:
     return [smooth, trees]
 
 
-def _fine(X: Floats) -> list[Any]:
+def _fine(X: Floats) -> list[tuple[Any, list[int]]]:
     """Return a fine spline regression on each number alone (columns with many values)."""
-    from sklearn.compose import ColumnTransformer
     from sklearn.linear_model import RidgeCV
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import SplineTransformer
 
     numbers = [j for j in range(X.shape[1]) if len(np.unique(X[:, j])) > REGRESSION_KNOTS[1]]
     spline = SplineTransformer(REGRESSION_KNOTS[1], knots="quantile", extrapolation="constant")
-    return [
-        make_pipeline(ColumnTransformer([("fine", spline, [j])]), RidgeCV(np.logspace(-3, 3, 7)))
-        for j in numbers
-    ]
+    return [(make_pipeline(spline, RidgeCV(np.logspace(-3, 3, 7))), [j]) for j in numbers]
