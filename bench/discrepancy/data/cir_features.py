@@ -6,17 +6,14 @@ simulated waveform, so this is where its time went.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.data.compiled import compiled
 from bench.discrepancy.settings import EARLY_FEWEST, NOISE_BEFORE_NS
 
 Floats = NDArray[np.float64]
 COLUMNS = ("total", "peak", "rise", "excess", "spread", "kurtosis", "lead", "early")
-ANY_ORDER = {"reassoc", "contract", "nsz"}  # of sums; NaN keeps its meaning
 Levels = tuple[float, float, float]
 
 
@@ -37,19 +34,6 @@ def shape_figures(
     compiled(crossings)(magnitude, delay, noise, np.array(levels), out)
     compiled(early)(magnitude, delay, NOISE_BEFORE_NS, out)
     return dict(zip(COLUMNS, out.T, strict=True)), bins
-
-
-@lru_cache(maxsize=32)
-def compiled(loop: Callable[..., None]) -> Callable[..., None]:
-    """Return a loop as machine code that lets other threads run."""
-    import numba
-
-    made: Callable[..., None]
-    try:
-        made = numba.njit(nogil=True, cache=True, fastmath=ANY_ORDER)(loop)
-    except RuntimeError:  # nowhere to keep the machine code: compile it in every process
-        made = numba.njit(nogil=True, fastmath=ANY_ORDER)(loop)
-    return made
 
 
 def cut(
