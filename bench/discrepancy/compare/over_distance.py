@@ -57,8 +57,9 @@ def nearer(
     """Return by how much observables [n, p] change from one distance [n] in metres to our own."""
     here, there = _decades(ours), _decades(theirs)
     walked = [over.get(name, Walk(0.0)) for name in names]
-    change = [walk.at(here) - walk.at(there) for walk in walked]
-    return np.asarray(np.nan_to_num(np.stack(change, axis=1)))
+    slopes, bends = (np.array([getattr(one, of) for one in walked]) for of in ("slope", "bend"))
+    change = np.multiply.outer(here - there, slopes) + np.multiply.outer(here**2 - there**2, bends)
+    return np.asarray(np.nan_to_num(change))
 
 
 def of_links(links: Rows, kinds: Rows) -> tuple[Rows, Rows]:
