@@ -38,10 +38,10 @@ TURNS_DBM, BENDS_DB = -85.4, 3.2  # of biases: where there are none; how soon th
 MARK_M, GOLDEN = 0.11, (1 + 5**0.5) / 2  # a short knot of a lane's rope; a long one by a short one
 SLOWER: Floats = np.array([0.0105, 0.0045, 0.0])  # by how much rules are short, by axes
 POLES_M: Floats = np.array([
-    (7.2, 4.0), (7.2, 16.0), (19.5, 3.8), (19.5, 16.2), (31.8, 4.0), (31.8, 16.0), (36.9, 10.0),
-    (2.0, 10.0),
+    *((x, y) for x in (7.2, 12.1, 17.0, 22.0, 26.9, 31.8) for y in (3.8, 16.2)), (36.9, 10.0),
+    (33.4, 1.0), (33.4, 19.0), (2.0, 10.0), (3.1, 1.2), (3.1, 18.8),
 ])  # fmt: skip
-"""Where ladders' and masts' poles of steel are, east and north."""
+"""Where ladders', ropes' and masts' poles of steel are, east and north."""
 PUMP_M: Floats = np.array([38.5, 17.5, 0.6])  # filters' drive
 WATER = 64.0 - 29.0j  # permittivity, at 8 GHz and 27 degrees
 SWELL_M = 0.011  # how high ripples are
@@ -86,15 +86,15 @@ def _wander(heat: Heat, strength: float) -> Splash:
     return Splash(PER_PPM_M * 0.026 * strength * ppm * heat["reply_time_s"])
 
 
-def volume(warm_c: Floats | float) -> Floats:
-    """Return by what part water takes up more than at 3.99 degrees C (Thiesen 1900)."""
+def thinner(warm_c: Floats | float) -> Floats:
+    """Return by what part water is less dense than at 3.99 degrees C (Thiesen 1900)."""
     warm = np.asarray(warm_c, np.float64)
     return np.asarray((warm - 3.9863) ** 2 * (warm + 288.9414) / 508929.2 / (warm + 68.12963))
 
 
 def _expands(heat: Heat, strength: float) -> Splash:
     """Drift as water expands with warmth that housings are full of."""
-    return Splash(EXPANDS_M * strength * (volume(heat["temperature_c"]) - volume(CALM_C)))
+    return Splash(EXPANDS_M * strength * (thinner(heat["temperature_c"]) - thinner(CALM_C)))
 
 
 def sagitta(at: Floats) -> Floats:
