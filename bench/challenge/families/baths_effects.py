@@ -33,7 +33,7 @@ KRONROD: Floats = np.array([
 ])  # fmt: skip
 """Places beside the middle of an exchange, in halves of it, and their weights (Kronrod 1965)."""
 OCTAVES_S = (5.2 * 3600, 2.6 * 3600, 1.3 * 3600)  # of what crystals wander by
-EXPANDS_M, CALM_C = 26.0, 27.0  # by which water's volume drifts; at which that was calibrated
+EXPANDS_M, CALM_C = 26.0, 27.0  # by which what water fills drifts; where it was calibrated
 TURNS_DBM, BENDS_DB = -85.4, 3.2  # of biases: where there are none; how soon they bend
 MARK_M, GOLDEN = 0.11, (1 + 5**0.5) / 2  # a short knot of a lane's rope; a long one by a short one
 SLOWER: Floats = np.array([0.0105, 0.0045, 0.0])  # by how much rules are short, by axes
@@ -276,8 +276,8 @@ def _lockers(heat: Heat, strength: float) -> Splash:
     near = link(lambda n: drawn.uniform(0.22, 0.7, n))
     wide = np.minimum(link(lambda n: drawn.uniform(0.3, 0.9, n)), 0.2 * heat.far)
     legs = (near * (heat.far - wide), wide, (1 - near) * (heat.far - wide))
-    over = np.sqrt(strength) * link(lambda n: drawn.uniform(0.08, 0.3, n))
-    tilt = over + 0.05 * link(lambda n: drawn.uniform(-1.0, 1.0, n))
+    over = np.sqrt(strength) * link(lambda n: drawn.uniform(0.02, 0.18, n)) - 0.12
+    tilt = over + 0.005 * link(lambda n: drawn.uniform(-1.0, 1.0, n))
     lost = over_two_db(legs, (over, tilt))
     detour = np.hypot(over, legs[0]) + np.hypot(over - tilt, wide) + np.hypot(tilt, legs[2])
     runs = strength * link(lambda n: drawn.triangular(0.05, 0.08, 0.14, n))

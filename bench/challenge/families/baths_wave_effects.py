@@ -50,7 +50,7 @@ FLUTTERS: tuple[tuple[int, ...], ...] = (
 """By which walls, in turn, waves are heard."""
 NEXT = 3.0  # samples past which walls are heard
 JETS, CALMS = 9, 2.3  # jets of water that scatter; nepers until the last
-WEARS = 1.15  # how unlike powers are (Birnbaum, Saunders)
+WEARS = 1.0  # how unlike powers are (Birnbaum, Saunders)
 STAYS = 0.76  # of what is unlike from one sample to the next
 HARD, SOFT = 30.0, 9.0  # samples: tiles return for so long; water takes a power of time
 RING, DIES, CAUSTIC = 40, 12.0, 0.85  # samples; to 1 / e; samples by which Airy's swings are
