@@ -10,6 +10,7 @@ import pytest
 from bench.challenge.cases import make_case
 from bench.challenge.families import (
     aviary_listener,
+    baths_probe,
     bowls_dial,
     brickworks_reader,
     canal_staff,
@@ -38,6 +39,7 @@ OF_ITS_OWN = {
     "canal": {"craft", "reach", "done_s"},
     "saltworks": {"gang", "swing", "done_s"},
     "observatory": {"sort", "arm", "into_s"},
+    "baths": {"beat", "wears", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -60,6 +62,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (canal_staff.swash, canal_staff.OF_SIZES, -0.2),
         (saltworks_gauge.lapping, saltworks_gauge.OF_SIZES, -0.2),
         (observatory_plate.sky, observatory_plate.OF_SIZES, -0.2),
+        (baths_probe.gurgle, baths_probe.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -87,6 +90,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (canal_staff.splines, canal_staff.detained, 0.02),
         (saltworks_gauge.humps, saltworks_gauge.lagged, 0.02),
         (observatory_plate.stars, observatory_plate.exposed_later, 0.02),
+        (baths_probe.ripples, baths_probe.held_under, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
