@@ -31,7 +31,10 @@ from bench.physics.units import Floats
 
 @dataclass(frozen=True)
 class Heard:
-    """Samples about detected paths, and their noise [n] in the same unit, NaN where unknown."""
+    """Samples about detected paths, and the noise [n] of a component of them, NaN where unknown.
+
+    In the same unit: what is logged, how magnitudes of noise scatter, is 0.66 of that.
+    """
 
     samples: Samples
     noise: Floats

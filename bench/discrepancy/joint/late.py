@@ -41,6 +41,7 @@ from bench.discrepancy.joint.settings import (
 from bench.discrepancy.locate.rare import struck_above
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import MAD_TO_STD, ROWS_P
+from bench.physics.base import RAYLEIGH_STD
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.receiver.late_detection import LateDetection
@@ -169,7 +170,7 @@ def _recorded(search: Search, rows: View) -> Heard | None:
     """Return what recorded rows hold, None without samples."""
     samples, seen = recorded_samples(search.comparison, rows), rows.recorded
     noise = seen.column(NOISE) if NOISE in seen.names else np.full(len(rows.rows), np.nan)
-    return None if samples is None else Heard(samples, noise)
+    return None if samples is None else Heard(samples, noise / RAYLEIGH_STD)
 
 
 def _simulated(search: Search, rows: View, added: Added, number: int) -> Heard | None:
@@ -179,7 +180,7 @@ def _simulated(search: Search, rows: View, added: Added, number: int) -> Heard |
     if samples is None or not isinstance(comparison, Resimulation | TableComparison):
         return None
     outcome = comparison.outcome(rows, added, number)
-    return Heard(samples, np.asarray(outcome.noise_std, np.float64))
+    return Heard(samples, np.asarray(outcome.noise_std / RAYLEIGH_STD, np.float64))
 
 
 def _m(delay_ns: Floats) -> Floats:

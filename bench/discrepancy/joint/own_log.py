@@ -1,8 +1,8 @@
-"""What the log of noise in another tool's table is of: how much noise scatters, or its power.
+"""What the log of noise is of: how much noise scatters, or, in another tool's table, its power.
 
-Its own simulated rows say: their noise has no tone, and its log is 0.46 of the root of mean squares
-of magnitudes where it is their scatter, 0.71 where it is that of one component, and 1 where it is
-that root itself.
+Simulated rows say: their noise has no tone, and its log is 0.46 of the root of mean squares of
+magnitudes where it is their scatter, as where a simulator is run again, 0.71 where it is that of
+one component, and 1 where it is that root itself.
 """
 
 from __future__ import annotations
@@ -19,12 +19,11 @@ from bench.discrepancy.joint.statistics import Floats, Statistics
 
 
 def logs_scatter(given: Statistics, bare: Sequence[Record]) -> bool:
-    """Return whether another tool logs how much its noise scatters, as far as simulated rows say.
+    """Return whether it is logged how much noise scatters, as far as simulated rows say.
 
-    `bare` are versions of these. Not where a simulator is run again, whose log is known, nor where
-    too few rows have a log.
+    `bare` are versions of these. Not where too few rows have a log.
     """
-    if given.by_rows or NOISE not in given.names:
+    if NOISE not in given.names:
         return False
     every = [
         log_moments(magnitude[:, early_samples(delay)], logged)

@@ -14,30 +14,27 @@ from collections.abc import Iterable, Sequence
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.agreement import brings_its_own
 from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
-from bench.discrepancy.joint.chance import by_chance, off
+from bench.discrepancy.joint.chance import by_chance
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.joint.curve import beside_own_curve, with_own_curve
+from bench.discrepancy.joint.curve import beside_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
 from bench.discrepancy.joint.growth import larger
-from bench.discrepancy.joint.likelihood import left_free
 from bench.discrepancy.joint.nested import Nested
 from bench.discrepancy.joint.plainer import flat_gain
 from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
 from bench.discrepancy.joint.quiet import Quiet
+from bench.discrepancy.joint.remains import coloured, remains
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import (
     BEAM,
     CLASS_NATS,
     CLASS_SHARE,
-    LEFT_NATS,
-    LEFT_SHARE,
     MOST,
     NAME_NATS,
     NAME_SHARE,
     POLISHED,
     REFITTED,
-    SCATTERED_SHARE,
     SETTLED,
     STEPS,
 )
@@ -91,12 +88,7 @@ class Sets:
         best, rivals = self._settled()
         best = self.weighing.plain(best)
         explained = self.weighing.worth(best) - self.weighing.worth(self.none)
-        free = left_free(self.given, with_own_curve(best), best.responses, best.parameters)
-        left = max(free)
-        much = left > max(LEFT_NATS, LEFT_SHARE * (max(explained, 0) + left))
-        least = max(LEFT_NATS, SCATTERED_SHARE * explained)
-        much = much or (scatters_more(best, self.none) and free[1] > least)
-        much = much or (best.names != self.start.names and off(self.given, best, self.none))
+        left, much = self._left(best, explained)
         brings = {one: self._brings(best, one) for one in best.names}
         wider = tuple(n for n in best.names if scatters_more(best, self._without(best, n)))
         doubted = best.names if much else self._doubted(best)
@@ -106,6 +98,13 @@ class Sets:
             best.effects, rivals, brings, explained, left, much, self.start.names, wider, doubted,
             beyond, shown,
         )  # fmt: skip
+
+    def _left(self, best: Fit, explained: float) -> tuple[float, bool]:
+        """Return what something without a form brings beside a set, and if much (`remains`)."""
+        bare = remains(self.given, best, self.none, self.start, explained)
+        made = coloured(self.given, best, self.fits, self.weighing.evidence) if bare.much else None
+        found = remains(self.given, made, self.none, self.start, explained) if made else bare
+        return found.nats, found.much
 
     def _shown(self, fit: Fit, name: str) -> bool:
         """Return whether a log of its own shows a member, or samples of noise alone a tone.

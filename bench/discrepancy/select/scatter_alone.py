@@ -25,7 +25,7 @@ from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.scatter_shape import alike
 from bench.discrepancy.select.scatter_size import beside_simulated, extras, sized, variances
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import calm_rows, versions
+from bench.discrepancy.select.stepwise import calm_rows, locate_left, versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     FORM_SHARE,
@@ -38,6 +38,7 @@ from bench.physics.effect import Effect
 from bench.physics.units import Floats
 
 JUDGED = "evidence in the scatter within links"
+SCATTERED = {(RANGE, "spread"), (RANGE, "rows")}
 
 
 def scatter_alone(
@@ -46,13 +47,26 @@ def scatter_alone(
     """Return independent scatter as what all links are struck by, None where it is not that alone.
 
     Only where every finding is of how far ranges spread, links keep nothing of it and no other
-    cause makes it. The mean of a link's few rows scatters with them, so links may be off, too.
+    cause makes it. The mean of a link's few rows scatters with them, so links may be off, too; and
+    so may means of some rows be, which is no finding where rows scatter so (`_beside_scatter`).
     """
     kind = _kind(search, added, explanation)
     seen = {(f.cell.observable, f.cell.moment) for f in located.findings}
-    scattered = {(RANGE, "spread"), (RANGE, "rows")}
-    only = bool(scattered & seen) and seen <= scattered | {(RANGE, "link")}
-    return _scattering(search, added, kind) if kind and only else None
+    if kind is None or not SCATTERED & seen or {name for name, _ in seen} != {RANGE}:
+        return None
+    found = _scattering(search, added, kind)
+    only = seen <= SCATTERED | {(RANGE, "link")}
+    return found if found and (only or not _beside_scatter(search, added, found.effect)) else None
+
+
+def _beside_scatter(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether ranges differ by more than how far they spread, beside scatter, too.
+
+    Recorded and simulated rows that do not scatter alike do not change places: means of some
+    places then differ by more than permutations tell. With that scatter they do change places.
+    """
+    left = locate_left(search, (*added, effect), len(added) + 1)
+    return any(f.cell.observable == RANGE and f.cell.moment != "spread" for f in left.findings)
 
 
 def _kind(search: Search, added: Added, explanation: Explanation) -> type[Effect] | None:

@@ -16,6 +16,7 @@ from bench.discrepancy.joint import late
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.detector import TIMED, USUAL
 from bench.discrepancy.joint.late import Late, found_late, holds, moved
+from bench.discrepancy.joint.quiet_moments import early_samples
 from bench.discrepancy.joint.settings import LATE_ERRORS, NAME_NATS
 from bench.discrepancy.select.logged import judged_by
 from bench.discrepancy.select.state import Search
@@ -53,6 +54,18 @@ def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> Non
     found = found_late(searched((LATE,)))
     assert found is not None
     assert found.peak_fraction == pytest.approx(LATE.peak_fraction, abs=0.15)
+
+
+def test_edges_are_looked_for_above_the_noise_of_a_component() -> None:
+    search = searched(())
+    rows = search.work
+    assert rows is not None
+    sides = late._recorded(search, rows), late._simulated(search, rows, (), 0)
+    for heard in (one for one in sides if one):
+        magnitude, delay = heard.samples
+        part = np.sqrt(np.nanmean(magnitude[:, early_samples(delay)] ** 2) / 2)
+        assert np.median(heard.noise) == pytest.approx(part, rel=0.1)
+    assert all(sides)
 
 
 def test_what_a_late_detection_is_told_by_is_said() -> None:

@@ -40,10 +40,11 @@ def test_rows_without_a_log_or_samples_say_nothing() -> None:
     assert (log_moments(magnitude[:, :8], logged)[:2] == 0).all()
 
 
+@pytest.mark.parametrize("again", [False, True])
 @pytest.mark.parametrize("power", [0.0, 0.6])
-def test_a_log_makes_surer_what_few_samples_say(monkeypatch, power) -> None:
-    with_log = _heard(monkeypatch, power, "scatter").nats((TONE,))
-    without = _heard(monkeypatch, power, "size").nats((TONE,))
+def test_a_log_makes_surer_what_few_samples_say(monkeypatch, power, again) -> None:
+    with_log = _heard(monkeypatch, power, "scatter", again).nats((TONE,))
+    without = _heard(monkeypatch, power, "size", again).nats((TONE,))
     assert with_log > max(without, 3.0) if power else with_log < without - 0.5
 
 
@@ -65,7 +66,7 @@ def test_tones_are_asked_as_scatter_is_logged() -> None:
     assert made.power_logged == 0.0
 
 
-def _heard(monkeypatch, power: float, kind: str) -> Quiet:
+def _heard(monkeypatch, power: float, kind: str, again: bool = False) -> Quiet:
     """Return recorded rows with a tone of a power beside noise, or with as much more noise."""
     rng = np.random.default_rng(3)
     more = 1.0 if power else 1.6
@@ -86,7 +87,7 @@ def _heard(monkeypatch, power: float, kind: str) -> Quiet:
             rows=rows,
             beside=(),
             count=count,
-            by_rows=False,
+            by_rows=again,
             names=("noise_std",),
             of_links=np.array,
         )

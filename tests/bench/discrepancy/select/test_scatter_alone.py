@@ -34,10 +34,12 @@ from bench.physics.units import C_M_PER_NS
 LINK = np.repeat(np.arange(80), 4)
 
 
-def found(of_rows_m: float, of_links_m: float, *moments: str, links: int = 80) -> Strike | None:
+def found(
+    of_rows_m: float, of_links_m: float, *moments: str, links: int = 80, far_m: float = 0.0
+) -> Strike | None:
     """Return what is said of one simulated row for each recorded one, which scatters more.
 
-    Rows of the first `links` links.
+    Rows of the first `links` links. Those far away are longer by `far_m`.
     """
     rng = np.random.default_rng(4)
     frame = pd.DataFrame(
@@ -46,6 +48,7 @@ def found(of_rows_m: float, of_links_m: float, *moments: str, links: int = 80) -
     recorded, simulated = (frame.assign(error_m=rng.normal(0, 0.02, len(LINK))) for _ in range(2))
     recorded["error_m"] += of_rows_m * rng.normal(size=len(LINK)) * (links > LINK)
     recorded["error_m"] += of_links_m * rng.normal(size=80)[LINK]
+    recorded["error_m"] += far_m * (frame["true_range_m"] > 11)
     seen = view(recorded, link_codes(recorded), np.arange(len(LINK)), Window(), None, False)
     tally = Tally(("error_m",), np.ones((4, 1)), np.ones((4, 1)))
     made = Contender(TimestampJitter(), tally, Estimate(0, 0, 0))
@@ -64,6 +67,11 @@ def test_scatter_within_links_is_named_with_its_size() -> None:
     size = made.parameters[0]
     assert size.low < 0.02 / (C_M_PER_NS * 1.0016) < size.high
     assert size.value == pytest.approx(0.0666, rel=0.25)
+
+
+def test_means_that_scatter_makes_are_no_other_finding() -> None:
+    assert found(0.02, 0.0, "spread", "mean") is not None
+    assert found(0.02, 0.0, "rows", "mean", far_m=0.012) is None
 
 
 def test_what_links_keep_or_what_moves_is_no_scatter() -> None:
