@@ -40,6 +40,7 @@ from bench.discrepancy.sets.mere_constant import without_mere_constants
 from bench.discrepancy.sets.mistaken import beside_alike, mistaken
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
+from bench.discrepancy.sets.own_weights import likeliest
 from bench.discrepancy.sets.rivals import beside_a_constant, clear_levels, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
@@ -199,6 +200,9 @@ class Contest:
         for _ in range(2):
             self._weigh(first)
             first = self._best_able()
+        if (other := likeliest(self, first)) != first:
+            self._weigh(other)
+            first = self._best_able()
         return first
 
     def _best_able(self) -> Set:
@@ -272,6 +276,12 @@ class Contest:
     def worth(self, causes: Set) -> float:
         """Return the log evidence of a set less what its names must bring."""
         return self.nats(causes) - sum(map(self.price, causes))
+
+    def near(self, causes: Set, nats: float) -> list[Set]:
+        """Return the sets, of all that were weighed, that come so near to one, the best first."""
+        least = self.worth(causes) - nats
+        able = [one for one in self._nats if one != causes and self.worth(one) > least]
+        return sorted(able, key=lambda one: -self.worth(one))
 
     def price(self, one: str) -> float:
         """Return the nats that a cause must bring."""
