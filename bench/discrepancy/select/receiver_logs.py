@@ -27,7 +27,8 @@ class Logged:
     `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
     settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
     that whole symbols have; `links` [n] tells the links, None where every row counts as its link;
-    `arriving_dbm` [n] is the level as simulated, before a receiver turns it down.
+    `arriving_dbm` [n] is the level as simulated, before a receiver turns it down. `simulated` is
+    the same of a simulated version in the recorded rows' place, None where there is no other.
     """
 
     level_dbm: Floats
@@ -38,6 +39,7 @@ class Logged:
     rounding_db2: float
     links: NDArray[np.intp] | None = None
     arriving_dbm: Floats | None = None
+    simulated: Logged | None = None
 
     @property
     def levels_dbm(self) -> tuple[Floats, ...]:
@@ -77,7 +79,23 @@ def logs(search: Search, rows: View) -> Logged:
     groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
     devices = np.stack([np.ones(len(frame)), *groups], axis=1)
     links = len(np.unique(rows.links)) / crowded(search.comparison, rows)
-    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
+    made = Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
+    return replace(made, simulated=_as_recorded(search, rows, made))
+
+
+def _as_recorded(search: Search, rows: View, seen: Logged) -> Logged | None:
+    """Return what a simulated version logs beside the others, None where there are no others."""
+    other = search.comparison
+    if not isinstance(other, TableComparison):
+        return None
+    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
+    if len(picks) < 2:
+        return None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count = 10 * np.log10(numeric(other.frame, COUNT))[picks]
+    level = numeric(other.frame, LEVEL)[picks]
+    count_db = count[0] - count[1:].mean(axis=0)
+    return replace(seen, level_dbm=level[0], count_db=count_db, arriving_dbm=level[1:].mean(axis=0))
 
 
 def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
