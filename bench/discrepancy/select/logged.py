@@ -90,8 +90,9 @@ def turns_down(seen: Logged) -> float:
     to; what is in the way of a signal takes none of the count. Beyond what a simulated version
     shows, whose receiver may do it as well; 0 where that is not known.
     """
-    own = _within_links(seen)
-    return own if seen.simulated is None else own - max(_within_links(seen.simulated), 0.0)
+    if seen.simulated is None:
+        return 0.0
+    return _within_links(seen) - max(_within_links(seen.simulated), 0.0)
 
 
 def _within_links(seen: Logged) -> float:

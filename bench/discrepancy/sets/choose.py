@@ -31,7 +31,7 @@ from bench.discrepancy.sets.blocks import (
     usual_levels,
 )
 from bench.discrepancy.sets.calibrated import without_calibration
-from bench.discrepancy.sets.choice import Choice, Set, but, but_not
+from bench.discrepancy.sets.choice import Choice, Set, but, but_not, shifting
 from bench.discrepancy.sets.crystals import as_delay_and_drift
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
@@ -83,7 +83,7 @@ def chosen(search: Search, beside: Added) -> Choice:
     if made is None:
         return Choice()
     contest, ensemble = made
-    found = replace(contest.settled(), beside=_names(beside))
+    found = replace(contest.settled(), beside=shifting(beside))
     best, alike = (*found.names, *found.others), beside_alike(search, beside, contest)
     return replace(found, mistaken=mistaken(alike, best, search.doubtful, ensemble))
 
@@ -117,12 +117,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
 def decided(search: Search, beside: Added) -> bool:
     """Return whether the choice of a search is of its rows and these effects beside it."""
     choice, rows = search.choice, search.work
-    return rows is not None and (choice.view, choice.beside) == (rows.number, _names(beside))
-
-
-def _names(beside: Added) -> Set:
-    """Return the effects that shift ranges: scatter changes nothing here."""
-    return tuple(effect.physics for effect in beside if not type(effect).independent)
+    return rows is not None and (choice.view, choice.beside) == (rows.number, shifting(beside))
 
 
 class Contest:
@@ -160,7 +155,8 @@ class Contest:
         whole = self._calm()
         first = self._at_usual_levels(self._beyond_deformed(whole))
         placed = misplaced(self, first)
-        tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
+        behind = self.nats(placed) - self.nats(first)
+        tied = but_not(first, placed) if behind < RIVAL_NATS else ()
         held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
         best = without_calibration(self, without_scales(self, moves_every_row(self, held)))
         best = as_delay_and_drift(self, without_mere_constants(self, best))
@@ -183,10 +179,6 @@ class Contest:
             faults=leading_faults(self, best),
         )
 
-    def _about_as_good(self, causes: Set, other: Set) -> bool:
-        """Return whether a set is not excluded beside another."""
-        return self.nats(causes) > self.nats(other) - RIVAL_NATS
-
     def most(self) -> float:
         """Return the worth of the best set."""
         return self.worth(self._calm())
@@ -198,12 +190,13 @@ class Contest:
         if left > EXPLAINED_STRAYS * self._weigh(()):
             first = ()
         for _ in range(2):
-            self._weigh(first)
-            first = self._best_able()
-        if (other := likeliest(self, first)) != first:
-            self._weigh(other)
-            first = self._best_able()
-        return first
+            first = self._best_at(first)
+        other = likeliest(self, first)
+        return first if other == first else self._best_at(other)
+
+    def _best_at(self, causes: Set) -> Set:
+        self._weigh(causes)
+        return self._best_able()
 
     def _best_able(self) -> Set:
         self.able = self._taking_part()
@@ -277,11 +270,9 @@ class Contest:
         """Return the log evidence of a set less what its names must bring."""
         return self.nats(causes) - sum(map(self.price, causes))
 
-    def near(self, causes: Set, nats: float) -> list[Set]:
-        """Return the sets, of all that were weighed, that come so near to one, the best first."""
-        least = self.worth(causes) - nats
-        able = [one for one in self._nats if one != causes and self.worth(one) > least]
-        return sorted(able, key=lambda one: -self.worth(one))
+    def weighed(self) -> list[Set]:
+        """Return all sets that were weighed, the best first."""
+        return sorted(self._nats, key=lambda one: -self.worth(one))
 
     def price(self, one: str) -> float:
         """Return the nats that a cause must bring."""

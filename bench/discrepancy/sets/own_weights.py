@@ -24,14 +24,17 @@ if TYPE_CHECKING:
 
 
 def likeliest(contest: Contest, best: Set) -> Set:
-    """Return the likeliest of the best set and those near that do other things, at own weights."""
-    near = [
-        one
-        for one in contest.near(best, NEAR_NATS)
-        if set(best) - set(one) and set(one) - set(best)
-    ]
+    """Return the likeliest of the best set and those near it that do other things instead."""
+    least = contest.worth(best) - NEAR_NATS
+    near = [o for o in contest.weighed() if contest.worth(o) > least and _instead(o, best)]
     leads = {one: lead(contest, one, best) for one in near[:NEAR_SETS]}
-    return max((one for one in leads if leads[one] > 0), key=lambda one: leads[one], default=best)
+    able = [one for one, nats in leads.items() if nats > 0]
+    return max(able, key=lambda one: leads[one], default=best)
+
+
+def _instead(one: Set, other: Set) -> bool:
+    """Return whether either of two sets has something that the other has not."""
+    return not set(one) <= set(other) and not set(other) <= set(one)
 
 
 def lead(contest: Contest, one: Set, other: Set) -> float:

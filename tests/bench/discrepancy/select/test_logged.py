@@ -91,10 +91,12 @@ def test_what_is_turned_down_now_and_then_within_links_stops_early() -> None:
     small, own = rng.random(160) < 0.7, rng.normal(0, 5, 40)[links]
     level = LEVEL + own + rng.normal(0, 0.5, 160)
     seen = _logs(-2.2 * small, np.zeros(160))
-    seen = replace(seen, links=links, arriving_dbm=LEVEL, level_dbm=level - 2.8 * small)
+    same = replace(seen, links=links, arriving_dbm=LEVEL, level_dbm=level - 2.8 * small)
+    none = replace(_logs(np.zeros(160), np.zeros(160)), links=links, arriving_dbm=LEVEL)
+    seen = replace(same, simulated=none)
     assert logged.turns_down(seen) > LOGGED_NATS
     weak = replace(seen, level_dbm=level + 2.8 * small)
-    for other in (weak, replace(seen, level_dbm=level), replace(seen, simulated=seen)):
+    for other in (weak, replace(seen, level_dbm=level), replace(seen, simulated=same), same):
         assert logged.turns_down(other) < LOGGED_NATS
 
 
