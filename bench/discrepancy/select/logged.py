@@ -58,7 +58,7 @@ def read_logs(search: Search) -> Search:
     seen = logs(search, rows)
     found: list[Effect] = []
     if LevelControl.name in search.kinds:
-        if ends_early(seen) > LOGGED_NATS:
+        if max(ends_early(seen), turns_down(seen)) > LOGGED_NATS:
             found.append(_level_control(search, rows, seen))
         elif as_simulated(seen) > LOGGED_NATS:
             search = search.without(LevelControl())
@@ -81,6 +81,39 @@ def ends_early(seen: Logged) -> float:
     freedom = _independent(seen, rows, count, own, forms)
     brought = [_brings(count, own, form[:, None], freedom, seen.rounding_db2) for form in forms]
     return max(brought) - float(np.log(len(forms)))
+
+
+def turns_down(seen: Logged) -> float:
+    """Return the nats for counts that fall where rows fall behind the level of their own link.
+
+    A receiver that turns down and stops at once, now and then, does so whatever its devices are set
+    to; what is in the way of a signal takes none of the count. Beyond what a simulated version
+    shows, whose receiver may do it as well; 0 where that is not known.
+    """
+    if seen.simulated is None:
+        return 0.0
+    return _within_links(seen) - max(_within_links(seen.simulated), 0.0)
+
+
+def _within_links(seen: Logged) -> float:
+    """Return the nats for counts that fall, within links, where levels are behind what arrives."""
+    if seen.links is None or len(seen.followed) <= len(seen.levels_dbm):
+        return 0.0
+    behind = seen.followed[-1]
+    rows = seen.known(seen.count_db, behind)
+    code = np.unique(seen.links[rows], return_inverse=True)[1]
+    forms = _falling(behind[rows]) if rows.any() else []
+    freedom = float(len(code) - len(np.unique(code)))
+    null = np.zeros((len(code), 1))
+    count = _beside_mean(seen.count_db[rows], code)
+    ways = [_beside_mean(one, code)[:, None] for one in forms]
+    brought = [_brings(count, null, way, freedom, seen.rounding_db2) for way in ways]
+    return max(brought, default=0.0) - float(np.log(max(len(forms), 1)))
+
+
+def _beside_mean(values: Floats, code: NDArray[np.intp]) -> Floats:
+    """Return values [n] less the mean of their link."""
+    return np.asarray(values - (np.bincount(code, values) / np.bincount(code))[code])
 
 
 def _falling(level_dbm: Floats) -> list[Floats]:

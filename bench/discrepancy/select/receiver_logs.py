@@ -16,6 +16,7 @@ from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import COUNT, LEVEL, NOISE
 from bench.discrepancy.select.settings import ROUNDING_VARIANCE
 from bench.discrepancy.select.state import Search
+from bench.physics.simulator import Simulator
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +28,8 @@ class Logged:
     `level_dbm` [n] as recorded; `devices` [n, k] is 1 where a row is of a device, which may have
     settings of its own; `freedom` how many independent links there are; `rounding_db2` the variance
     that whole symbols have; `links` [n] tells the links, None where every row counts as its link;
-    `arriving_dbm` [n] is the level as simulated, before a receiver turns it down.
+    `arriving_dbm` [n] is the level as simulated, before a receiver turns it down. `simulated` is
+    the same of a simulated version in the recorded rows' place, None where there is no other.
     """
 
     level_dbm: Floats
@@ -38,6 +40,7 @@ class Logged:
     rounding_db2: float
     links: NDArray[np.intp] | None = None
     arriving_dbm: Floats | None = None
+    simulated: Logged | None = None
 
     @property
     def levels_dbm(self) -> tuple[Floats, ...]:
@@ -77,17 +80,43 @@ def logs(search: Search, rows: View) -> Logged:
     groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
     devices = np.stack([np.ones(len(frame)), *groups], axis=1)
     links = len(np.unique(rows.links)) / crowded(search.comparison, rows)
-    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
+    made = Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
+    return replace(made, simulated=_as_recorded(search, rows, made))
+
+
+def _as_recorded(search: Search, rows: View, seen: Logged) -> Logged | None:
+    """Return what a simulated version logs beside the others, None where there are no others."""
+    other = search.comparison
+    if isinstance(other, Resimulation):
+        made = _counting(other).observe(rows.scene, replicate=1, cir=False)
+        count, first = 10 * np.log10(made.preamble_count), _simulated(search, rows)
+        level = np.asarray(made.rx_power_dbm)
+        return replace(seen, level_dbm=level, count_db=count - first[0], arriving_dbm=first[2])
+    if not isinstance(other, TableComparison):
+        return None
+    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count = 10 * np.log10(numeric(other.frame, COUNT))[picks]
+    level = numeric(other.frame, LEVEL)[picks]
+    if len(picks) == 1:
+        return None
+    count_db = count[0] - count[1:].mean(axis=0)
+    return replace(seen, level_dbm=level[0], count_db=count_db, arriving_dbm=level[1:].mean(axis=0))
+
+
+def _counting(other: Resimulation) -> Simulator:
+    """Return the simulator with a count of its own.
+
+    A count is to be explained here, not taken from the rows; the noise goes with the count.
+    """
+    return replace(other.simulator, base=replace(other.simulator.base, keep_count=0))
 
 
 def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
     """Return simulated counts and noise in dB and levels in dBm, [n]; NaN where not known."""
     other, unknown = search.comparison, np.full(len(rows.rows), np.nan)
     if isinstance(other, Resimulation):
-        # A count is to be explained here, not taken from the rows; the noise goes with the count.
-        base = replace(other.simulator.base, keep_count=0)
-        counting = replace(other.simulator, base=base)
-        made = counting.observe(rows.scene, cir=False).preamble_count
+        made = _counting(other).observe(rows.scene, cir=False).preamble_count
         seen = other.simulator.observe(rows.scene, cir=False)
         # What a receiver adds to samples, such as an offset, is in the noise that it logs of them.
         sampled = other.simulator.of_samples and not rows.waveform

@@ -17,6 +17,7 @@ from bench.discrepancy.sets.settings import (
     LAW_M,
     LAW_NATS,
     LAW_SIZE,
+    LEAST_WEIGHT,
     RIVAL_NATS,
     TIED_NATS,
 )
@@ -135,11 +136,16 @@ def weighed_with(contest: Contest, rest: Set, more: Columns) -> Weighed:
     return _with_more(contest, rest, more).of((*rest, *more))
 
 
-def reweighed(contest: Contest, rest: Set, more: Columns) -> Weighed:
-    """Return a set with more blocks, every row weighed by what these leave of it."""
+def reweighed(contest: Contest, rest: Set, more: Columns) -> tuple[Weighed, Floats]:
+    """Return a set with more blocks, every row weighed by what these leave of it.
+
+    And what they leave of the rows that take part, in metres.
+    """
     other = _with_more(contest, rest, more)
     other.reweigh((*rest, *more))
-    return other.of((*rest, *more))
+    made = other.of((*rest, *more))
+    left = other.left_m - other.columns[:, made.places] @ made.factors
+    return made, np.asarray(left[other.weights > LEAST_WEIGHT])
 
 
 def _with_more(contest: Contest, rest: Set, more: Columns) -> Evidence:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.sets.believed import Unsure
 
 Set = tuple[str, ...]
@@ -58,3 +59,8 @@ def but(causes: Set, gone: str) -> Set:
 def but_not(causes: Set, others: Set) -> Set:
     """Return the causes of a set that are not in another."""
     return tuple(one for one in causes if one not in others)
+
+
+def shifting(beside: Added) -> Set:
+    """Return the effects that shift ranges: scatter changes nothing there."""
+    return tuple(effect.physics for effect in beside if not type(effect).independent)

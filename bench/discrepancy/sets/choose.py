@@ -31,7 +31,7 @@ from bench.discrepancy.sets.blocks import (
     usual_levels,
 )
 from bench.discrepancy.sets.calibrated import without_calibration
-from bench.discrepancy.sets.choice import Choice, Set, but, but_not
+from bench.discrepancy.sets.choice import Choice, Set, but, but_not, shifting
 from bench.discrepancy.sets.crystals import as_delay_and_drift
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
@@ -40,6 +40,7 @@ from bench.discrepancy.sets.mere_constant import without_mere_constants
 from bench.discrepancy.sets.mistaken import beside_alike, mistaken
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
+from bench.discrepancy.sets.own_weights import likeliest
 from bench.discrepancy.sets.rivals import beside_a_constant, clear_levels, delays_and_more, rivals
 from bench.discrepancy.sets.settings import (
     BEAM,
@@ -82,7 +83,7 @@ def chosen(search: Search, beside: Added) -> Choice:
     if made is None:
         return Choice()
     contest, ensemble = made
-    found = replace(contest.settled(), beside=_names(beside))
+    found = replace(contest.settled(), beside=shifting(beside))
     best, alike = (*found.names, *found.others), beside_alike(search, beside, contest)
     return replace(found, mistaken=mistaken(alike, best, search.doubtful, ensemble))
 
@@ -116,12 +117,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
 def decided(search: Search, beside: Added) -> bool:
     """Return whether the choice of a search is of its rows and these effects beside it."""
     choice, rows = search.choice, search.work
-    return rows is not None and (choice.view, choice.beside) == (rows.number, _names(beside))
-
-
-def _names(beside: Added) -> Set:
-    """Return the effects that shift ranges: scatter changes nothing here."""
-    return tuple(effect.physics for effect in beside if not type(effect).independent)
+    return rows is not None and (choice.view, choice.beside) == (rows.number, shifting(beside))
 
 
 class Contest:
@@ -159,7 +155,8 @@ class Contest:
         whole = self._calm()
         first = self._at_usual_levels(self._beyond_deformed(whole))
         placed = misplaced(self, first)
-        tied = but_not(first, placed) if self._about_as_good(first, placed) else ()
+        behind = self.nats(placed) - self.nats(first)
+        tied = but_not(first, placed) if behind < RIVAL_NATS else ()
         held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
         best = without_calibration(self, without_scales(self, moves_every_row(self, held)))
         best = as_delay_and_drift(self, without_mere_constants(self, best))
@@ -182,10 +179,6 @@ class Contest:
             faults=leading_faults(self, best),
         )
 
-    def _about_as_good(self, causes: Set, other: Set) -> bool:
-        """Return whether a set is not excluded beside another."""
-        return self.nats(causes) > self.nats(other) - RIVAL_NATS
-
     def most(self) -> float:
         """Return the worth of the best set."""
         return self.worth(self._calm())
@@ -197,9 +190,13 @@ class Contest:
         if left > EXPLAINED_STRAYS * self._weigh(()):
             first = ()
         for _ in range(2):
-            self._weigh(first)
-            first = self._best_able()
-        return first
+            first = self._best_at(first)
+        other = likeliest(self, first)
+        return first if other == first else self._best_at(other)
+
+    def _best_at(self, causes: Set) -> Set:
+        self._weigh(causes)
+        return self._best_able()
 
     def _best_able(self) -> Set:
         self.able = self._taking_part()
@@ -272,6 +269,10 @@ class Contest:
     def worth(self, causes: Set) -> float:
         """Return the log evidence of a set less what its names must bring."""
         return self.nats(causes) - sum(map(self.price, causes))
+
+    def weighed(self) -> list[Set]:
+        """Return all sets that were weighed, the best first."""
+        return sorted(self._nats, key=lambda one: -self.worth(one))
 
     def price(self, one: str) -> float:
         """Return the nats that a cause must bring."""

@@ -24,21 +24,24 @@ from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.law.material import material
+from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.beside import nats_with, reweighed
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.evidence import Weighed
+from bench.discrepancy.sets.evidence import Columns, Weighed
 from bench.discrepancy.sets.formed import Formed, groups_of, laws_of, left_by
 from bench.discrepancy.sets.rivals import CONSTANT
 from bench.discrepancy.sets.settings import (
     AS_SIMULATED,
     FORM_NATS,
     LAW_M,
+    LEAST_VARIANCE_M2,
     LEAST_WEIGHT,
     MISTAKEN_NATS,
+    REWEIGHINGS,
     RIVAL_NATS,
 )
-from bench.discrepancy.settings import RESIDUAL_MEMBERS
+from bench.discrepancy.settings import ONE_SIDED_95, RESIDUAL_MEMBERS
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
@@ -55,7 +58,7 @@ def mistaken(
     """
     if not len(doubtful.columns):
         return ()
-    asked = _Asked(contest, best, doubtful, _scatter(contest, ensemble))
+    asked = _Asked(contest, best, doubtful, *_scatters(contest, ensemble))
     return tuple(filter(asked.known_before, map(str, doubtful.columns)))
 
 
@@ -79,12 +82,16 @@ def beside_alike(search: Search, beside: Added, contest: Contest) -> Contest:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Whether laws over columns that were set aside hold; simulated rows scatter by `noise_m2`."""
+    """Whether laws over columns that were set aside hold; simulated rows scatter by `noise_m2`.
+
+    And by `rows_m2`, whichever links they are of.
+    """
 
     contest: Contest
     best: Set
     doubtful: pd.DataFrame
     noise_m2: float
+    rows_m2: float
 
     def known_before(self, name: str) -> bool:
         """Return whether a law over a column holds beside the set, or in the place of names.
@@ -122,9 +129,24 @@ class _Asked:
         lead = nats_with(contest, rest, made) - law.pays - max(contest.nats(self.best), none)
         if lead <= price:
             return False
-        before = np.inf if self._needless(law, gone) else contest.evidence.of(self.best).variance_m2
-        left = reweighed(contest, rest, made)
-        return any(self._alike(one, before) for one in (left.variance_m2, _whole(left)))
+        return self._leaves_simulated(rest, made, self._needless(law, gone))
+
+    def _leaves_simulated(self, rest: Set, made: Columns, needless: bool) -> bool:
+        """Return whether a law beside some of the set leaves what is simulated (see `_leads`).
+
+        Of rows of links; or of rows alone, of which more is known, within what chance makes.
+        """
+        contest, known = self.contest, self.contest.evidence.weights > LEAST_WEIGHT
+        left, rows_m = reweighed(contest, rest, made)
+        before = [
+            contest.evidence.of(self.best).variance_m2 / self.noise_m2,
+            of_rows(left_by(contest, self.best, ())[known]) / self.rows_m2,
+        ]
+        of_links, of_all = (np.inf if needless else one for one in before)
+        share, chance = of_rows(rows_m) / self.rows_m2, _chance(contest, len(rows_m))
+        return _alike(share, of_all, chance) or any(
+            _alike(one / self.noise_m2, of_links) for one in (left.variance_m2, _whole(left))
+        )
 
     def _needless(self, law: Formed, gone: Set) -> bool:
         """Return whether names do nothing any more where a law is in place."""
@@ -132,17 +154,30 @@ class _Asked:
         brings = nats_with(self.contest, self.best, made) - nats_with(self.contest, rest, made)
         return bool(gone) and brings < RIVAL_NATS
 
-    def _alike(self, after_m2: float, before_m2: float) -> bool:
-        """Return whether a law leaves what is simulated, nearer to that than before it."""
-        after, before = after_m2 / self.noise_m2, before_m2 / self.noise_m2
-        return AS_SIMULATED[0] < after < AS_SIMULATED[1] and abs(log(after)) < abs(log(before))
+
+def _alike(after: float, before: float, chance: float = 1.0) -> bool:
+    """Return whether a law leaves what is simulated, nearer to that than before it, as shares.
+
+    Or less than it may by a factor of chance.
+    """
+    usual = AS_SIMULATED[0] < after * chance and after < AS_SIMULATED[1]
+    return usual and abs(log(after)) < abs(log(before))
 
 
-def _scatter(contest: Contest, ensemble: Ensemble) -> float:
-    """Return the variance of simulated rows in the recorded ones' place, weighed as these are.
+def _chance(contest: Contest, count: int) -> float:
+    """Return by what factor the variance of rows is too small by chance, against simulated ones.
+
+    One-sided, 95 %; of normal rows, of which the simulated ones may stand for several.
+    """
+    return float(np.exp(ONE_SIDED_95 * np.sqrt(2 * (1 + contest.crowding) / count)))
+
+
+def _scatters(contest: Contest, ensemble: Ensemble) -> tuple[float, float]:
+    """Return the variances of simulated rows in the recorded ones' place, weighed as these are.
 
     Each beside the mean of the others, of which there is one less; infinite where there is one.
-    With what links keep: rows of one link may have a simulated row in common.
+    With what links keep, as rows of one link may have a simulated row in common; and of rows alone
+    (see `of_rows`).
     """
     versions = ensemble.simulated_of(RANGE)[:, contest.known]
     count, found = len(versions), []
@@ -151,8 +186,23 @@ def _scatter(contest: Contest, ensemble: Ensemble) -> float:
         made = contest.evidence.with_blocks({}).toward(contest.seen(versions[one] - others))
         made.weights = np.ones(len(others))
         made.reweigh(())
-        found.append(_whole(made.of(())))
-    return float(np.mean(found)) * (1 - 1 / count**2) if found else np.inf
+        found.append((_whole(made.of(())), of_rows(made.left_m[made.weights > LEAST_WEIGHT])))
+    links_m2, rows_m2 = np.mean(found, axis=0) * (1 - 1 / count**2) if found else (np.inf, np.inf)
+    return float(links_m2), float(rows_m2)
+
+
+def of_rows(left_m: Floats) -> float:
+    """Return the variance of rows [n] about their mean, far ones weighed by Student's t.
+
+    Whichever links they are of: where rows of a link share simulated ones, what is far off is
+    theirs in common, which no weight lessens, and of the recorded ones it is a row's alone.
+    """
+    left_m = left_m - np.median(left_m)
+    weights = np.ones(len(left_m))
+    for _ in range(REWEIGHINGS):
+        size = float(np.mean(weights * left_m**2))
+        weights = (LAW_TAIL + 1) / (LAW_TAIL + left_m**2 / max(size, LEAST_VARIANCE_M2))
+    return size
 
 
 def _whole(left: Weighed) -> float:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.sets.choice import Set, but
-from bench.discrepancy.sets.settings import RIVAL_NATS
+from bench.discrepancy.sets.own_weights import lead
+from bench.discrepancy.sets.settings import NEAR_NATS, RIVAL_NATS
 from bench.physics.effects.ranging.antenna_delay import COMMON_M, AntennaDelay
 
 if TYPE_CHECKING:
@@ -24,11 +25,20 @@ def rivals(contest: Contest, causes: Set, name: str) -> Set:
     Those of as much evidence, and those of which one value does the same to every row: freedom
     that a name does not need here is nothing against it.
     """
-    rest, least = but(causes, name), contest.worth(causes) - RIVAL_NATS
+    rest = but(causes, name)
     others = tuple(sorted((contest.library | contest.untold) - set(causes)))
     same = _same_rows(contest, causes, name, others)
-    able = [o for o in others if o in same or contest.worth((*rest, o)) > least]
+    near = {o for o in others if _near(contest, causes, (*rest, o))}
+    able = [o for o in others if o in same or o in near]
     return tuple(o for o in able if o in same or contest.possible((*rest, o), o))
+
+
+def _near(contest: Contest, causes: Set, other: Set) -> bool:
+    """Return whether a set is not excluded beside another, at weights of its own where near."""
+    behind = contest.worth(causes) - contest.worth(other)
+    return behind < RIVAL_NATS or (
+        behind < NEAR_NATS and lead(contest, other, causes) > -RIVAL_NATS
+    )
 
 
 def _same_rows(contest: Contest, causes: Set, name: str, others: Set) -> Set:

@@ -77,3 +77,6 @@ CONSTANT_M: Final = 1e-9  # by which a column of one value may differ from row t
 OWN_SHARE: Final = 0.1  # of what a value of an effect does, that no others of it do [convention]
 NAMED_STRUCK: Final = 0.9  # of the links on which names act that are struck, and
 NAMED_STRUCK_P: Final = 1e-4  # the chance of that, for what strikes to be the names' [convention]
+NEAR_NATS: Final = 12.0  # behind the best set at its own weights, that others are asked at theirs:
+# weights speak for their set by some nats, and against another [sets]
+NEAR_SETS: Final = 4  # that are asked so [cost]

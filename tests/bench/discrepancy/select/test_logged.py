@@ -85,6 +85,21 @@ def test_what_is_turned_down_now_and_then_reads_weaker_than_what_is_not() -> Non
     assert logged.ends_early(replace(seen, arriving_dbm=arrives)) > LOGGED_NATS
 
 
+def test_what_is_turned_down_now_and_then_within_links_stops_early() -> None:
+    """Levels of links that nobody knows: only rows of one link tell; and a simulator may do so."""
+    rng, links = np.random.default_rng(4), np.arange(160) // 4
+    small, own = rng.random(160) < 0.7, rng.normal(0, 5, 40)[links]
+    level = LEVEL + own + rng.normal(0, 0.5, 160)
+    seen = _logs(-2.2 * small, np.zeros(160))
+    same = replace(seen, links=links, arriving_dbm=LEVEL, level_dbm=level - 2.8 * small)
+    none = replace(_logs(np.zeros(160), np.zeros(160)), links=links, arriving_dbm=LEVEL)
+    seen = replace(same, simulated=none)
+    assert logged.turns_down(seen) > LOGGED_NATS
+    weak = replace(seen, level_dbm=level + 2.8 * small)
+    for other in (weak, replace(seen, level_dbm=level), replace(seen, simulated=same), same):
+        assert logged.turns_down(other) < LOGGED_NATS
+
+
 def test_counts_that_devices_are_set_to_or_that_rise_show_none() -> None:
     for count_db in (np.zeros(160), -3.0 * DEVICES[:, 1], 0.1 * np.maximum(LEVEL + 84, 0)):
         seen = _logs(count_db, np.zeros(160))

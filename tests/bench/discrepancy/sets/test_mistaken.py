@@ -100,6 +100,23 @@ def test_rows_that_share_simulated_ones_scatter_no_less() -> None:
     assert mistaken(contest, (), pd.DataFrame({"load": load}), ensemble) == ("load",)
 
 
+def test_rows_that_share_simulated_ones_may_be_far_off_together() -> None:
+    """What is far off is a link's own on the simulated side, and one row's on the recorded."""
+    rng, rows = np.random.default_rng(8), search_of(constant, 12).sharpest
+    count, links = len(rows.rows), np.unique(rows.links, return_inverse=True)[1]
+    wide = rng.uniform(0.4, 1.6, links.max() + 1)
+    versions = np.empty((5, count, 1))
+    shared = 2 * links + rng.integers(0, 2, count)  # two simulated rows for all of a link
+    far = rng.laplace(0, 0.012, (4, shared.max() + 1))[:, shared]
+    versions[1:, :, 0] = wide[links] * far
+    load = even(rows.frame)
+    versions[0, :, 0] = 0.02 * load + wide[links] * rng.laplace(0, 0.012, count)
+    ensemble, every = Ensemble((RANGE,), ("m",), versions, rows.links), np.arange(count)
+    evidence = Evidence(ensemble.residual_of(RANGE), links, {})
+    contest = Contest(evidence, {}, 1.5, rows, every, every >= 0)
+    assert mistaken(contest, (), pd.DataFrame({"load": load}), ensemble) == ("load",)
+
+
 @pytest.mark.parametrize("hidden", [None, constant])
 @pytest.mark.parametrize("own_m", [0.02, 0.05])
 def test_a_column_that_follows_the_noise_stays_measured(
