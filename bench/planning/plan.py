@@ -244,14 +244,14 @@ def _before(past: Past, question: Question) -> str:
 
 def _elsewhere(question: Question, evidence: Evidence) -> str:
     """Return that what has no name shows in nothing that is predicted here, "" where it does."""
-    if not question.seen or any(one.startswith(evidence.names) for one in question.seen):
+    if not question.seen or any(one.observable in evidence.names for one in question.seen):
         return ""
-    where = question.seen[0].split(":")[0]
+    first = question.seen[0]
     return (
-        f"it shows in {where}, not in ranges or levels, and nothing predicts that without a name, "
-        "so no measurement can be ranked. Record the same links again with one thing changed at "
-        "a time (the place or height of one antenna, its heading, what stands near it), and "
-        "diagnose again"
+        f"it shows in {first.what} {first.where}, not in ranges or levels, and nothing predicts "
+        "that without a name, so no measurement can be ranked. Record the same links "
+        "again with one thing changed at a time (the place or height of one antenna, its heading, "
+        "what stands near it), and diagnose again"
     )
 
 

@@ -22,13 +22,26 @@ from bench.plugins import load
 
 
 @dataclass(frozen=True)
+class Seen:
+    """A difference without a name: `what` differs, and `where`, in words, and what these are of.
+
+    `covariate` names the rows: a number's interval or trend, or a group; None where it is all.
+    """
+
+    what: str
+    where: str
+    observable: str
+    covariate: str | None = None
+
+
+@dataclass(frozen=True)
 class Question:
     """Explanations that the recordings cannot tell apart, none where nothing known explains it.
 
     `rest` are the effects that are named beside it; `near` those that did nearly as well.
     `law` is the law that was found for it, drawn within its constants' intervals, and `fault` what
-    was said of the set-up; `seen` are the findings that stay without a name, in words; `separate`
-    is what the diagnosis says that tells the options apart.
+    was said of the set-up; `seen` are the findings that stay without a name; `separate` is what the
+    diagnosis says that tells the options apart.
     """
 
     words: str
@@ -37,7 +50,7 @@ class Question:
     near: Added = ()
     law: tuple[Law, ...] = ()
     fault: str = ""
-    seen: tuple[str, ...] = ()
+    seen: tuple[Seen, ...] = ()
     separate: str = ""
 
 
@@ -85,9 +98,16 @@ def _questions(
             near, apart = _near(options, (*rest, *options), tried), str(verdict.get("separate", ""))
             out.append(Question(words, options, rest, near, separate=apart))
         elif verdict["verdict"] == "unknown":
-            seen = tuple(map(str, verdict.get("findings", ())))
+            seen = tuple(map(_seen, verdict.get("located", ())))
             out.append(Question("what no known effect explains", options, rest, seen=seen))
     return out
+
+
+def _seen(found: Mapping[str, Any]) -> Seen:
+    """Return a difference as a diagnosis keeps it."""
+    where, covariate = str(found["where"]), found["covariate"]
+    of = None if covariate is None else str(covariate)
+    return Seen(str(found["what"]), where, str(found["observable"]), of)
 
 
 def _near(options: Added, have: Added, tried: Sequence[Any]) -> Added:

@@ -9,6 +9,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.settings import LEADING
 from bench.discrepancy.settings import MAD_TO_STD
 from bench.planning.alternatives import Past
+from bench.planning.questions import Seen
 from bench.planning.scatter import link_means
 from bench.planning.settings import MOST_STRAYS, STRAY_M, STRAY_SHARE, STRAY_STD
 from bench.planning.world import Added
@@ -37,14 +38,15 @@ def stray_links(past: Past, rest: Added) -> str:
     )
 
 
-def of_one_device(seen: tuple[str, ...]) -> str:
+def of_one_device(seen: tuple[Seen, ...]) -> str:
     """Return what to do where all that is told first of a mismatch is of one device, else ""."""
-    places = [one.split(":")[0].rpartition(" where ")[2] for one in seen[:LEADING]]
-    if len(places) < LEADING or len(set(places)) > 1 or not places[0].startswith(DEVICES):
+    places = {one.covariate or "" for one in seen[:LEADING]}
+    place = places.pop() if len(seen) >= LEADING and len(places) == 1 else ""
+    if not place.startswith(DEVICES):
         return ""
-    device = places[0].partition("=")[2]
+    device = place.partition("=")[2]
     return (
-        f"all of it shows where {places[0]}: let another device take the place of {device}, and "
+        f"all of it shows where {place}: let another device take the place of {device}, and "
         f"{device} another's (then its antenna and its cable alone), record the same links again, "
         "and diagnose again: what goes along is its own, what stays is of its place"
     )

@@ -128,12 +128,21 @@ def as_dict(verdict: Verdict) -> dict[str, Any]:
         removable = vars(verdict.removable)
         return out | {
             "findings": [str(one.told) for one in verdict.findings],
+            "located": [_located(one.told) for one in verdict.findings],
             "removable": removable,
         }
     if isinstance(verdict, Ambiguous):
         options = [_option(option) for option in verdict.options]
         return out | {"separate": verdict.separate, "options": options}
     return out | {"options": [_option(verdict)]}
+
+
+def _located(found: Finding) -> dict[str, Any]:
+    """Return what differs, where and by how much, as plain data."""
+    place, effect = found.cell.place, vars(found.effect)
+    cell = {"observable": found.cell.observable, "moment": found.cell.moment}
+    said = {"what": found.what, "where": place.where(), **cell, **vars(place), "effect": effect}
+    return said | {"z": found.z, "p": found.p, "rows": found.rows, "links": found.links}
 
 
 def _option(option: LeftOut) -> dict[str, Any]:

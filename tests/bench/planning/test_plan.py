@@ -26,7 +26,7 @@ from bench.planning.choose import probability
 from bench.planning.measurements import measurements, reference_row
 from bench.planning.outlook import Outlook, Prediction
 from bench.planning.plan import Answer, answer
-from bench.planning.questions import Question, read_questions
+from bench.planning.questions import Question, Seen, read_questions
 from bench.planning.scatter import Scatter, components, log_likelihood
 from bench.planning.settings import ASSURED_NATS, SURE, SURE_NATS
 from bench.planning.strays import of_one_device, stray_links
@@ -289,24 +289,23 @@ def test_an_error_that_follows_nothing_is_an_explanation_too():
 
 
 def test_what_shows_in_waveforms_alone_gets_no_plan_over_ranges():
-    words = "profile_db[3.5..6.5ns] as a trend over rx_y_m: recorded - simulated = 2.9 dB"
-    question = Question("what no known effect explains", (), (), seen=(words,))
+    profile = "profile_db[3.5..6.5ns]"
+    seen = Seen(profile, "as a trend over rx_y_m", profile, "rx_y_m")
+    question = Question("what no known effect explains", (), (), seen=(seen,))
     made = answer(question, evidence(), Simulator(Base()), None, 0)
     assert not made.planned()
     assert made.note.startswith("it shows in profile_db[3.5..6.5ns] as a trend over rx_y_m, not")
 
 
 def test_what_is_all_of_one_device_is_told_by_exchanging_it():
-    words = ("rx_power_dbm where tx=t3: -7.6 dB", "energy_db where tx=t3: -7.5 dB")
-    more = "max_amplitude_db where tx=t3: -7.4 dB"
-    question = Question("what no known effect explains", (), (), seen=(*words, more))
+    names = ("rx_power_dbm", "energy_db", "max_amplitude_db")
+    seen = tuple(Seen(name, "where tx=t3", name, "tx=t3") for name in names)
+    question = Question("what no known effect explains", (), (), seen=seen)
     made = answer(question, evidence(), Simulator(Base()), None, 0)
     assert made.note.startswith("all of it shows where tx=t3: let another device take the place")
-    assert not of_one_device((*words, "rx_power_dbm in all rows: -2.1 dB"))
-    assert not of_one_device(words)
-    assert not of_one_device(
-        tuple(one.replace("tx=t3", "rx_z_m is 2 to 3") for one in (*words, more))
-    )
+    assert not of_one_device((*seen[:2], Seen("rx_power_dbm", "in all rows", "rx_power_dbm")))
+    assert not of_one_device(seen[:2])
+    assert not of_one_device(tuple(replace(one, covariate="rx_z_m") for one in seen))
 
 
 def test_what_a_diagnosis_says_tells_apart_is_repeated_where_no_setting_does(tmp_path: Path):
