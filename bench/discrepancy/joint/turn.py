@@ -35,6 +35,7 @@ from bench.discrepancy.select.refute import Checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_alone import scatter_alone
 from bench.discrepancy.select.scatter_shape import scatters_alike
+from bench.discrepancy.select.settings import WAVES_SHARE
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.stepwise import (
     best_contender,
@@ -58,7 +59,7 @@ def selected(state: State, journal: Journal) -> Selection:
 
 def _selected(state: State, journal: Journal) -> Selection:
     search, kept, safely = state.search, journal.kept, state.guard.safely
-    located = kept(with_ranges)(search, kept(locate_left)(search, (), 0))
+    located = kept(with_ranges)(search, kept(locate_left)(search, (), 0, WAVES_SHARE))
     located = kept(with_levels)(search, located)
     if not located.significant:
         return _said(state.after(Round(located, None, None)), WaveChoice(), journal)

@@ -9,6 +9,7 @@ import numpy as np
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.predictive_cells import kept
+from bench.discrepancy.select.settings import WAVES_SHARE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import located_in
 from bench.discrepancy.settings import FAMILY_WISE, SEARCH_FIRST, SEARCH_MEMBERS
@@ -41,7 +42,7 @@ def with_levels(search: Search, found: Located) -> Located:
 def _of_all_rows(search: Search, name: str) -> Located | None:
     """Return what one observable of all working rows shows, None where sides do not share it.
 
-    At half the level: it is asked beside the search of waveforms.
+    These share the error of the whole search with that of waveforms.
     """
     rows = search.both
     if name not in rows.recorded.names:
@@ -49,4 +50,5 @@ def _of_all_rows(search: Search, name: str) -> Located | None:
     made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
     if name not in made.names:
         return None
-    return located_in(search, rows, kept(made, (name,)), 0, FAMILY_WISE / 2)
+    share = (1 - WAVES_SHARE) / 2
+    return located_in(search, rows, kept(made, (name,)), 0, share * FAMILY_WISE)

@@ -20,6 +20,10 @@ OF_LINKS_DB: Final = 1.0  # change of a level, below which that is not asked [co
 EVERYWHERE_SHARE: Final = 0.5  # of the error of a search, for what is off in all rows [convention]
 IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere else
 
+# --- What ranges or levels show by themselves (select/all_rows) -----------------------------------
+WAVES_SHARE: Final = 0.5  # of the error of a search, for waveforms; the rest for ranges and levels
+# of all rows, in equal parts [convention]
+
 # --- How links scatter (select/shared_variance) ---------------------------------------------------
 ALIKE_DEGREES: Final = (0.01, 200.0)  # of freedom, that other links add to what is known of one:
 # none, and so many that a t is a normal distribution [derived]

@@ -46,11 +46,11 @@ from bench.discrepancy.settings import (
 from bench.physics.effect import Effect
 
 
-def locate_left(search: Search, added: Added, turn: int) -> Located:
-    """Search for what the effects added so far leave."""
+def locate_left(search: Search, added: Added, turn: int, share: float = 1.0) -> Located:
+    """Search for what the effects added so far leave, at a share of the error of all searches."""
     first = SEARCH_FIRST + turn * SEARCH_MEMBERS
     ensemble = search.comparison.ensemble(search.searched, added, SEARCH_MEMBERS, first)
-    return located_in(search, search.searched, ensemble, turn, FAMILY_WISE)
+    return located_in(search, search.searched, ensemble, turn, share * FAMILY_WISE)
 
 
 def ranges_left(search: Search, added: Added) -> Located:

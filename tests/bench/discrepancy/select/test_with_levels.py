@@ -7,13 +7,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import LEVEL, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.all_rows import with_levels
+from bench.discrepancy.select import all_rows, stepwise
+from bench.discrepancy.select.all_rows import with_levels, with_ranges
+from bench.discrepancy.select.settings import WAVES_SHARE
+from bench.discrepancy.select.stepwise import locate_left
+from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.base import Base
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -49,3 +54,20 @@ def test_a_weak_antenna_is_seen_where_waveforms_show_nothing() -> None:
 def test_what_was_found_stays() -> None:
     before = _found(_search(7.0))
     assert with_levels(_search(0.0), before) is before
+
+
+def test_searches_of_waveforms_ranges_and_levels_share_one_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[float] = []
+
+    def heard(*given: Any) -> Located:
+        asked.append(given[-1])
+        return Located((), 1.0, 0.0, 3.0, 9, {})
+
+    for module in (all_rows, stepwise):
+        monkeypatch.setattr(module, "located_in", heard)
+    search = _search(0.0)
+    search.searched = search.both
+    with_levels(search, with_ranges(search, locate_left(search, (), 0, WAVES_SHARE)))
+    assert sum(asked) == pytest.approx(FAMILY_WISE)
