@@ -13,6 +13,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import remains
 from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.apart import brought_alone, logged, unlogged, untouched
 from bench.discrepancy.joint.likelihood import left_free, misfits
@@ -193,10 +194,10 @@ def test_what_scatters_may_leave_a_hundredth_over_what_is_known(
     shadowed = PathLoss(exponent=2.3, offset_db=-12.0, shadowing_db=6.0)
     given = statistics((shadowed,))
     sets = Sets(given.comparison, given.rows, given.rows, (PathLoss,))
-    monkeypatch.setattr(module, "off", lambda *_: False)
+    monkeypatch.setattr(remains, "off", lambda *_: False)
     explained = sets.chosen().explained
     most = max(LEFT_NATS, SCATTERED_SHARE * explained)
-    monkeypatch.setattr(module, "left_free", lambda *_: (0.0, share * most))
+    monkeypatch.setattr(remains, "left_free", lambda *_: (0.0, share * most))
     assert sets.chosen().unexplained is not sure
 
 

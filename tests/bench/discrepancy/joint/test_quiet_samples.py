@@ -177,6 +177,7 @@ def _heard(monkeypatch, power: float, samples: int = SAMPLES) -> Quiet:
     given = SimpleNamespace(
         comparison=None,
         by_rows=True,
+        names=(),
         rows=SimpleNamespace(frame=pd.DataFrame()),
         beside=(),
         links=ROWS // 4,
