@@ -21,6 +21,14 @@ def tables_of(
     return made
 
 
+@cache
+def nothing_of(family: str, seed: int, mode: str = "ranges") -> Tables:
+    """Return the tables of a family that hide nothing, drawn from a seed."""
+    world: Any = world_of(family, mode)
+    made: Tables = world.tables(Draw(ratio=1), seed)
+    return made
+
+
 def shift_of(family: str, name: str, strength: float = 1.0, mode: str = "ranges") -> np.ndarray:
     """Return what an effect of a family does to the recorded ranges [n], in metres."""
     made = tables_of(family, name, strength, mode)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import ks_2samp, kstest
 
-from bench.challenge.families.case import Draw, world_of
 from bench.challenge.families.observatory_effects import (
     DRIVE_M,
     FULL_A,
@@ -30,6 +27,7 @@ from bench.challenge.families.observatory_night import PIERS_M, PRIMES, SLOT_S
 from tests.bench.challenge import shown
 
 _are = partial(shown.are_of, "observatory")
+_nothing = partial(shown.nothing_of, "observatory")
 _shift = partial(shown.shift_of, "observatory")
 _tables = partial(shown.tables_of, "observatory")
 _rows = partial(shown.rows_of, "observatory")
@@ -88,32 +86,6 @@ def test_who_rests_stays_and_all_else_moves() -> None:
     assert rests.sum() == 6
     assert spread[rests].max() == 0.0
     assert spread[~rests].min() > 0.01
-
-
-@cache
-def _nothing(seed: int, mode: str = "ranges") -> Any:
-    world: Any = world_of("observatory", mode)
-    return world.tables(Draw(ratio=1), seed)
-
-
-DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
-
-
-@pytest.mark.parametrize(("mode", "most"), [("ranges", 600), ("CIR", 360)])
-def test_twin_draws_of_which_none_hides_a_thing_differ_no_more_than_by_chance(
-    mode: str, most: int
-) -> None:
-    """Over 20 seeds, p by Kolmogorov and Smirnov of a row each link are as even as chances are."""
-    made = [_nothing(seed, mode) for seed in range(20)]
-    for column in DRAWS:
-        p = []
-        for one in made:
-            sides = [t.groupby("link")[column].first() for t in (one.recorded, one.simulated)]
-            p.append(ks_2samp(*sides).pvalue)
-        assert np.mean(np.array(p) < 0.05) <= 0.2, column
-        assert np.median(p) > 0.2, column
-        assert kstest(p, "uniform", alternative="greater").pvalue > 0.003, column
-    assert all(300 < len(one.recorded) < most for one in made)
 
 
 @pytest.mark.parametrize("column", ["error_m", "rx_power_dbm", "noise_std"])
@@ -190,70 +162,6 @@ def test_faults_move_ranges_by_more_than_these_scatter(name: str, mode: str) -> 
     share, times = shown.moved_of("observatory", name, mode)
     assert share > 0.04
     assert times > 1.5
-
-
-ALIKE = ("red-lamps-warm-their-sconces", "clock-offset", "ground-bounce", "")
-
-
-@pytest.mark.parametrize("name", ALIKE)
-def test_the_truth_is_what_was_recorded_drawn_once_more(name: str) -> None:
-    world: Any = world_of("observatory")
-    made = [world.tables(Draw((name,) if name else (), ratio=1), seed) for seed in range(6)]
-    for column in ("error_m", "rx_power_dbm", "first_path_power_dbm"):
-        both = [
-            pd.concat([getattr(one, side).groupby("link")[column].first() for one in made])
-            for side in ("recorded", "truth")
-        ]
-        assert ks_2samp(*both).pvalue > 0.01
-
-
-SIZES_M = {
-    "antenna-delay": (0.08, 0.3), "antenna-pattern": (0.02, 0.08), "clock-offset": (0.01, 0.06),
-    "exchange-motion": (0.004, 0.02), "time-lag": (0.02, 0.09), "power-bias": (0.02, 0.06),
-    "range-scale": (0.05, 0.25), "temperature-drift": (0.015, 0.08), "noise-floor": (0.003, 0.02),
-    "timestamp-jitter": (0.02, 0.05), "range-rounding": (0.02, 0.06), "blocked-path": (0.2, 0.9),
-    "material-delay": (0.03, 0.11), "diffraction": (0.008, 0.04), "ground-bounce": (0.006, 0.06),
-}  # fmt: skip
-"""Means of what effects do to ranges, about as in the families before."""
-
-
-@pytest.mark.parametrize("name", SIZES_M)
-def test_effects_move_ranges_by_about_as_much_as_elsewhere(name: str) -> None:
-    low, high = SIZES_M[name]
-    sizes = [np.abs(_of_seed(name, seed)).mean() for seed in range(3)]
-    assert low < np.mean(sizes) < high
-
-
-def _of_seed(name: str, seed: int) -> np.ndarray:
-    world: Any = world_of("observatory")
-    made = world.tables(Draw((name,), ratio=1), seed)
-    return np.asarray(made.shifts_m[0])
-
-
-LATE_PARTS = {
-    "obstructed-path": (0.05, 0.3), "specular-reflections": (0.1, 0.4),
-    "ground-bounce": (0.15, 0.5),
-    "small-scale-fading": (0.15, 0.45), "diffuse-tail": (0.3, 0.8), "pulse-ringing": (0.15, 0.6),
-    "narrowband-interference": (0.03, 0.1), "quantisation": (0.005, 0.06),
-    "charges-trail-from-size-to-size": (0.08, 0.4), "wells-spill-to-both-sides": (0.15, 0.6),
-    "faint-ones-clipped-by-sigmas": (0.08, 0.4),
-}  # fmt: skip
-"""Parts by which effects change sizes after first paths, about as in the families before."""
-
-
-@pytest.mark.parametrize("name", LATE_PARTS)
-def test_effects_change_waveforms_by_about_as_much_as_elsewhere(name: str) -> None:
-    made = _tables(name, mode="CIR")
-    found, plain = (np.stack([*t["cir"]])[:, 18:] for t in (made.recorded, made.clean))
-    low, high = LATE_PARTS[name]
-    assert low < np.abs(found - plain).mean() / plain.mean() < high
-
-
-def test_only_what_is_hidden_behind_things_is_late_by_far_in_waveforms() -> None:
-    for name in ("specular-reflections", "diffuse-tail", "pulse-ringing", "noise-floor"):
-        assert np.abs(_shift(name, mode="CIR")).max() < 0.1, name
-    for name in ("obstructed-path", "late-detection"):
-        assert _shift(name, mode="CIR").max() > 1.0, name
 
 
 def test_levels_fall_and_noise_rises_where_they_should() -> None:

@@ -1,0 +1,111 @@
+"""What every new family does as much as those before it; SIMULATED tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import ks_2samp, kstest
+
+from bench.challenge.families.case import Draw, world_of
+from tests.bench.challenge.shown import nothing_of, shift_of, tables_of
+
+FAMILIES = ("observatory", "baths")
+DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize(("mode", "most"), [("ranges", 600), ("CIR", 360)])
+def test_twin_draws_of_which_none_hides_a_thing_differ_no_more_than_by_chance(
+    family: str, mode: str, most: int
+) -> None:
+    """Over 20 seeds, p by Kolmogorov and Smirnov of a row each link are as even as chances are."""
+    made = [nothing_of(family, seed, mode) for seed in range(20)]
+    for column in DRAWS:
+        p = []
+        for one in made:
+            sides = [t.groupby("link")[column].first() for t in (one.recorded, one.simulated)]
+            p.append(ks_2samp(*sides).pvalue)
+        assert np.mean(np.array(p) < 0.05) <= 0.2, column
+        assert np.median(p) > 0.2, column
+        assert kstest(p, "uniform", alternative="greater").pvalue > 0.003, column
+    assert all(300 < len(one.recorded) < most for one in made)
+
+
+OWN = {"observatory": "red-lamps-warm-their-sconces", "baths": "pumps-shake-their-arches"}
+ALIKE = [
+    (family, name)
+    for family in FAMILIES
+    for name in (OWN[family], "clock-offset", "ground-bounce", "")
+]
+
+
+@pytest.mark.parametrize(("family", "name"), ALIKE)
+def test_the_truth_is_what_was_recorded_drawn_once_more(family: str, name: str) -> None:
+    world: Any = world_of(family)
+    made = [world.tables(Draw((name,) if name else (), ratio=1), seed) for seed in range(6)]
+    for column in ("error_m", "rx_power_dbm", "first_path_power_dbm"):
+        both = [
+            pd.concat([getattr(one, side).groupby("link")[column].first() for one in made])
+            for side in ("recorded", "truth")
+        ]
+        assert ks_2samp(*both).pvalue > 0.01
+
+
+SIZES_M = {
+    "antenna-delay": (0.08, 0.3), "antenna-pattern": (0.02, 0.08), "clock-offset": (0.01, 0.06),
+    "exchange-motion": (0.004, 0.02), "time-lag": (0.02, 0.09), "power-bias": (0.02, 0.06),
+    "range-scale": (0.05, 0.25), "temperature-drift": (0.015, 0.08), "noise-floor": (0.003, 0.02),
+    "timestamp-jitter": (0.02, 0.05), "range-rounding": (0.02, 0.06), "blocked-path": (0.2, 0.9),
+    "material-delay": (0.03, 0.11), "diffraction": (0.008, 0.04), "ground-bounce": (0.006, 0.06),
+}  # fmt: skip
+"""Means of what effects do to ranges, about as in the families before."""
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("name", SIZES_M)
+def test_effects_move_ranges_by_about_as_much_as_elsewhere(family: str, name: str) -> None:
+    low, high = SIZES_M[name]
+    world: Any = world_of(family)
+    made = [world.tables(Draw((name,), ratio=1), seed).shifts_m[0] for seed in range(3)]
+    assert low < np.mean([np.abs(one).mean() for one in made]) < high
+
+
+LATE_PARTS = {
+    "obstructed-path": (0.05, 0.3), "specular-reflections": (0.1, 0.4),
+    "ground-bounce": (0.15, 0.5),
+    "small-scale-fading": (0.15, 0.45), "diffuse-tail": (0.3, 0.8), "pulse-ringing": (0.15, 0.6),
+    "narrowband-interference": (0.03, 0.1), "quantisation": (0.005, 0.06),
+}  # fmt: skip
+"""Parts by which effects change sizes after first paths, about as in the families before."""
+OWN_PARTS = {
+    "observatory": {
+        "charges-trail-from-size-to-size": (0.08, 0.4), "wells-spill-to-both-sides": (0.15, 0.6),
+        "faint-ones-clipped-by-sigmas": (0.08, 0.4),
+    },
+    "baths": {
+        "every-fifth-size-skipped": (0.1, 0.5), "twelves-left-as-cosines": (0.1, 0.6),
+        "late-part-averaged-with-its-mirror": (0.1, 0.6),
+    },
+}  # fmt: skip
+PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
+
+
+@pytest.mark.parametrize(("family", "name", "part"), PARTS)
+def test_effects_change_waveforms_by_about_as_much_as_elsewhere(
+    family: str, name: str, part: tuple[float, float]
+) -> None:
+    made = tables_of(family, name, mode="CIR")
+    found, plain = (np.stack([*t["cir"]])[:, 18:] for t in (made.recorded, made.clean))
+    low, high = part
+    assert low < np.abs(found - plain).mean() / plain.mean() < high
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_only_what_is_hidden_behind_things_is_late_by_far_in_waveforms(family: str) -> None:
+    for name in ("specular-reflections", "diffuse-tail", "pulse-ringing", "noise-floor"):
+        assert np.abs(shift_of(family, name, mode="CIR")).max() < 0.1, name
+    for name in ("obstructed-path", "late-detection"):
+        assert shift_of(family, name, mode="CIR").max() > 1.0, name
