@@ -8,29 +8,21 @@ by side. They are plain Python functions too, which is how the tests check them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.compiled import compiled as machine_code
 from bench.physics.units import Complexes, Floats, Reals
 
 Parts = NDArray[np.float32]
 Ints = NDArray[np.intp]
 
 
-@lru_cache(maxsize=16)
 def compiled(loop: Callable[..., None]) -> Callable[..., None]:
-    """Return a loop as machine code that lets other threads run."""
-    import numba
-
-    made: Callable[..., None]
-    try:
-        made = numba.njit(nogil=True, cache=True, fastmath=True)(loop)
-    except RuntimeError:  # nowhere to keep the machine code: compile it in every process
-        made = numba.njit(nogil=True, fastmath=True)(loop)
-    return made
+    """Return a loop as machine code: what is simulated is finite."""
+    return machine_code(loop, finite=True)
 
 
 def parts(values: Complexes) -> Parts:

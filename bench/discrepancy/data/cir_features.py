@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.data.compiled import compiled
+from bench.compiled import compiled
 from bench.discrepancy.settings import EARLY_FEWEST, NOISE_BEFORE_NS
 
 Floats = NDArray[np.float64]

@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.compiled import compiled
 from bench.discrepancy.data.cir_features import cut, shape_figures
 from bench.discrepancy.data.columns import WAVES
-from bench.discrepancy.data.compiled import compiled
 from bench.discrepancy.settings import (
     FARTHEST_SAMPLE,
     LEAD_LEVEL,

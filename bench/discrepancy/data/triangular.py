@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.data.compiled import compiled
+from bench.compiled import compiled
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.data.compiled import compiled
+from bench.compiled import compiled
 from bench.discrepancy.data.triangular import inverses, roots
 
 Floats = NDArray[np.float64]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dtrtri
 
-from bench.discrepancy.data.compiled import compiled
+from bench.compiled import compiled
 from bench.discrepancy.data.triangular import diagonals, inverses, roots
 from bench.discrepancy.sets.settings import EM_STEPS, LEAST_VARIANCE_M2, SIZE_BOUNDS
 
