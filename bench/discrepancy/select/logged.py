@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.crps import cluster_bootstrap
 from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.control_curve import with_curve
-from bench.discrepancy.select.receiver_logs import Logged, logs
+from bench.discrepancy.select.receiver_logs import Logged, logs, logs_as_simulated
 from bench.discrepancy.select.settings import (
     LOGGED_COMPRESSIONS,
     LOGGED_LEVELS,
@@ -55,7 +56,7 @@ def read_logs(search: Search) -> Search:
     Beside waveforms noise is weighed with these: it is seen in samples before the path, too.
     """
     waves, rows = search.fit.waveform, search.both
-    seen = logs(search, rows)
+    seen = logs_as_simulated(search, rows)
     found: list[Effect] = []
     if LevelControl.name in search.kinds:
         if max(ends_early(seen), turns_down(seen)) > LOGGED_NATS:
@@ -101,19 +102,15 @@ def _within_links(seen: Logged) -> float:
         return 0.0
     behind = seen.followed[-1]
     rows = seen.known(seen.count_db, behind)
-    code = np.unique(seen.links[rows], return_inverse=True)[1]
-    forms = _falling(behind[rows]) if rows.any() else []
+    if not rows.any():
+        return 0.0
+    code, forms = np.unique(seen.links[rows], return_inverse=True)[1], _falling(behind[rows])
     freedom = float(len(code) - len(np.unique(code)))
+    every = np.stack([seen.count_db[rows], *forms], axis=1)
+    count, *ways = (every - group_means(every, code)).T
     null = np.zeros((len(code), 1))
-    count = _beside_mean(seen.count_db[rows], code)
-    ways = [_beside_mean(one, code)[:, None] for one in forms]
-    brought = [_brings(count, null, way, freedom, seen.rounding_db2) for way in ways]
-    return max(brought, default=0.0) - float(np.log(max(len(forms), 1)))
-
-
-def _beside_mean(values: Floats, code: NDArray[np.intp]) -> Floats:
-    """Return values [n] less the mean of their link."""
-    return np.asarray(values - (np.bincount(code, values) / np.bincount(code))[code])
+    brought = [_brings(count, null, way[:, None], freedom, seen.rounding_db2) for way in ways]
+    return max(brought) - float(np.log(len(forms)))
 
 
 def _falling(level_dbm: Floats) -> list[Floats]:

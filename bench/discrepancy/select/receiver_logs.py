@@ -19,6 +19,7 @@ from bench.discrepancy.select.state import Search
 from bench.physics.simulator import Simulator
 
 Floats = NDArray[np.float64]
+Made = tuple[Floats, Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,19 @@ class Logged:
 
 def logs(search: Search, rows: View) -> Logged:
     """Return what both sides log for some rows."""
-    frame, (count, noise, arriving) = rows.frame, _simulated(search, rows)
+    return _logged(search, rows, _simulated(search, rows))
+
+
+def logs_as_simulated(search: Search, rows: View) -> Logged:
+    """Return what both sides log, and the same of a simulated version (`Logged.simulated`)."""
+    made = _simulated(search, rows)
+    seen = _logged(search, rows, made)
+    return replace(seen, simulated=_as_recorded(search, rows, seen, made))
+
+
+def _logged(search: Search, rows: View, made: Made) -> Logged:
+    """Return what is recorded of some rows over what is simulated of them (see `_simulated`)."""
+    frame, (count, noise, arriving) = rows.frame, made
     level, counted = numeric(frame, LEVEL), numeric(frame, COUNT)
     most = float(np.nan_to_num(counted).max(initial=1.0))
     rounding = ROUNDING_VARIANCE * (10 / np.log(10) / most) ** 2
@@ -80,28 +93,31 @@ def logs(search: Search, rows: View) -> Logged:
     groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
     devices = np.stack([np.ones(len(frame)), *groups], axis=1)
     links = len(np.unique(rows.links)) / crowded(search.comparison, rows)
-    made = Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
-    return replace(made, simulated=_as_recorded(search, rows, made))
+    return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
 
 
-def _as_recorded(search: Search, rows: View, seen: Logged) -> Logged | None:
+def _as_recorded(search: Search, rows: View, seen: Logged, made: Made) -> Logged | None:
     """Return what a simulated version logs beside the others, None where there are no others."""
     other = search.comparison
     if isinstance(other, Resimulation):
-        made = _counting(other).observe(rows.scene, replicate=1, cir=False)
-        count, first = 10 * np.log10(made.preamble_count), _simulated(search, rows)
-        level = np.asarray(made.rx_power_dbm)
-        return replace(seen, level_dbm=level, count_db=count - first[0], arriving_dbm=first[2])
+        again = _counting(other).observe(rows.scene, replicate=1, cir=False)
+        count_db, level = 10 * np.log10(again.preamble_count) - made[0], again.rx_power_dbm
+        return replace(seen, level_dbm=np.asarray(level), count_db=count_db, arriving_dbm=made[2])
     if not isinstance(other, TableComparison):
         return None
-    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        count = 10 * np.log10(numeric(other.frame, COUNT))[picks]
-    level = numeric(other.frame, LEVEL)[picks]
-    if len(picks) == 1:
+    count, level = _matched(other, rows, COUNT, LEVEL)
+    if len(level) < 2:
         return None
-    count_db = count[0] - count[1:].mean(axis=0)
-    return replace(seen, level_dbm=level[0], count_db=count_db, arriving_dbm=level[1:].mean(axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        count = 10 * np.log10(count)
+    count_db, arriving = count[0] - count[1:].mean(axis=0), level[1:].mean(axis=0)
+    return replace(seen, level_dbm=level[0], count_db=count_db, arriving_dbm=arriving)
+
+
+def _matched(other: TableComparison, rows: View, *names: str) -> list[Floats]:
+    """Return columns of the simulated rows [v, n] that stand for some rows."""
+    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
+    return [numeric(other.frame, name)[picks] for name in names]
 
 
 def _counting(other: Resimulation) -> Simulator:
@@ -112,7 +128,7 @@ def _counting(other: Resimulation) -> Simulator:
     return replace(other.simulator, base=replace(other.simulator.base, keep_count=0))
 
 
-def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
+def _simulated(search: Search, rows: View) -> Made:
     """Return simulated counts and noise in dB and levels in dBm, [n]; NaN where not known."""
     other, unknown = search.comparison, np.full(len(rows.rows), np.nan)
     if isinstance(other, Resimulation):
@@ -124,8 +140,7 @@ def _simulated(search: Search, rows: View) -> tuple[Floats, Floats, Floats]:
         return 10 * np.log10(made), 20 * np.log10(logged.noise_std), np.asarray(seen.rx_power_dbm)
     if not isinstance(other, TableComparison):
         return unknown, unknown, unknown
-    picks = np.stack(other.versions(rows)[: own_versions(other, rows)])
+    count, noise, arriving = _matched(other, rows, COUNT, NOISE, LEVEL)
     with np.errstate(divide="ignore", invalid="ignore"):
-        count, noise = (np.log10(numeric(other.frame, n))[picks] for n in (COUNT, NOISE))
-    arriving = numeric(other.frame, LEVEL)[picks].mean(axis=0)
-    return 10 * count.mean(axis=0), 20 * noise.mean(axis=0), arriving
+        count, noise = np.log10(count), np.log10(noise)
+    return 10 * count.mean(axis=0), 20 * noise.mean(axis=0), arriving.mean(axis=0)
