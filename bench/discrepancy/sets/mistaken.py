@@ -23,8 +23,8 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.law.likelihood import weights
 from bench.discrepancy.law.material import material
-from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.beside import nats_with, reweighed
 from bench.discrepancy.sets.choice import Set
@@ -198,10 +198,10 @@ def of_rows(left_m: Floats) -> float:
     theirs in common, which no weight lessens, and of the recorded ones it is a row's alone.
     """
     left_m = left_m - np.median(left_m)
-    weights = np.ones(len(left_m))
+    weight = np.ones(len(left_m))
     for _ in range(REWEIGHINGS):
-        size = float(np.mean(weights * left_m**2))
-        weights = (LAW_TAIL + 1) / (LAW_TAIL + left_m**2 / max(size, LEAST_VARIANCE_M2))
+        size = float(np.mean(weight * left_m**2))
+        weight = weights(left_m, float(np.sqrt(max(size, LEAST_VARIANCE_M2))))
     return size
 
 

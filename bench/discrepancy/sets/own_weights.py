@@ -9,6 +9,7 @@ bound: Jaakkola and Jordan 2000).
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,11 +24,29 @@ if TYPE_CHECKING:
     from bench.discrepancy.sets.evidence import Evidence
 
 
+class Beside:
+    """A set that others are compared with, each at the weights that rows have beside it."""
+
+    def __init__(self, contest: Contest, causes: Set) -> None:
+        self.contest, self.causes = contest, causes
+
+    @cached_property
+    def _own(self) -> Evidence:
+        return _weighed_by(self.contest, self.causes)
+
+    def lead(self, other: Set) -> float:
+        """Return by how much another set is worth more, of the rows that take part beside both."""
+        contest, own, made = self.contest, self._own, _weighed_by(self.contest, other)
+        rows = np.minimum(made.weights, own.weights) > LEAST_WEIGHT
+        worth = _worth(contest, own.among(rows), self.causes)
+        return _worth(contest, made.among(rows), other) - worth
+
+
 def likeliest(contest: Contest, best: Set) -> Set:
     """Return the likeliest of the best set and those near it that do other things instead."""
-    least = contest.worth(best) - NEAR_NATS
+    least, beside = contest.worth(best) - NEAR_NATS, Beside(contest, best)
     near = [o for o in contest.weighed() if contest.worth(o) > least and _instead(o, best)]
-    leads = {one: lead(contest, one, best) for one in near[:NEAR_SETS]}
+    leads = {one: beside.lead(one) for one in near[:NEAR_SETS]}
     able = [one for one, nats in leads.items() if nats > 0]
     return max(able, key=lambda one: leads[one], default=best)
 
@@ -35,16 +54,6 @@ def likeliest(contest: Contest, best: Set) -> Set:
 def _instead(one: Set, other: Set) -> bool:
     """Return whether either of two sets has something that the other has not."""
     return not set(one) <= set(other) and not set(other) <= set(one)
-
-
-def lead(contest: Contest, one: Set, other: Set) -> float:
-    """Return by how much a set is worth more than another, each at its own weights.
-
-    Of the rows that take part beside both.
-    """
-    first, second = _weighed_by(contest, one), _weighed_by(contest, other)
-    rows = np.minimum(first.weights, second.weights) > LEAST_WEIGHT
-    return _worth(contest, first.among(rows), one) - _worth(contest, second.among(rows), other)
 
 
 def _weighed_by(contest: Contest, causes: Set) -> Evidence:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.sets.choice import Set, but
-from bench.discrepancy.sets.own_weights import lead
+from bench.discrepancy.sets.own_weights import Beside
 from bench.discrepancy.sets.settings import NEAR_NATS, RIVAL_NATS
 from bench.physics.effects.ranging.antenna_delay import COMMON_M, AntennaDelay
 
@@ -28,17 +28,16 @@ def rivals(contest: Contest, causes: Set, name: str) -> Set:
     rest = but(causes, name)
     others = tuple(sorted((contest.library | contest.untold) - set(causes)))
     same = _same_rows(contest, causes, name, others)
-    near = {o for o in others if _near(contest, causes, (*rest, o))}
+    beside = Beside(contest, causes)
+    near = {o for o in others if _near(beside, (*rest, o))}
     able = [o for o in others if o in same or o in near]
     return tuple(o for o in able if o in same or contest.possible((*rest, o), o))
 
 
-def _near(contest: Contest, causes: Set, other: Set) -> bool:
+def _near(beside: Beside, other: Set) -> bool:
     """Return whether a set is not excluded beside another, at weights of its own where near."""
-    behind = contest.worth(causes) - contest.worth(other)
-    return behind < RIVAL_NATS or (
-        behind < NEAR_NATS and lead(contest, other, causes) > -RIVAL_NATS
-    )
+    behind = beside.contest.worth(beside.causes) - beside.contest.worth(other)
+    return behind < RIVAL_NATS or (behind < NEAR_NATS and beside.lead(other) > -RIVAL_NATS)
 
 
 def _same_rows(contest: Contest, causes: Set, name: str, others: Set) -> Set:

@@ -7,7 +7,7 @@ import pytest
 
 from bench.discrepancy.sets.choose import Contest
 from bench.discrepancy.sets.evidence import Evidence
-from bench.discrepancy.sets.own_weights import lead, likeliest
+from bench.discrepancy.sets.own_weights import Beside, likeliest
 from tests.bench.discrepancy.numpy_tables import constant
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -30,14 +30,14 @@ def contest_of(share: float) -> Contest:
 
 def test_weights_of_a_set_speak_for_it_and_own_weights_do_not() -> None:
     contest = contest_of(0.97)
-    fair = lead(contest, ("one",), ("other",))
+    fair = Beside(contest, ("other",)).lead(("one",))
     leads = []
     for causes in (("one",), ("other",)):
         contest.evidence.reweigh(causes)
         contest._nats = {}
         leads.append(contest.nats(("one",)) - contest.nats(("other",)))
     assert leads[0] > fair > leads[1]
-    assert lead(contest, ("other",), ("one",)) == pytest.approx(-fair, abs=0.5)
+    assert Beside(contest, ("one",)).lead(("other",)) == pytest.approx(-fair, abs=0.5)
 
 
 def test_the_likelier_of_two_that_are_near_is_taken_whichever_was_first() -> None:
