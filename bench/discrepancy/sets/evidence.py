@@ -262,7 +262,7 @@ class Evidence:
 
 def _products(product: Floats, places: NDArray[np.intp]) -> Products:
     """Return the products of some of all columns, of which the residual is the last."""
-    return Products(np.asfortranarray(product[np.ix_(places, places)]), product[places, -1])
+    return Products(product[np.ix_(places, places)], product[places, -1])
 
 
 def _weighed(

@@ -14,7 +14,6 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dtrtri
 
 from bench.compiled import compiled
 from bench.discrepancy.data.triangular import diagonals, inverses, roots
@@ -41,10 +40,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Products:
-    """Products of the columns of a set: `inner` [k, k] with each other, `right` [k] with the rest.
-
-    `inner` in columns, as LAPACK has matrices.
-    """
+    """Products of a set's columns: `inner` [k, k] with each other, `right` [k] with the rest."""
 
     inner: Floats
     right: Floats
@@ -133,15 +129,8 @@ def summed(
 def inverse_root(matrix: Floats, more: Floats) -> Floats:
     """Return R [n, n], lower, with R' R the inverse of a matrix, `more` [n] on its diagonal.
 
-    By Cholesky: a third of the work of an inverse by elimination. Raises LinAlgError where the sum
-    is not positive. `matrix` stands in columns, and is written over.
+    Raises LinAlgError where the sum is not positive.
     """
-    if not len(more):
-        return matrix
-    assert matrix.flags.f_contiguous
-    diagonal = matrix.T.ravel()[:: len(more) + 1]  # a view
-    diagonal += more
-    lower, wrong = dpotrf(matrix, lower=1, clean=1, overwrite_a=1)
-    if wrong:
-        raise np.linalg.LinAlgError("a precision that is not positive")
-    return np.asarray(dtrtri(lower, lower=1, overwrite_c=1)[0])
+    count = np.array([len(more)])
+    whole = (matrix + np.diag(more)).ravel()
+    return inverses(roots(whole, count), count).reshape(matrix.shape)
