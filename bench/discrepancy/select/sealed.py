@@ -27,10 +27,10 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdic
 from bench.discrepancy.settings import ALL_SPARED, LEAD_NATS
 from bench.physics.effect import Effect
 
-STRUCK = Guard().safely("offsets of sealed links", struck_nats, 0.0)
+STRUCK = Guard().safely("offsets of sealed links", struck_nats, None)
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
 Change = Callable[[Added], Served | None]  # what effects do to sealed links
-Borne = Callable[[Strike], bool]  # whether offsets of sealed links speak for a strike
+Borne = Callable[[Strike], bool]  # whether offsets of sealed links may be those of a strike
 Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
 
 
@@ -41,11 +41,11 @@ def unrefused(
 
     One effect after the other goes, as long as score or ranges are worse with the rest than
     without any: the one without which they are best. What a mean score hardly sees, as it strikes
-    few links, keeps its name unless it is worse beyond chance and offsets do not speak for it. So
-    does what waveforms speak for here too: what it does to ranges depends on a receiver's detector
-    (see `_untimed`). Where their score tells nothing, their likelihood does (see `likelier_with`).
-    And so does what has nothing to act on there (no metal stands in any sealed link), of which they
-    tell nothing.
+    few links, keeps its name unless it is worse beyond chance and offsets are none of it (20 to 1).
+    So does what waveforms speak for here too: what it does to ranges depends on a receiver's
+    detector (see `_untimed`). Where their score tells nothing, their likelihood does (see
+    `likelier_with`). And so does what has nothing to act on there (no metal stands in any sealed
+    link), of which they tell nothing.
     """
     added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
@@ -63,7 +63,8 @@ def unrefused(
 
     def borne(strike: Strike) -> bool:
         beside = without(found.added, strike.effect)
-        return STRUCK(comparison, sealed, beside, strike) > LEAD_NATS
+        nats = STRUCK(comparison, sealed, beside, strike)
+        return nats is not None and nats > -LEAD_NATS
 
     names = {effect.name for effect in _serving(added, change)}
     names -= {effect.name for effect in _unborne(sealed, found, likelier)}

@@ -139,3 +139,5 @@ MOST_PUBLISHED_M: Final = 0.25  # from weak to strong, of a DW1000 at 64 MHz: -0
 # third more for other makes [source: APS011, table 2; convention]
 RANK_BINS: Final = 12  # of the picture of ranks [convention]
 IDLE_SHARE: Final = 0.1  # of a strike's size, that it must move links by to act at all [convention]
+SHARES_TOLD: Final = 9  # of struck links over the interval that working links leave, of which the
+# mean likelihood of sealed ones is taken: chance has few or many of them there [cost]

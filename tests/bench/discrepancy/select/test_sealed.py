@@ -104,17 +104,18 @@ def test_sealed_links_refuse_no_name_of_what_does_nothing_there(
 @pytest.mark.parametrize(
     ("high", "nats", "surely", "said"),
     [
-        (1, 0, False, True),
-        (-1, 2, False, False),
-        (-1, 4, False, True),
-        (-1, 2, True, False),
-        (-1, 4, True, True),
+        (1, -4, False, True),
+        (-1, -4, False, False),
+        (-1, None, False, False),
+        (-1, -2, False, True),
+        (-1, -4, True, False),
+        (-1, -2, True, True),
     ],
 )
 def test_what_strikes_few_links_keeps_its_name_unless_worse_beyond_chance(
-    monkeypatch: pytest.MonkeyPatch, high: float, nats: float, surely: bool, said: bool
+    monkeypatch: pytest.MonkeyPatch, high: float, nats: float | None, surely: bool, said: bool
 ) -> None:
-    """Nor where offsets of sealed links speak for it, whatever the median of versions does."""
+    """Nor where offsets of sealed links may be of it, whatever the median of versions does."""
     judged = Served(Estimate(-2, -3, high), False, 0.1, surely=surely)
     monkeypatch.setattr(sealed, "served", lambda *_: judged)
     monkeypatch.setattr(sealed, "STRUCK", lambda *_: nats)
