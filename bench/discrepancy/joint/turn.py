@@ -219,7 +219,8 @@ def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
     search, added = state.search, (*state.added, *_scattered(state))
     left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
-    left = left if added else journal.kept(with_levels)(search, left)
+    if not added:
+        left = journal.kept(with_levels)(search, journal.kept(with_ranges)(search, left))
     last = Round(left, None, None)
     if left.significant and (not added or any(of_range(found) for found in left.findings)):
         last = replace(last, explanation=journal.kept(left_by)(search, added, left))
