@@ -12,7 +12,7 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import nothing_of, shift_of, tables_of
 
-FAMILIES = ("observatory", "baths")
+FAMILIES = ("observatory", "baths", "circus")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -34,7 +34,11 @@ def test_twin_draws_of_which_none_hides_a_thing_differ_no_more_than_by_chance(
     assert all(300 < len(one.recorded) < most for one in made)
 
 
-OWN = {"observatory": "red-lamps-warm-their-sconces", "baths": "pumps-shake-their-arches"}
+OWN = {
+    "observatory": "red-lamps-warm-their-sconces",
+    "baths": "pumps-shake-their-arches",
+    "circus": "gusts-rack-their-poles",
+}
 ALIKE = [
     (family, name)
     for family in FAMILIES
@@ -88,6 +92,10 @@ OWN_PARTS = {
     "baths": {
         "every-fifth-size-skipped": (0.1, 0.5), "twelves-left-as-cosines": (0.1, 0.6),
         "late-part-averaged-with-its-mirror": (0.1, 0.6),
+    },
+    "circus": {
+        "blocks-read-by-columns": (0.1, 0.6), "odd-ones-left-as-not-foretold": (0.1, 0.6),
+        "tape-wows-in-late-part": (0.1, 0.6),
     },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]

@@ -14,6 +14,7 @@ from bench.challenge.families import (
     bowls_dial,
     brickworks_reader,
     canal_staff,
+    circus_lamp,
     laundry_meter,
     manege_handset,
     observatory_plate,
@@ -40,6 +41,7 @@ OF_ITS_OWN = {
     "saltworks": {"gang", "swing", "done_s"},
     "observatory": {"sort", "arm", "into_s"},
     "baths": {"beat", "wears", "into_s"},
+    "circus": {"throw", "girth", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -63,6 +65,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (saltworks_gauge.lapping, saltworks_gauge.OF_SIZES, -0.2),
         (observatory_plate.sky, observatory_plate.OF_SIZES, -0.2),
         (baths_probe.gurgle, baths_probe.OF_SIZES, -0.2),
+        (circus_lamp.applause, circus_lamp.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -91,6 +94,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (saltworks_gauge.humps, saltworks_gauge.lagged, 0.02),
         (observatory_plate.stars, observatory_plate.exposed_later, 0.02),
         (baths_probe.ripples, baths_probe.held_under, 0.02),
+        (circus_lamp.flashes, circus_lamp.encored, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
