@@ -17,7 +17,11 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.settings import OWN_GRID_PLACES, ROUNDING_VARIANCE
+from bench.discrepancy.select.settings import (
+    OWN_GRID_PLACES,
+    ROUNDING_VARIANCE,
+    USED_POINTS,
+)
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
@@ -30,6 +34,7 @@ from bench.discrepancy.settings import (
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.units import Floats
 
 
 def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Explanation:
@@ -68,7 +73,10 @@ def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
     if not marks or not type(scatter).independent:
         return True
     rows, others = search.searched, [(e, without(added, e)) for e in marks]
-    forms = [max(_change(search, rest, e), own_grids_m(rows, e)) for e, rest in others]
+    forms = [
+        max(_change(search, rest, e), own_grids_m(rows, e), _used_m(search, rest, e))
+        for e, rest in others
+    ]
     most = FORMS_OF_MARK * max(forms)
     there = _scatter_m(search, added) ** 2 > (FORMS_OF_MARK + 1) * max(forms) ** 2
     return there and _change(search, added, scatter) > most
@@ -107,6 +115,35 @@ def own_grids_m(rows: View, effect: Effect) -> float:
             times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
     steps_m = np.nan_to_num(times * effect.step_at(range_m), nan=effect.step_m)
     return float(np.sqrt(np.mean(steps_m**2) * ROUNDING_VARIANCE))
+
+
+def _used_m(search: Search, rest: Added, effect: Effect) -> float:
+    """Return how far rounding moves ranges where few points of its grid are used (`used_m`)."""
+    rows = search.searched
+    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+        return 0.0
+    made = search.comparison.ensemble(rows, (*rest, effect), SCORE_MEMBERS, SCORE_FIRST)
+    simulated_m = rows.scene.true_range_m + made.simulated_of(RANGE)
+    return used_m(effect, numeric(rows.frame, "range_m"), simulated_m)
+
+
+def used_m(effect: RangeRounding, range_m: Floats, simulated_m: Floats) -> float:
+    """Return how far rounding moves ranges where few points of its grid are used, in metres.
+
+    Marks of a ruler that are short and long in turn, or words of a code, lie on a grid of which
+    most points are none of them: recorded ranges [n] then have far fewer values than simulated ones
+    [m, n], and are off by as much as from mark to mark. 0 where all points are used.
+    """
+    place = effect.place(range_m)
+    known = np.isfinite(place) & np.isfinite(simulated_m).all(axis=0)
+    used = np.unique(place[known])
+    usual = [len(np.unique(effect.place(one[known]))) for one in simulated_m]
+    if len(used) < 3 or len(used) >= USED_POINTS * min(usual):
+        return 0.0
+    gaps = np.diff(used)
+    reach = (np.r_[gaps[:1], gaps] + np.r_[gaps, gaps[-1:]]) / 2
+    steps_m = reach[np.searchsorted(used, place[known])] * effect.step_at(range_m[known])
+    return float(np.median(steps_m) * np.sqrt(ROUNDING_VARIANCE))
 
 
 def without_others(rows: View, added: Added) -> list[View]:
