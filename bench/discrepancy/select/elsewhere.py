@@ -67,7 +67,8 @@ def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
     """Return whether scatter beside what bears a mark does more than another form of that would.
 
     Ranges that are rounded by chance, or twice, are off by twice the variance of those to the
-    nearest step. Rows must scatter by more than that, too: wide scatter is fitted where little is.
+    nearest step. Rows must scatter by more than that, too, beyond what simulated ones scatter by:
+    wide scatter is fitted where little is.
     """
     marks = [effect for effect in added if type(effect).marked]
     if not marks or not type(scatter).independent:
@@ -78,7 +79,8 @@ def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
         for e, rest in others
     ]
     most = FORMS_OF_MARK * max(forms)
-    there = _scatter_m(search, added) ** 2 > (FORMS_OF_MARK + 1) * max(forms) ** 2
+    bare = tuple(effect for effect in added if effect not in marks)
+    there = _missing_m2(search, added, bare) > (FORMS_OF_MARK + 1) * max(forms) ** 2
     return there and _change(search, added, scatter) > most
 
 
@@ -91,11 +93,25 @@ def _change(search: Search, rest: Added, effect: Effect) -> float:
     return float(np.nanstd(with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)))
 
 
-def _scatter_m(search: Search, added: Added) -> float:
-    """Return how far rows lie from their link beside some effects, in metres; inf if none does."""
-    made = search.comparison.ensemble(search.searched, added, SCORE_MEMBERS, SCORE_FIRST)
-    left = within(Ensemble((RANGE,), ("m",), made.residual_of(RANGE)[None, :, None], made.links))[0]
-    return float(np.sqrt(np.nanmean(left**2))) if np.isfinite(left).any() else np.inf
+def _missing_m2(search: Search, added: Added, bare: Added) -> float:
+    """Return the variance of rows about their link beside effects, less what is simulated, in m2.
+
+    The latter of `bare` effects; infinite where no link has several rows. What simulated versions
+    of a row have in common is no scatter.
+    """
+    made, plain = (
+        search.comparison.ensemble(search.searched, some, SCORE_MEMBERS, SCORE_FIRST)
+        for some in (added, bare)
+    )
+    versions = plain.simulated_of(RANGE)
+    m = len(versions)
+    own = (versions - versions.mean(axis=0)) * np.sqrt(m / max(m - 1, 1))
+    values = np.concatenate([made.residual_of(RANGE)[None], own])
+    recorded, simulated = within(Ensemble((RANGE,), ("m",), values[..., None], made.links))
+    if not np.isfinite(recorded).any():
+        return np.inf
+    noise_m2 = float(np.nanmean(simulated**2)) if np.isfinite(simulated).any() else 0.0
+    return float(np.nanmean(recorded**2)) - noise_m2
 
 
 def own_grids_m(rows: View, effect: Effect) -> float:
