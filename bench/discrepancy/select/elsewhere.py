@@ -17,7 +17,11 @@ from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.settings import OWN_GRID_PLACES, ROUNDING_VARIANCE
+from bench.discrepancy.select.settings import (
+    OWN_GRID_PLACES,
+    ROUNDING_VARIANCE,
+    USED_POINTS,
+)
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
@@ -30,6 +34,7 @@ from bench.discrepancy.settings import (
 from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.units import Floats
 
 
 def elsewhere_too(search: Search, added: Added, explanation: Explanation) -> Explanation:
@@ -62,15 +67,20 @@ def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
     """Return whether scatter beside what bears a mark does more than another form of that would.
 
     Ranges that are rounded by chance, or twice, are off by twice the variance of those to the
-    nearest step. Rows must scatter by more than that, too: wide scatter is fitted where little is.
+    nearest step. Rows must scatter by more than that, too, beyond what simulated ones scatter by:
+    wide scatter is fitted where little is.
     """
     marks = [effect for effect in added if type(effect).marked]
     if not marks or not type(scatter).independent:
         return True
     rows, others = search.searched, [(e, without(added, e)) for e in marks]
-    forms = [max(_change(search, rest, e), own_grids_m(rows, e)) for e, rest in others]
+    forms = [
+        max(_change(search, rest, e), own_grids_m(rows, e), _used_m(search, rest, e))
+        for e, rest in others
+    ]
     most = FORMS_OF_MARK * max(forms)
-    there = _scatter_m(search, added) ** 2 > (FORMS_OF_MARK + 1) * max(forms) ** 2
+    bare = tuple(effect for effect in added if effect not in marks)
+    there = _missing_m2(search, added, bare) > (FORMS_OF_MARK + 1) * max(forms) ** 2
     return there and _change(search, added, scatter) > most
 
 
@@ -83,11 +93,25 @@ def _change(search: Search, rest: Added, effect: Effect) -> float:
     return float(np.nanstd(with_it.simulated_of(RANGE) - bare.simulated_of(RANGE)))
 
 
-def _scatter_m(search: Search, added: Added) -> float:
-    """Return how far rows lie from their link beside some effects, in metres; inf if none does."""
-    made = search.comparison.ensemble(search.searched, added, SCORE_MEMBERS, SCORE_FIRST)
-    left = within(Ensemble((RANGE,), ("m",), made.residual_of(RANGE)[None, :, None], made.links))[0]
-    return float(np.sqrt(np.nanmean(left**2))) if np.isfinite(left).any() else np.inf
+def _missing_m2(search: Search, added: Added, bare: Added) -> float:
+    """Return the variance of rows about their link beside effects, less what is simulated, in m2.
+
+    The latter of `bare` effects; infinite where no link has several rows. What simulated versions
+    of a row have in common is no scatter.
+    """
+    made, plain = (
+        search.comparison.ensemble(search.searched, some, SCORE_MEMBERS, SCORE_FIRST)
+        for some in (added, bare)
+    )
+    versions = plain.simulated_of(RANGE)
+    m = len(versions)
+    own = (versions - versions.mean(axis=0)) * np.sqrt(m / max(m - 1, 1))
+    values = np.concatenate([made.residual_of(RANGE)[None], own])
+    recorded, simulated = within(Ensemble((RANGE,), ("m",), values[..., None], made.links))
+    if not np.isfinite(recorded).any():
+        return np.inf
+    noise_m2 = float(np.nanmean(simulated**2)) if np.isfinite(simulated).any() else 0.0
+    return float(np.nanmean(recorded**2)) - noise_m2
 
 
 def own_grids_m(rows: View, effect: Effect) -> float:
@@ -107,6 +131,35 @@ def own_grids_m(rows: View, effect: Effect) -> float:
             times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
     steps_m = np.nan_to_num(times * effect.step_at(range_m), nan=effect.step_m)
     return float(np.sqrt(np.mean(steps_m**2) * ROUNDING_VARIANCE))
+
+
+def _used_m(search: Search, rest: Added, effect: Effect) -> float:
+    """Return how far rounding moves ranges where few points of its grid are used (`used_m`)."""
+    rows = search.searched
+    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+        return 0.0
+    made = search.comparison.ensemble(rows, (*rest, effect), SCORE_MEMBERS, SCORE_FIRST)
+    simulated_m = rows.scene.true_range_m + made.simulated_of(RANGE)
+    return used_m(effect, numeric(rows.frame, "range_m"), simulated_m)
+
+
+def used_m(effect: RangeRounding, range_m: Floats, simulated_m: Floats) -> float:
+    """Return how far rounding moves ranges where few points of its grid are used, in metres.
+
+    Marks of a ruler that are short and long in turn, or words of a code, lie on a grid of which
+    most points are none of them: recorded ranges [n] then have far fewer values than simulated ones
+    [m, n], and are off by as much as from mark to mark. 0 where all points are used.
+    """
+    place = effect.place(range_m)
+    known = np.isfinite(place) & np.isfinite(simulated_m).all(axis=0)
+    used = np.unique(place[known])
+    usual = [len(np.unique(effect.place(one[known]))) for one in simulated_m]
+    if len(used) < 3 or len(used) >= USED_POINTS * min(usual):
+        return 0.0
+    gaps = np.diff(used)
+    reach = (np.r_[gaps[:1], gaps] + np.r_[gaps, gaps[-1:]]) / 2
+    steps_m = reach[np.searchsorted(used, place[known])] * effect.step_at(range_m[known])
+    return float(np.median(steps_m) * np.sqrt(ROUNDING_VARIANCE))
 
 
 def without_others(rows: View, added: Added) -> list[View]:

@@ -128,6 +128,8 @@ SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is no
 HARDLY_BENT: Final = 0.2  # of its mean, less of which a curve is called a constant [convention]
 OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coarser steps than all
 # ranges do: by chance one device in two thousand [derived]
+USED_POINTS: Final = 0.7  # of as many points of a grid as simulated ranges have, fewer of which are
+# some of its points alone: by chance a few in a hundred are missing [convention]
 
 # --- What names leave at one device (select/one_device) -------------------------------------------
 DEVICE_LEADS: Final = 2.0  # times what is off elsewhere: a form is off everywhere [four tables]

@@ -26,6 +26,7 @@ from bench.discrepancy.sets.settings import (
     LAW_M,
     LAW_NATS,
     NAME_NATS,
+    TIED_NATS,
     USUAL_SCATTERS,
 )
 from bench.physics.ways import spread_over
@@ -68,21 +69,32 @@ def faded(contest: Contest, best: Set) -> Beaten | None:
     if law is None:
         return None
     for one in [c for c in best if c in contest.library and contest.kinds[c].follows == LEVEL]:
-        lead = _most(contest, but(best, one), law) - contest.worth(best)
-        if lead > FORM_NATS:
+        lead = _lead(contest, best, one, law)
+        if lead is not None:
             return Beaten((one,), law, lead)
     return None
 
 
-def _most(contest: Contest, rest: Set, law: Formed) -> float:
-    """Return the worth of a law beside the rest of a set, or beside all but one of it.
+def _lead(contest: Contest, best: Set, one: str, law: Formed) -> float | None:
+    """Return by how much a law in the place of an error of the level leads; None if too little.
 
-    What the distance makes of levels, and ranges do not follow, takes another cause to undo.
+    Beside the rest of it, or all but one. What the distance makes of levels, and ranges do not
+    follow, takes another cause to undo: where that does nothing else, for beside what is left the
+    law leads the error, the law alone need only do about as well as both.
     """
-    columns = {law.name: law.parts}
-    sets = [rest, *(but(rest, one) for one in rest)]
-    worths = [nats_with(contest, one, columns) - sum(map(contest.price, one)) for one in sets]
-    return max(worths) - law.pays - NAME_NATS
+    rest, worth = but(best, one), contest.worth(best)
+    beside = _worth(contest, rest, law)
+    less = [(_worth(contest, but(rest, other), law), but(best, other)) for other in rest]
+    most = max((beside, *(nats for nats, _ in less))) - worth
+    undone = [nats for nats, left in less if nats - contest.worth(left) > FORM_NATS]
+    alone = max(undone, default=-np.inf) - worth
+    return max(most, alone) if most > FORM_NATS or alone > TIED_NATS else None
+
+
+def _worth(contest: Contest, rest: Set, law: Formed) -> float:
+    """Return the worth of a law beside some causes."""
+    nats = nats_with(contest, rest, {law.name: law.parts}) - law.pays - NAME_NATS
+    return nats - sum(map(contest.price, rest))
 
 
 def _law(fading: Floats) -> Formed | None:

@@ -13,15 +13,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.discrepancy.law.settings import LAW_TAIL
 from bench.discrepancy.sets.choice import Set
-from bench.discrepancy.sets.settings import LEAST_WEIGHT, NEAR_NATS, NEAR_SETS
+from bench.discrepancy.sets.settings import LEAST_WEIGHT, NEAR_NATS, NEAR_SETS, RIVAL_NATS
 from bench.discrepancy.sets.weigh import weighed
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_scale import RangeScale
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
     from bench.discrepancy.sets.evidence import Evidence
+
+CONSTANT_AND_SCALE = {AntennaDelay.name, RangeScale.name}
 
 
 class Beside:
@@ -46,9 +51,29 @@ def likeliest(contest: Contest, best: Set) -> Set:
     """Return the likeliest of the best set and those near it that do other things instead."""
     least, beside = contest.worth(best) - NEAR_NATS, Beside(contest, best)
     near = [o for o in contest.weighed() if contest.worth(o) > least and _instead(o, best)]
-    leads = {one: beside.lead(one) for one in near[:NEAR_SETS]}
-    able = [one for one, nats in leads.items() if nats > 0]
+    asked = [*near[:NEAR_SETS], *(o for o in near[NEAR_SETS:] if _of_level(contest, o, best))]
+    leads = {one: beside.lead(one) for one in asked}
+    able = [one for one, nats in leads.items() if nats > must_lead(contest, one, best)]
     return max(able, key=lambda one: leads[one], default=best)
+
+
+def must_lead(contest: Contest, one: Set, best: Set) -> float:
+    """Return the nats by which a set must lead the best one, to stand in its place.
+
+    Names in the place of a law or a fault must exclude it. An error of the level that does the part
+    of a constant and a scale, in one, need only not be excluded: levels follow the distance.
+    """
+    if _of_level(contest, one, best):
+        return -RIVAL_NATS
+    names, laws = set(one) - set(best), set(best) - set(one)
+    return RIVAL_NATS if names & contest.library and not laws <= contest.library else 0.0
+
+
+def _of_level(contest: Contest, one: Set, best: Set) -> bool:
+    """Return whether a set has one error of the level for a constant and a scale of the best."""
+    more = [c for c in one if c not in best]
+    follows = len(more) == 1 and more[0] in contest.library and contest.kinds[more[0]].follows
+    return bool(follows) and {o for o in best if o not in one} == CONSTANT_AND_SCALE
 
 
 def _instead(one: Set, other: Set) -> bool:
@@ -63,9 +88,21 @@ def _weighed_by(contest: Contest, causes: Set) -> Evidence:
     return made
 
 
+def own_nats(evidence: Evidence, causes: Set, rows: NDArray[np.bool_]) -> float:
+    """Return the log evidence that some rows [n] have of a set, at the weights that it gives."""
+    made = evidence.with_blocks(evidence.blocks)
+    made.reweigh(causes)
+    made = made.among(rows)
+    return made.of(causes).nats + _paid(made)
+
+
 def _worth(contest: Contest, evidence: Evidence, causes: Set) -> float:
     """Return what a set is worth at the weights of an evidence, which are paid for."""
-    weights = evidence.weights[evidence.weights > LEAST_WEIGHT]
-    paid = LAW_TAIL / 2 * float((np.log(weights) - weights).sum())
-    nats = weighed(evidence, contest.single, [causes])[causes] + paid
+    nats = weighed(evidence, contest.single, [causes])[causes] + _paid(evidence)
     return nats / contest.crowding - sum(map(contest.price, causes))
+
+
+def _paid(evidence: Evidence) -> float:
+    """Return what the weights of rows that take part cost in nats, for what they were before."""
+    weights = evidence.weights[evidence.weights > LEAST_WEIGHT]
+    return LAW_TAIL / 2 * float((np.log(weights) - weights).sum())

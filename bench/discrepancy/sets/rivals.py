@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.sets.choice import Set, but
-from bench.discrepancy.sets.own_weights import Beside
+from bench.discrepancy.sets.own_weights import Beside, own_nats
 from bench.discrepancy.sets.settings import NEAR_NATS, RIVAL_NATS
 from bench.physics.effects.ranging.antenna_delay import COMMON_M, AntennaDelay
 
@@ -63,14 +63,23 @@ def beside_a_constant(contest: Contest, causes: Set, name: str) -> dict[str, flo
     kind = contest.kinds[name]
     if not kind.follows or AntennaDelay.name in causes or AntennaDelay.name not in contest.library:
         return {}
-    evidence, rest = contest.evidence.among(clear_levels(contest)), but(causes, name)
-    least = evidence.of(causes).nats - RIVAL_NATS * contest.crowding
+    clear, rest = clear_levels(contest), but(causes, name)
+    evidence = contest.evidence.among(clear)
+    least, near = (evidence.of(causes).nats - n * contest.crowding for n in (RIVAL_NATS, NEAR_NATS))
     out = {}
     for one in sorted(contest.library - set(causes)):
         nats, constant_m = with_constant(contest, evidence, (*rest, one))
-        if nats > least and contest.possible((*rest, one), one):
+        able = nats > least or (nats > near and _own_constant(contest, causes, (*rest, one), clear))
+        if able and contest.possible((*rest, one), one):
             out[one] = constant_m
     return out
+
+
+def _own_constant(contest: Contest, causes: Set, others: Set, rows: NDArray[np.bool_]) -> bool:
+    """Return whether other causes and a constant are not excluded, at weights of their own."""
+    more = beside_constant(contest, contest.evidence, others)
+    behind = own_nats(contest.evidence, causes, rows) - own_nats(more, (*others, CONSTANT), rows)
+    return behind < RIVAL_NATS * contest.crowding
 
 
 def clear_levels(contest: Contest) -> NDArray[np.bool_]:
@@ -105,7 +114,12 @@ def delays_and_more(contest: Contest, causes: Set, others: Set) -> dict[str, flo
 
 def with_constant(contest: Contest, evidence: Evidence, causes: Set) -> tuple[float, float]:
     """Return the log evidence of a set beside a constant, and that constant in metres."""
+    made = beside_constant(contest, evidence, causes).of((*causes, CONSTANT))
+    return made.nats, float(COMMON_M * made.factors[-1])
+
+
+def beside_constant(contest: Contest, evidence: Evidence, causes: Set) -> Evidence:
+    """Return the evidence of some causes and a constant."""
     column = contest.seen(np.full((len(contest.known), 1), COMMON_M))
     blocks = {one: evidence.blocks[one] for one in causes}
-    made = evidence.with_blocks({**blocks, CONSTANT: (column,)}).of((*causes, CONSTANT))
-    return made.nats, float(COMMON_M * made.factors[-1])
+    return evidence.with_blocks({**blocks, CONSTANT: (column,)})

@@ -17,7 +17,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.elsewhere import elsewhere_too, own_grids_m
+from bench.discrepancy.select.elsewhere import beyond_marks, elsewhere_too, own_grids_m, used_m
 from bench.discrepancy.select.refute import _adequate_rival, idle
 from bench.discrepancy.select.state import Round
 from bench.physics.base import Base
@@ -132,3 +132,39 @@ def test_a_fading_that_scatters_nothing_is_none() -> None:
     unsure = ParameterEstimate("direct_m", 4.0, 2.0, 9.0, "1", determined=False)
     assert "do as well" in idle(item, unsure)
     assert "bound" in idle(item, ParameterEstimate("direct_m", 0.51, 0.5, 0.6, "1"))
+
+
+def test_marks_that_are_some_points_of_a_grid_are_as_far_off_as_from_mark_to_mark() -> None:
+    rng = np.random.default_rng(4)
+    true_m, noise_m = rng.uniform(5, 40, 400), rng.normal(0, 0.02, (4, 400))
+    grid = RangeRounding(step_m=0.03)
+    simulated = 0.03 * np.rint((true_m + noise_m[1:]) / 0.03)
+    marks = 0.03 * np.cumsum(rng.choice([5, 11], 250))
+    nearest = np.searchsorted((marks[1:] + marks[:-1]) / 2, true_m + noise_m[0])
+    few = used_m(grid, marks[nearest], simulated)
+    off = float(np.std(marks[nearest] - true_m - noise_m[0]))
+    assert 0.6 * off < few < 1.6 * off
+    every = 0.03 * np.rint((true_m + noise_m[0]) / 0.03)
+    assert used_m(grid, every, simulated) == 0
+
+
+@pytest.mark.parametrize(("more_m", "stays"), [(0.0, False), (0.12, True)])
+def test_what_simulated_rows_scatter_by_is_no_scatter_beside_a_rounding(
+    more_m: float, stays: bool
+) -> None:
+    rng = np.random.default_rng(12)
+    noisy = Simulator(Base(), (TimestampJitter(jitter_samples=0.25),), 3)
+    link = np.repeat(np.arange(60), 5)
+    frame = pd.DataFrame(
+        {"link": [f"l{i}" for i in link], "true_range_m": rng.uniform(3, 20, 60)[link]}
+    )
+    made = noisy.observe(scene(frame), 1, 1, cir=False).table(frame)
+    by_chance = made["range_m"] + more_m * rng.standard_normal(300)
+    made["range_m"] = 0.12 * np.floor(by_chance / 0.12 + rng.random(300))  # up or down by chance
+    made["error_m"] = made["range_m"] - made["true_range_m"]
+    seen = view(made, link_codes(made), np.arange(300), Window(), None, False)
+    search = SimpleNamespace(
+        comparison=Resimulation(noisy, Window()), work=seen, searched=seen, seed=0
+    )
+    rounding, jitter = RangeRounding(step_m=0.12), TimestampJitter(jitter_samples=0.6)
+    assert beyond_marks(search, (rounding,), jitter) is stays  # type: ignore[arg-type]

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from bench.discrepancy.sets import faded as module
 from bench.discrepancy.sets.choose import _contest, chosen
 from bench.discrepancy.sets.faded import NAME, faded
 from bench.discrepancy.sets.rivals import clear_levels
@@ -67,3 +68,25 @@ def test_where_links_keep_offsets_weak_signals_tell_no_error_of_the_level(
     contest.evidence = SimpleNamespace(mean_ratio=offsets_m)
     told = [False, False, True, False] if offsets_m else usual
     assert np.array_equal(clear_levels(contest), told)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("scale_undoes", "held"), [(True, True), (False, False)])
+def test_what_only_undoes_the_distance_of_levels_is_no_second_name(
+    monkeypatch: pytest.MonkeyPatch, *, scale_undoes: bool, held: bool
+) -> None:
+    # The law alone does as well as both names; it leads the error, where the scale repairs that.
+    left = 100.0 if scale_undoes else 395.0
+    worths = {("power-bias",): left, ("range-scale",): 2.0, (): 0.0}
+    contest = SimpleNamespace(
+        fading=np.linspace(-3, 3, 50),
+        library=frozenset({"power-bias", "range-scale"}),
+        kinds={"power-bias": SimpleNamespace(follows="rx_power_dbm")}
+        | {"range-scale": SimpleNamespace(follows="")},
+        worth=lambda causes: worths.get(tuple(causes), 400.0),
+    )
+    made = {(): 399.0, ("range-scale",): 396.0}
+    monkeypatch.setattr(module, "_worth", lambda _, rest, __: made[tuple(rest)])
+    found = faded(contest, ("power-bias", "range-scale"))  # type: ignore[arg-type]
+    assert (found is not None) is held
+    if found:
+        assert found.names == ("power-bias",)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from bench.discrepancy.sets.choose import Contest
 from bench.discrepancy.sets.evidence import Evidence
-from bench.discrepancy.sets.own_weights import Beside, likeliest
+from bench.discrepancy.sets.own_weights import Beside, likeliest, must_lead, own_nats
+from bench.discrepancy.sets.settings import RIVAL_NATS
 from tests.bench.discrepancy.numpy_tables import constant
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -47,3 +50,31 @@ def test_the_likelier_of_two_that_are_near_is_taken_whichever_was_first() -> Non
         contest._nats = {}
         contest.weigh([("one",), ("other",), ()])
         assert likeliest(contest, first) == ("one",)
+
+
+def test_own_weights_are_paid_for_so_that_what_they_speak_for_is_not_counted() -> None:
+    contest = contest_of(0.97)
+    every = np.ones(len(contest.known), bool)
+    contest.evidence.reweigh(("other",))
+    made = {one: own_nats(contest.evidence, (one,), every) for one in ("one", "other")}
+    fair = Beside(contest, ("other",)).lead(("one",))
+    assert made["one"] - made["other"] == pytest.approx(fair, abs=0.5)
+    some = every & (np.arange(len(every)) % 2 == 0)
+    assert own_nats(contest.evidence, ("one",), some) < made["one"]
+
+
+def test_names_in_the_place_of_a_law_must_exclude_it() -> None:
+    level = SimpleNamespace(follows="rx_power_dbm")
+    other = SimpleNamespace(follows="")
+    kinds = {"power-bias": level, "antenna-delay": other, "range-scale": other}
+    contest = SimpleNamespace(library=frozenset(kinds), kinds=kinds)
+
+    def needs(one: tuple[str, ...], best: tuple[str, ...]) -> float:
+        return must_lead(contest, one, best)  # type: ignore[arg-type]
+
+    assert needs(("antenna-delay", "power-bias"), ("a law of tx", "power-bias")) == RIVAL_NATS
+    assert needs(("a law of tx", "power-bias"), ("antenna-delay", "power-bias")) == 0
+    assert needs(("antenna-delay",), ("power-bias",)) == 0
+    # A constant and a scale are what one error of the level may do: it need not be the likelier.
+    assert needs(("power-bias",), ("antenna-delay", "range-scale")) == -RIVAL_NATS
+    assert needs(("antenna-delay", "range-scale"), ("power-bias",)) == 0
