@@ -25,10 +25,14 @@ LEVELS = (
 
 @dataclass(frozen=True)
 class Walk:
-    """How an observable walks over x decades of distance: by slope * x + bend * x^2."""
+    """How an observable walks over x decades of distance: by slope * x + bend * x^2.
+
+    `told`: the parts of the slope, and of the bend beside it, that are not taken for chance.
+    """
 
     slope: float
     bend: float = 0.0
+    told: tuple[float, float] = (0.0, 0.0)
 
     def at(self, decades: Floats) -> Floats:
         """Return the walk at distances [n] in decades, in the observable's unit."""
@@ -82,12 +86,13 @@ def _walk(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: floa
         return Walk(first)
     tilt = float(x @ square) / float(x @ x)  # of the square, which a slope says as well
     left = _within(high - first * far, kind)
-    more, bend = _told(x, square - tilt * x, left, free)
-    return Walk(first + more - bend * tilt, bend)
+    size, told = _told(x, square - tilt * x, left, free)
+    more, bend = (float(one) for one in size * told)
+    return Walk(first + more - bend * tilt, bend, (float(told[0]), float(told[1])))
 
 
-def _told(x: Floats, bow: Floats, high: Floats, free: int) -> tuple[float, float]:
-    """Return the sizes of orthogonal `x` and `bow` in `high` [L], smaller the less they are told.
+def _told(x: Floats, bow: Floats, high: Floats, free: int) -> tuple[Floats, Floats]:
+    """Return the sizes of orthogonal `x` and `bow` in `high` [L], and which part of each is told.
 
     Links that are far off (a blocked path) count as far as is usual.
     """
@@ -95,11 +100,10 @@ def _told(x: Floats, bow: Floats, high: Floats, free: int) -> tuple[float, float
     fit = basis @ np.linalg.lstsq(basis, high)[0]
     usual = WALK_CLIP * float(np.median(np.abs(high - fit)))
     high = fit + np.clip(high - fit, -usual, usual)
-    size = np.linalg.lstsq(basis, high)[0]
+    size = np.asarray(np.linalg.lstsq(basis, high)[0], np.float64)
     noise = float(((high - basis @ size) ** 2).sum()) / free
     power = size**2 * (basis**2).sum(axis=0)
-    slope, bend = size * power / np.maximum(power + noise, 1e-30)
-    return float(slope), float(bend)
+    return size, np.asarray(power / np.maximum(power + noise, 1e-30), np.float64)
 
 
 def _within(values: Floats, kind: Rows) -> Floats:

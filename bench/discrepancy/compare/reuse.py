@@ -1,23 +1,59 @@
-"""How often the same simulated links stand for several recorded ones.
+"""How often the same simulated links stand for several recorded ones, and what corrects them.
 
 Recorded links that crowd where few simulated ones are share these, so their differences from them
-go together: a mean over such links scatters more than permutations link by link say.
+go together: a mean over such links scatters more than permutations link by link say. So do those
+of links that what a few simulated ones tell is taken off: how levels walk over the distance, and
+what stands behind metal.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.corrected import moved, places, told_by
+from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Changed, Comparison, View
 from bench.physics.units import Floats
 
 
-def reuse(comparison: Comparison, view: View) -> Floats | None:
-    """Return the covariance [L, L] of what stands for recorded links, in variances of one link.
+@dataclass(frozen=True)
+class Reused:
+    """What stands for recorded links, of simulated ones that scatter by one.
 
-    Links in the order of their numbers; its diagonal is 1 / m with m simulated links for each.
+    `shares` [L, K], links in the order of their numbers; `moved` [L, q] by what, by observable,
+    simulated links tell with the weights `told_by` [q, K] (see `corrected`).
+    """
+
+    shares: Floats
+    moved: Floats
+    told_by: Mapping[str, Floats]
+
+    def widening(self, weight: Floats) -> dict[str, float]:
+        """Return by observable how much wider a sum over links scatters than permutations say.
+
+        `weight` [L] is what every link has in the sum. Permutations take 1 / m for every link of
+        which m simulated ones stand for it, as if these were its own.
+        """
+        alone = float((weight**2 * (1 + (self.shares**2).sum(axis=1))).sum())
+        stands, moved = weight @ self.shares, weight @ self.moved
+        own = float((weight**2).sum())
+        every = {name: stands + moved @ by for name, by in self.told_by.items()}
+        return {name: widened(own + float(one @ one), alone) for name, one in every.items()}
+
+
+def widened(whole: float, alone: float) -> float:
+    """Return by how much a standard deviation grows from one variance to another, at least 1."""
+    return float(np.sqrt(max(whole / alone, 1.0))) if alone > 0 else 1.0
+
+
+def reuse(comparison: Comparison, view: View) -> Reused | None:
+    """Return what simulated links share that stand for recorded ones.
+
     None where every recorded link has simulated rows of its own.
     """
     if not isinstance(comparison, TableComparison) or comparison.paired(view):
@@ -28,7 +64,15 @@ def reuse(comparison: Comparison, view: View) -> Floats | None:
     for pick in versions:
         np.add.at(uses, (code, comparison.links[pick]), 1.0)
     shares = uses / (np.bincount(code)[:, None] * len(versions))
-    return np.asarray(shares @ shares.T)
+    walks, over = comparison.over(view)
+    many = [len(one.kinds[0].step) for one in over.layers]
+    ours = [(one.ours, c) for one, c in zip(over.layers, many, strict=True)]
+    theirs = [(one.theirs, c) for one, c in zip(over.layers, many, strict=True)]
+    here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours)
+    there = places(comparison.true_range_m, comparison.links, theirs)
+    every = zip(over.names, zip(*(one.kinds for one in over.layers), strict=True), strict=True)
+    by = {name: told_by(there, walks[name], kinds) for name, kinds in every}
+    return Reused(shares, moved(shares, here, there), by)
 
 
 def standing(comparison: Comparison, view: View) -> NDArray[np.intp]:
@@ -43,14 +87,11 @@ def standing(comparison: Comparison, view: View) -> NDArray[np.intp]:
     return np.asarray(comparison.links[comparison.versions(view)[0]], np.intp)
 
 
-def widening(weight: Floats, reused: Floats) -> float:
-    """Return how much wider a sum over links scatters than permutations say, at least 1.
+def simulated_share(sums: NDArray[np.float32]) -> Floats:
+    """Return the share of the variance of `sums` [1 + m, L, K] that simulated versions have [K].
 
-    `weight` [L] is what every link has in the sum, `reused` as `reuse` gives: permutations take
-    its diagonal alone.
+    What these share widens that. The rest is how far the recorded version is off: no chance.
     """
-    alone = float((weight**2 * (1 + np.diag(reused))).sum())
-    if alone <= 0:
-        return 1.0
-    whole = float((weight**2).sum() + weight @ reused @ weight)
-    return float(np.sqrt(max(whole / alone, 1.0)))
+    whole = np.square(sums).mean(axis=0).sum(axis=0)
+    alone = sums[1:].var(axis=0).sum(axis=0) if len(sums) > 2 else whole
+    return np.asarray(np.minimum(alone / np.maximum(whole, LEAST_SUM**2), 1), np.float64)

@@ -11,6 +11,9 @@ FREE_SPACE_DB: Final = -20.0  # that a level changes per decade of distance (Fri
 SLOPE_LINKS: Final = 8  # at least, to tell what a table does over the distance [convention]
 WALK_CLIP: Final = 4.5  # median distances of links from a walk, that one counts for at most: three
 # standard deviations of a normal law [convention]
+KIND_FREEDOM: Final = 4.0  # links of a kind, that how all kinds scatter counts as, beside its own:
+# of two or three a variance says next to nothing [convention]
+LEAST_VARIANCE: Final = 1e-30  # keeps kinds that scatter by nothing comparable [derived]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]

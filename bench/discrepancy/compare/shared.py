@@ -38,6 +38,7 @@ NUMBERS = (
 )  # fmt: skip
 CATEGORIES = ("environment", "los", "tx", "rx")
 DEVICES = ("tx", "rx")
+ROOMS = ("environment",)
 
 
 @dataclass(frozen=True)
@@ -99,19 +100,26 @@ def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> S
     return Shared(np.hstack(left), np.hstack(right), names, unknown)
 
 
-def alike(recorded: pd.DataFrame, simulated: pd.DataFrame) -> tuple[Codes, Codes]:
-    """Return codes [n] and [k] of rows, the same for rows of one room, sight and obstacles.
+def alike(recorded: pd.DataFrame, simulated: pd.DataFrame) -> list[tuple[Codes, Codes]]:
+    """Return codes [n] and [k] of rows: of one sight and obstacles, then those of one room, too.
 
     As both tables know these; obstacles of one kind are alike where they are as many.
     """
     every = {k: v for k, v in _categories(recorded, simulated).items() if k not in DEVICES}
-    more = _more_of_a_kind(recorded, simulated)
-    parts = [np.concatenate([*values]) for values in every.values()]
-    parts += [column.astype(np.str_) for column in np.concatenate([*more]).T]
-    words = np.stack([np.zeros(len(recorded) + len(simulated), np.str_), *parts], axis=1)
-    codes = pd.DataFrame(words).groupby(list(range(words.shape[1]))).ngroup()
-    ours, theirs = np.split(np.asarray(codes, np.intp), [len(recorded)])
-    return ours, theirs
+    more = np.concatenate([*_more_of_a_kind(recorded, simulated)])
+    barred = [np.concatenate([*v]) for k, v in every.items() if k not in ROOMS]
+    barred += [column.astype(np.str_) for column in more.T]
+    rooms = [np.concatenate([*v]) for k, v in every.items() if k in ROOMS]
+    start = np.zeros(len(recorded) + len(simulated), np.str_)
+    layers = [[start, *barred], [start, *barred, *rooms]]
+    return [_codes(words, len(recorded)) for words in layers]
+
+
+def _codes(words: list[NDArray[Any]], recorded: int) -> tuple[Codes, Codes]:
+    """Return a code of every row's words, of the first `recorded` rows and of the others."""
+    table = pd.DataFrame(np.stack(words, axis=1))
+    codes = np.asarray(table.groupby(list(table.columns)).ngroup(), np.intp)
+    return codes[:recorded], codes[recorded:]
 
 
 def unseen(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:

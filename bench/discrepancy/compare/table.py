@@ -302,9 +302,9 @@ class TableComparison:
     def _nearer(self, seen: Observables, view: View, pick: Rows, but: str = "") -> Floats:
         """Return by how much observables [n, p], all `but` one, change from their range to ours."""
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        over = {name: walk for name, walk in self._over(view)[0].items() if name != but}
-        walked = nearer(seen.names, over, ours, self._true_range_m[pick])
-        stepped = self._over(view)[1].change(seen.names, pick)
+        over = {name: walk for name, walk in self.over(view)[0].items() if name != but}
+        walked = nearer(seen.names, over, ours, self.true_range_m[pick])
+        stepped = self.over(view)[1].change(seen.names, pick)
         return walked + stepped * [name != but for name in seen.names]
 
     def _error_m(self, view: View, pick: Rows) -> Floats:
@@ -314,18 +314,18 @@ class TableComparison:
         return np.asarray(seen.column(RANGE)[pick] + near, np.float64)
 
     @cached_property
-    def _true_range_m(self) -> Floats:
+    def true_range_m(self) -> Floats:
         """The true ranges of the simulated rows, NaN where unknown."""
         return numeric(self.frame, "true_range_m")
 
-    def _over(self, view: View) -> tuple[dict[str, Walk], OverKinds]:
+    def over(self, view: View) -> tuple[dict[str, Walk], OverKinds]:
         """Return what simulated observables do over the distance, and over kinds; remembered."""
 
         def found() -> tuple[dict[str, Walk], OverKinds]:
-            known, pair = kinds(view.frame, self.frame), alike(view.frame, self.frame)
-            rows = self._true_range_m, self.links
+            known, codes = kinds(view.frame, self.frame), alike(view.frame, self.frame)
+            rows = self.true_range_m, self.links
             over = walks(self.observed, *rows, known)
-            return over, over_kinds(self.observed, over, *rows, *pair)
+            return over, over_kinds(self.observed, over, *rows, codes)
 
         return self._walks.get(view.number, found)
 

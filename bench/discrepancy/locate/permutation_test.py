@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.reuse import widening
+from bench.discrepancy.compare.reuse import Reused, simulated_share
 from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
@@ -116,7 +116,7 @@ def locate(
     top: int = MOST_FINDINGS,
     wider_only: bool = False,
     crowding: float = 1.0,
-    reused: Floats | None = None,
+    reused: Reused | None = None,
     scatter: Floats | None = None,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
@@ -124,15 +124,14 @@ def locate(
     Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
     `Ensemble.beside`). `crowding`: how much wider than permutations the null is (see
     `TableComparison.crowding`), or cell by cell from what links share, `reused` (see `reuse`),
-    where that is more. `scatter`: see `link_sums`. Returns at most `top` findings with
-    family-wise p <= `alpha`.
+    where that is more. `scatter`: see `link_sums`. At most `top` findings of p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
     cells, sums = link_sums(ensemble, covariates, clusters, scatter)
     z, null = _permuted(sums, rng, permutations)
-    wider = np.maximum(_wider(cells, ensemble, covariates, reused), crowding)
-    z = z / wider
+    wider = np.maximum(_wider(cells, ensemble, covariates, reused) / crowding, 1.0)
+    z = z / (crowding * np.sqrt(1 + (wider**2 - 1) * simulated_share(sums)))
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
@@ -144,11 +143,14 @@ def locate(
         for i in {*best, *(wholes[i] for i in best if i in wholes)}
     }
     found = [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
-    rare = None if found else rare_links(ensemble, seed) or rare_rows(ensemble, crowding, seed)
+    rare = None
+    if not found:
+        rare = rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
     found = [rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
-    least = threshold * float(wider[0])  # the first cell is of all rows
+    least = threshold * crowding
     small = _detectable(ensemble, least) | _in_part(ensemble, covariates, cells, least)
+    small = {n: s * float(wider[ensemble.place(n)]) for n, s in small.items()}  # of all rows
     return Located(
         tuple(found),
         min(float(p.min()), rare.p if rare else 1.0),
@@ -174,17 +176,17 @@ def _beyond(null: Floats, z: float) -> float:
 
 
 def _wider(
-    cells: list[Cell], ensemble: Ensemble, covariates: Covariates, reused: Floats | None
+    cells: list[Cell], ensemble: Ensemble, covariates: Covariates, reused: Reused | None
 ) -> Floats:
     """Return how much wider than permutations every cell scatters [K]."""
     if reused is None:
         return np.ones(len(cells))
     code = np.unique(ensemble.links, return_inverse=True)[1]
     found = {
-        place: widening(_of_links(code, _weight(place, ensemble, covariates)), reused)
+        place: reused.widening(_of_links(code, _weight(place, ensemble, covariates)))
         for place in dict.fromkeys(cell.place for cell in cells)
     }
-    return np.array([found[cell.place] for cell in cells])
+    return np.array([found[cell.place].get(cell.observable, 1.0) for cell in cells])
 
 
 def _of_links(code: Links, weight: Floats) -> Floats:
@@ -302,8 +304,7 @@ def _in_part(
     Rows behind walls scatter most and hide what the others show. Of large parts alone: of many
     small ones some seem to scatter little.
     """
-    known = [ensemble.recorded_of(RANGE)] if RANGE in ensemble.names else []
-    if not known or not np.isfinite(known[0]).any():
+    if RANGE not in ensemble.names or not np.isfinite(ensemble.recorded_of(RANGE)).any():
         return {}
     versions = ensemble.versions_of(RANGE)
     inside = np.isfinite(versions).all(axis=0)
@@ -331,9 +332,9 @@ def _smallest_shift(versions: Floats, links: Links, threshold: float) -> float:
     return float(threshold * np.sqrt(spread / room)) if room > 0 else float("inf")
 
 
-def rare_links(ensemble: Ensemble, seed: int) -> Finding | None:
+def rare_links(ensemble: Ensemble, seed: int, crowding: float = 1.0) -> Finding | None:
     """Return a finding where single links are off by more than any scatter of links explains."""
-    beyond, struck = struck_links(ensemble)
+    beyond, struck = struck_links(ensemble, crowding)
     if not struck:
         return None
     cell = Cell(RANGE, "link", Place())

@@ -8,17 +8,20 @@ from scipy.stats import norm
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.settings import LEAST_SCATTER_M, RARE_BEYOND, RARE_FEWEST, RARE_P
+from bench.discrepancy.settings import LEAST_SCATTER_M, RARE_BEYOND, RARE_FEWEST, RARE_P, ROWS_P
 
 Floats = NDArray[np.float64]
 
 
-def struck_links(ensemble: Ensemble) -> tuple[float, bool]:
+def struck_links(ensemble: Ensemble, crowding: float = 1.0) -> tuple[float, bool]:
     """Return how far the most deviant recorded link is off in scatters of links, and if by fault.
 
     A few struck links among many hardly move a mean, and with few simulated versions permutations
     cannot tell them. Scatter is borrowed across links: offsets of all simulated links beside the
     others' mean. A recorded link must be beyond the widest of them, and beyond a normal quantile.
+    Where simulated links stand for several (`crowding`, as in `locate`) they are other links than
+    the recorded ones, and of either the widest may be one that missed its first path: then so many
+    must be off as chance does not pick of all (see `struck_rows`).
     """
     if not _told(ensemble):
         return 0.0, False
@@ -32,8 +35,10 @@ def struck_links(ensemble: Ensemble) -> tuple[float, bool]:
     scatter = max(float(np.sqrt(np.nanmean(own**2))), LEAST_SCATTER_M)
     most = float(np.nanmax(np.abs(offset), initial=0.0))
     p = float(min(1.0, 2 * norm.sf(most / scatter) * len(offset)))
-    wide = most >= RARE_BEYOND * float(np.nanmax(np.abs(own), initial=0.0))
-    return most / scatter, p <= RARE_P and wide
+    beyond = RARE_BEYOND * float(np.nanmax(np.abs(own), initial=0.0))
+    every = np.nan_to_num(np.abs(np.vstack([offset, own])))
+    picked = crowding > 1 and _first_by_chance(every, beyond, crowding) > ROWS_P
+    return most / scatter, p <= RARE_P and most >= beyond and not picked
 
 
 def struck_rows(ensemble: Ensemble, crowding: float = 1.0) -> tuple[float, float]:

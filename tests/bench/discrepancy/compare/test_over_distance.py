@@ -8,7 +8,7 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
-from bench.discrepancy.compare.reuse import widening
+from bench.discrepancy.compare.reuse import Reused
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.covariates import Covariates
@@ -113,12 +113,17 @@ def test_links_nearer_than_all_simulated_ones_by_far_take_no_part() -> None:
     assert inside[3:].all()
 
 
+def _sharing(shares: np.ndarray) -> Reused:
+    """Return what stands for recorded links by their shares alone."""
+    return Reused(shares, np.zeros((len(shares), 1)), {"error_m": np.zeros((1, shares.shape[1]))})
+
+
 def test_sums_over_links_that_share_one_scatter_more() -> None:
-    weight, alone = np.ones(4), np.eye(4) / 2
-    assert widening(weight, alone) == 1
-    assert widening(weight, np.full((4, 4), 0.5)) == pytest.approx(np.sqrt(12 / 6))
-    assert widening(np.zeros(4), alone) == 1
-    assert widening(np.array([1, -1, 1, -1.0]), np.full((4, 4), 0.5)) == 1  # cancels: none less
+    weight, alone, same = np.ones(4), np.eye(4), np.ones((4, 1))
+    assert _sharing(alone).widening(weight) == {"error_m": 1}
+    assert _sharing(same).widening(weight) == {"error_m": pytest.approx(np.sqrt(20 / 8))}
+    assert _sharing(same).widening(np.zeros(4)) == {"error_m": 1}
+    assert _sharing(same).widening(np.array([1, -1, 1, -1.0])) == {"error_m": 1}  # none less
 
 
 def test_a_search_over_shared_links_asks_for_more() -> None:
@@ -126,11 +131,12 @@ def test_a_search_over_shared_links_asks_for_more() -> None:
     versions = rng.normal(size=(9, 40, 1))
     ensemble = Ensemble(("error_m",), ("m",), versions, np.arange(40))
     known = Covariates({}, {})
-    plain, shared = (
-        locate(ensemble, known, 0, reused=one) for one in (None, np.full((40, 40), 0.125))
-    )
+    every = _sharing(np.full((40, 8), 0.125))
+    plain, shared = (locate(ensemble, known, 0, reused=one) for one in (None, every))
     assert shared.z < plain.z
     assert shared.detectable["error_m"] > 1.5 * plain.detectable["error_m"]
+    versions[0] += 20 * shared.detectable["error_m"]
+    assert locate(ensemble, known, 0, reused=every).significant  # what is far off is seen
 
 
 @pytest.mark.parametrize(("rows_off", "seen"), [(1, False), (2, True)])
@@ -139,3 +145,14 @@ def test_a_link_is_off_where_most_of_its_rows_are(rows_off: int, seen: bool) -> 
     versions[0, 6 : 6 + rows_off, 0] = 0.6
     ensemble = Ensemble(("error_m",), ("m",), versions, np.repeat(np.arange(20), 2))
     assert (rare_links(ensemble, 0) is not None) is seen
+
+
+def test_one_link_that_missed_its_first_path_is_no_finding_beside_other_links() -> None:
+    versions = np.random.default_rng(2).normal(0, 0.02, (17, 40, 1))
+    versions[0, 6, 0] = 1.4
+    one = Ensemble(("error_m",), ("m",), versions, np.arange(40))
+    assert rare_links(one, 0) is not None  # rows that are simulated again have no such tail
+    assert rare_links(one, 0, crowding=1.3) is None
+    versions[0, 7:9, 0] = 1.1
+    several = Ensemble(("error_m",), ("m",), versions, np.arange(40))
+    assert rare_links(several, 0, crowding=1.3) is not None
