@@ -38,8 +38,8 @@ from bench.discrepancy.select.circle import Circle
 from bench.discrepancy.select.conclude import of_the_rest, verdicts
 from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.elsewhere import elsewhere_too
-from bench.discrepancy.select.in_sight import with_struck_in_sight
 from bench.discrepancy.select.last_round import last_round, unexplained
+from bench.discrepancy.select.left_said import as_it_stands
 from bench.discrepancy.select.level_slope import with_absorption, with_slope
 from bench.discrepancy.select.logged import with_logs
 from bench.discrepancy.select.marks import seen_first, with_marks
@@ -196,7 +196,7 @@ def diagnose(
     found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
     found, kept_more = unrefused(comparison, sealed, found, more, asked.seed)
     law = said.law if more == kept_more else None
-    found = found if law else with_struck_in_sight(search, found)
+    found = found if law else as_it_stands(search, found)
     added = (*found.added, *kept_more)
     confirmed = confirm(untimed(comparison, found.untimed), sealed, added, asked.seed)
     after = comparison.with_effects(added) if isinstance(comparison, Resimulation) else None

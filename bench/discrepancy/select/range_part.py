@@ -212,8 +212,9 @@ def receiver_forms(
 ) -> Floats:
     """Return what a receiver of another kind may make of waveform effects [n, k], in metres.
 
-    Smooth deformations of what every effect does to ranges, and small shifts over what is known:
-    over what changes clocks alone too where `unlisted`, as nobody knows what that goes by.
+    Smooth deformations of what every effect does to ranges, where it does something, and small
+    shifts over what is known: over what changes clocks alone too where `unlisted`, as nobody knows
+    what that goes by.
     """
     if all(effect.stage == "ranging" for effect in beside):
         return np.zeros((len(rows.rows), 0))
@@ -222,7 +223,8 @@ def receiver_forms(
     for effect in (one for one in beside if one.stage != "ranging"):
         rest = search.comparison.ensemble(rows, without(beside, effect), RESIDUAL_MEMBERS)
         response = np.nan_to_num((whole.simulated_of(RANGE) - rest.simulated_of(RANGE)).mean(0))
-        parts += [deformed(response, rows), DETECTION_SHARE * response[:, None]]
+        bent = deformed(response, rows, calibrated=False)
+        parts += [bent, DETECTION_SHARE * response[:, None]]
     return np.hstack(parts)
 
 

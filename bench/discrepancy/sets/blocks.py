@@ -217,12 +217,15 @@ def _strongest(level_db: Floats) -> float:
     return float(places[np.flatnonzero(near >= near.max() / 2)[-1]])
 
 
-def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> Floats:
+def deformed(
+    response: Floats, rows: View, kind: type[Effect] | None = None, calibrated: bool = True
+) -> Floats:
     """Return smooth deformations [n, k] of a response [n], that of an effect of this kind.
 
     Other sizes over every covariate and device, and another curve. What clocks make is of the same
     size everywhere, so only over what clocks go by; a delay that temperature changes is a drift.
-    What crystals make is in proportion to the reply time, and no other curve.
+    What crystals make is in proportion to the reply time, and no other curve. Where a mean may have
+    been `calibrated` away a curve moves also rows in which the effect does nothing.
     """
     numbers = rows.covariates.numbers
     known = (known_mostly(numbers[name]) for name in varies_with(rows, kind) if name in numbers)
@@ -231,7 +234,8 @@ def deformed(response: Floats, rows: View, kind: type[Effect] | None = None) -> 
     bends = [response * one for one in (*slopes, *devices)]
     if kind is not ClockOffset:
         own = standard(response)
-        bends += [response * own, float(np.std(response)) * (own**2 - 1)]
+        bends += [response * own]
+        bends += [float(np.std(response)) * (own**2 - 1)] if calibrated else []
     return DEFORMED * np.stack(bends or [response * 0], axis=1)
 
 

@@ -54,3 +54,11 @@ def test_where_nothing_is_in_the_way_a_wall_is_off_by_nothing() -> None:
     walls = np.where(np.arange(len(rows.rows)) % 3 == 0, 0.2, 0.0)
     assert not off_by(walls, rows)[walls == 0].any()
     assert off_by(walls, rows)[walls > 0].any()
+
+
+def test_a_curve_that_was_not_calibrated_moves_no_row_in_which_the_effect_does_nothing() -> None:
+    """Of a response with a long tail it would be a constant in all other rows."""
+    rows = seen()
+    seldom = np.where(np.arange(len(rows.rows)) % 10 == 0, 0.7, 0.0)
+    assert deformed(seldom, rows)[seldom == 0].any()
+    assert not deformed(seldom, rows, calibrated=False)[seldom == 0].any()

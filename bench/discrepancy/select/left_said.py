@@ -1,0 +1,51 @@
+"""What is said to be left without a name: what differs with the names that stand, and no other.
+
+While it is searched effects come and go, and so does what differs beside them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.in_sight import with_struck_in_sight
+from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.stepwise import locate_left
+from bench.discrepancy.select.verdict import Unknown
+
+
+def as_it_stands(search: Search, found: Selection) -> Selection:
+    """Return the selection whose unknown parts say what differs beside the names that stand.
+
+    With a note on links in sight that are struck (`with_struck_in_sight`). Links that are struck at
+    random, or a recorder at fault, leave other rows: there it stays as it is.
+    """
+    found = with_struck_in_sight(search, found)
+    whole = all(turn.strike is None for turn in found.rounds)
+    if not (whole and found.rounds and any(isinstance(one, Unknown) for one in found.verdicts)):
+        return found
+    findings = Guard().safely("what is left", _differs, ())(search, found)
+    said = (_with(v, findings) if isinstance(v, Unknown) else v for v in found.verdicts)
+    return replace(found, verdicts=tuple(said)) if findings else found
+
+
+def _with(verdict: Unknown, findings: tuple[Finding, ...]) -> Unknown:
+    """Return a verdict on what a search found with what was found; what a mark says stays."""
+    marked = verdict.cause or not verdict.findings
+    return verdict if marked else replace(verdict, findings=findings)
+
+
+def _differs(search: Search, found: Selection) -> tuple[Finding, ...]:
+    """Return what differs beside the effects that have a name, nothing where no search shows it."""
+    held = _named(found)
+    if not held:
+        return found.rounds[0].located.findings
+    return locate_left(search, held, len(found.rounds) + 1).findings
+
+
+def _named(found: Selection) -> Added:
+    """Return the effects that were added and have a name."""
+    names = {name for some in found.names for name in some}
+    return tuple(effect for effect in found.added if effect.physics in names)

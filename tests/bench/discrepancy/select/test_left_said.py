@@ -1,0 +1,51 @@
+"""What is left without a name is what differs beside the names that stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bench.discrepancy.select import left_said
+from bench.discrepancy.select.left_said import as_it_stands
+from bench.discrepancy.select.verdict import Unknown
+from tests.bench.discrepancy.select.test_sealed import LAG, named, selection
+
+FIRST, LEFT, WAS = (SimpleNamespace(told=told) for told in ("first", "left", "was"))
+
+
+def found_with(*verdicts: Any, added: tuple[Any, ...] = ()) -> Any:
+    """Return a selection whose first round located FIRST."""
+    found = selection()
+    turn = replace(found.rounds[0], located=SimpleNamespace(findings=(FIRST,)))
+    return replace(found, rounds=(turn,), verdicts=verdicts, added=added)
+
+
+@pytest.fixture(autouse=True)
+def _beside(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(left_said, "with_struck_in_sight", lambda _, found: found)
+    given = lambda _, held, __: SimpleNamespace(findings=(LEFT,) if held == (LAG,) else ())  # noqa: E731
+    monkeypatch.setattr(left_said, "locate_left", given)
+
+
+def test_beside_a_name_that_stands_what_it_leaves_is_said() -> None:
+    """Not what was there before it was added."""
+    unknown = Unknown((WAS,), None)  # type: ignore[arg-type]
+    made = as_it_stands(None, found_with(named(LAG), unknown, added=(LAG,)))  # type: ignore[arg-type]
+    assert made.verdicts[0] == named(LAG)
+    assert made.verdicts[1].findings == (LEFT,)
+
+
+def test_without_a_name_what_was_there_at_first_is_said() -> None:
+    """Not what was left beside something that was taken back."""
+    unknown = Unknown((WAS,), None)  # type: ignore[arg-type]
+    made = as_it_stands(None, found_with(unknown, added=(LAG,)))  # type: ignore[arg-type]
+    assert made.verdicts[0].findings == (FIRST,)
+
+
+def test_what_a_mark_says_stays() -> None:
+    unknown = Unknown((WAS,), None, cause="samples are clipped")  # type: ignore[arg-type]
+    made = as_it_stands(None, found_with(unknown))  # type: ignore[arg-type]
+    assert made.verdicts == (unknown,)
