@@ -23,17 +23,21 @@ def found_with(*verdicts: Any, added: tuple[Any, ...] = ()) -> Any:
     return replace(found, rounds=(turn,), verdicts=verdicts, added=added)
 
 
+def left_beside(_: Any, held: tuple[Any, ...], __: int) -> Any:
+    """Return what a search finds beside some effects."""
+    return SimpleNamespace(findings=(LEFT,) if held == (LAG,) else ())
+
+
 @pytest.fixture(autouse=True)
 def _beside(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(left_said, "with_struck_in_sight", lambda _, found: found)
-    given = lambda _, held, __: SimpleNamespace(findings=(LEFT,) if held == (LAG,) else ())  # noqa: E731
-    monkeypatch.setattr(left_said, "locate_left", given)
+    monkeypatch.setattr(left_said, "locate_left", left_beside)
 
 
 def test_beside_a_name_that_stands_what_it_leaves_is_said() -> None:
     """Not what was there before it was added."""
     unknown = Unknown((WAS,), None)  # type: ignore[arg-type]
-    made = as_it_stands(None, found_with(named(LAG), unknown, added=(LAG,)))  # type: ignore[arg-type]
+    made: Any = as_it_stands(None, found_with(named(LAG), unknown, added=(LAG,)))  # type: ignore[arg-type]
     assert made.verdicts[0] == named(LAG)
     assert made.verdicts[1].findings == (LEFT,)
 
@@ -41,11 +45,11 @@ def test_beside_a_name_that_stands_what_it_leaves_is_said() -> None:
 def test_without_a_name_what_was_there_at_first_is_said() -> None:
     """Not what was left beside something that was taken back."""
     unknown = Unknown((WAS,), None)  # type: ignore[arg-type]
-    made = as_it_stands(None, found_with(unknown, added=(LAG,)))  # type: ignore[arg-type]
+    made: Any = as_it_stands(None, found_with(unknown, added=(LAG,)))  # type: ignore[arg-type]
     assert made.verdicts[0].findings == (FIRST,)
 
 
 def test_what_a_mark_says_stays() -> None:
     unknown = Unknown((WAS,), None, cause="samples are clipped")  # type: ignore[arg-type]
-    made = as_it_stands(None, found_with(unknown))  # type: ignore[arg-type]
+    made: Any = as_it_stands(None, found_with(unknown))  # type: ignore[arg-type]
     assert made.verdicts == (unknown,)

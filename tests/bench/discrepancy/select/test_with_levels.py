@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,12 +12,14 @@ import pytest
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
-from bench.discrepancy.data.observables import LEVEL, window_of
+from bench.discrepancy.data.observables import LEVEL, RANGE, window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import turn
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import all_rows, stepwise
 from bench.discrepancy.select.all_rows import with_levels, with_ranges
 from bench.discrepancy.select.settings import WAVES_SHARE
+from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.base import Base
@@ -71,3 +74,18 @@ def test_searches_of_waveforms_ranges_and_levels_share_one_error(
     search.searched = search.both
     with_levels(search, with_ranges(search, locate_left(search, (), 0, WAVES_SHARE)))
     assert sum(asked) == pytest.approx(FAMILY_WISE)
+
+
+def test_what_ranges_show_is_still_there_where_nothing_was_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The last search is that of the first: else 'nothing found' would stand beside a finding."""
+    nothing = Located((), 0.14, 0.0, 3.0, 9, {})
+    ranges = replace(nothing, findings=(SimpleNamespace(cell=SimpleNamespace(observable=RANGE)),))
+    for name, made in (("locate_left", nothing), ("with_ranges", ranges), ("left_by", None)):
+        monkeypatch.setattr(turn, name, lambda *_, made=made: made)
+    monkeypatch.setattr(turn, "with_levels", lambda _, found: found)
+    monkeypatch.setattr(turn, "_scattered", lambda _: ())
+    state = State(_search(0.0), (), (Round(ranges, None, None),))
+    last = turn._with_last(state, SimpleNamespace(kept=lambda made: made)).rounds[-1]  # type: ignore[arg-type]
+    assert last.located is ranges
