@@ -5,18 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.law.delay import as_delay
 from bench.discrepancy.law.found import FoundLaw, Rival
 from bench.discrepancy.law.judge import tied_names
 from bench.discrepancy.law.material import Material, material
+from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.search import propose
 
 AXES = ("x", "y", "z")
 LATE_M, MOVED_M = 0.12, np.array([0.3, -0.25, 0.1])
 
 
-def _rows(late_m: float, moved_m: np.ndarray, seed: int = 4) -> Material:
+def _rows(late_m: float, moved_m: NDArray[np.float64], seed: int = 4) -> Material:
     """Return rows of 40 places and six anchors, of which one is late or stands elsewhere."""
     rng = np.random.default_rng(seed)
     anchors = np.array([[x, y, z] for x, z in ((0, 3), (15, 4), (30, 5)) for y in (0, 12)], float)
@@ -40,7 +43,7 @@ def _rows(late_m: float, moved_m: np.ndarray, seed: int = 4) -> Material:
     [(LATE_M, np.zeros(3), "constant"), (0.0, MOVED_M, "position")],
 )
 def test_one_device_is_late_or_stands_elsewhere(
-    late_m: float, moved_m: np.ndarray, form: str
+    late_m: float, moved_m: NDArray[np.float64], form: str
 ) -> None:
     found = propose(_rows(late_m, moved_m), 0)
     assert found is not None
@@ -57,3 +60,12 @@ def test_a_delay_that_does_about_as_well_as_a_place_is_said_with_it() -> None:
     )
     said = [one.words for one in tied_names(law, ())]
     assert said == ["antenna-delay of a2 instead (error = 0.15 m)"]
+
+
+def test_a_delay_of_one_device_pays_for_a_choice_among_devices() -> None:
+    given = _rows(LATE_M, np.zeros(3))
+    laws = promising(given, float(len(given.residual_m)))
+    late = next(law for law in laws if law.form == "constant" and law.where == "rx is a2")
+    assert as_delay(given, late).choices == 4 + 6 + 1 < late.choices
+    others = [law for law in laws if law.form != "constant"]
+    assert all(as_delay(given, law) is law for law in others)
