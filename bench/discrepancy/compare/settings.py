@@ -21,6 +21,8 @@ MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the
 # median are other links: names such as A1 are used again in every building
 FAR_STD: Final = 0.5  # standard deviations: a farther link is no counterpart [convention]
+SAME_HEIGHT_M: Final = 0.5  # that a device hangs higher or lower and is a counterpart still: less
+# than people, who hold tags, differ by [convention]
 LEAST_OVERLAP: Final = 0.1  # share of simulated links near a distance, tables counting alike: fewer
 # do not stand for the recorded ones [source] Crump, Hotz, Imbens and Mitnik 2009
 CATEGORY_STD: Final = 2.0  # that another room, sight or obstacle counts as [convention]

@@ -8,7 +8,7 @@ could not differ any more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ from bench.discrepancy.compare.settings import (
     FAR_STD,
     LEAST_OVERLAP,
     LEAST_STD,
+    SAME_HEIGHT_M,
     UNSEEN_NAMED,
 )
 from bench.discrepancy.data.columns import numeric
@@ -39,6 +40,7 @@ NUMBERS = (
 CATEGORIES = ("environment", "los", "tx", "rx")
 DEVICES = ("tx", "rx")
 ROOMS = ("environment",)
+HEIGHTS = ("tx_z_m", "rx_z_m")
 
 
 @dataclass(frozen=True)
@@ -54,10 +56,19 @@ class Shared:
     unknown: NDArray[np.bool_]
 
 
-def shared(recorded: pd.DataFrame, simulated: pd.DataFrame, numbers: tuple[str, ...]) -> Shared:
-    """Return both tables' rows as points in some `numbers` alone, as far as both know them."""
+def shared(
+    recorded: pd.DataFrame,
+    simulated: pd.DataFrame,
+    numbers: tuple[str, ...],
+    widths: Mapping[str, float] | None = None,
+) -> Shared:
+    """Return both tables' rows as points in some `numbers` alone, as far as both know them.
+
+    `widths`: the least standard deviation that a number counts in, by its name.
+    """
     names = _known_numbers(recorded, simulated, numbers)
-    left, right = _standardised(recorded, simulated, names)
+    least = np.array([0.0, *((widths or {}).get(name, 0.0) for name in names)])
+    left, right = _standardised(recorded, simulated, names, least)
     return Shared(left, right, names, np.zeros(len(recorded), bool))
 
 
@@ -65,10 +76,11 @@ def in_reach(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Shared:
     """Return both tables' rows as points in all numbers, and in decades of their distance.
 
     Levels and edges walk over its logarithm: between 1 m and 5 m they change by as much as between
-    5 m and 25 m, and what a table without links there would do is not known.
+    5 m and 25 m, and what a table without links there would do is not known. Where all devices hang
+    about as high, a little higher is no other place (see `SAME_HEIGHT_M`).
     """
-    names = (*NUMBERS, DECADES)
-    return shared(_with_decades(recorded), _with_decades(simulated), names)
+    names, widths = (*NUMBERS, DECADES), dict.fromkeys(HEIGHTS, SAME_HEIGHT_M / FAR_STD)
+    return shared(_with_decades(recorded), _with_decades(simulated), names, widths)
 
 
 def _with_decades(frame: pd.DataFrame) -> pd.DataFrame:
@@ -157,9 +169,9 @@ def _known_numbers(
 
 
 def _standardised(
-    recorded: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, ...]
+    recorded: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, ...], least: Floats
 ) -> tuple[Floats, Floats]:
-    """Return both tables' numbers in standard deviations of the recorded ones."""
+    """Return both tables' numbers in standard deviations of the recorded ones, `least` or more."""
     left, right = (
         np.stack([np.zeros(len(frame)), *(numeric(frame, n) for n in names)], axis=1)
         for frame in (recorded, simulated)
@@ -167,6 +179,7 @@ def _standardised(
     centre, scale = left.mean(axis=0), np.maximum(left.std(axis=0), LEAST_STD)
     # A number that is constant in the recordings but not in the table must not decide alone.
     scale = np.where(left.std(axis=0) > 0, scale, np.maximum(right.std(axis=0), LEAST_STD))
+    scale = np.maximum(scale, least)
     return (left - centre) / scale, (right - centre) / scale
 
 

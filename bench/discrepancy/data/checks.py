@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.data.columns import WAVES, numeric
 from bench.discrepancy.data.figures import check_figures, typical
-from bench.discrepancy.data.observables import error_m, reach
+from bench.discrepancy.data.observables import after_first, error_m, reach
 from bench.discrepancy.data.settings import (
     FULL_TURN_DEG,
     LONGEST_MEDIAN_RANGE_M,
@@ -55,10 +55,18 @@ def _check_reach(table: Recordings) -> None:
     after, least = reach(table.frame)[1], WINDOW_AFTER[0]
     if after < least:
         raise BenchError(
-            f"{table.source}: its CIRs hold {max(after, 0):.0f} samples from first_path_index on; "
-            f"expected {least} or more to compare waveforms: give longer ones, or --paths-only to "
-            "compare ranges and levels"
+            f"{table.source}: its CIRs hold {max(after, 0):.0f} samples from first_path_index on"
+            f"{_short_rows(table.frame, least)}; expected {least} or more to compare waveforms: "
+            "give longer ones, or --paths-only to compare ranges and levels"
         )
+
+
+def _short_rows(frame: pd.DataFrame, least: int) -> str:
+    """Return which rows hold fewer samples from their first path on, in words; "" where all do."""
+    short = np.flatnonzero(after_first(frame) < least)
+    if len(short) == len(frame):
+        return ""
+    return f" in {len(short)} of {len(frame)} rows (the first: row {short[0]}), mend or drop them"
 
 
 def _check_copies(recorded: Recordings, simulated: Recordings) -> None:

@@ -180,10 +180,18 @@ def window_of(frame: pd.DataFrame) -> Window:
 
 def reach(frame: pd.DataFrame) -> tuple[float, float]:
     """Return how many samples before and after its first path nearly every row has."""
-    first = np.floor(np.nan_to_num(_numbers(frame["first_path_index"])))
-    after = np.array([len(cir) for cir in frame["cir"]]) - first
     few = 1 - WINDOW_FULL_SHARE
-    return float(np.quantile(first, few)), float(np.quantile(after, few))
+    return float(np.quantile(_first(frame), few)), float(np.quantile(after_first(frame), few))
+
+
+def after_first(frame: pd.DataFrame) -> Floats:
+    """Return how many samples every row has from its first path on [n]."""
+    return np.array([len(cir) for cir in frame["cir"]]) - _first(frame)
+
+
+def _first(frame: pd.DataFrame) -> Floats:
+    """Return the whole sample in which first paths are [n]; 0 where that is not known."""
+    return np.floor(np.nan_to_num(_numbers(frame["first_path_index"])))
 
 
 def shared_window(frame: pd.DataFrame, other: pd.DataFrame | None) -> Window:

@@ -20,14 +20,13 @@ from bench.discrepancy.joint.settings import DB_PER_NEPER, MEMBERS, RISE_NS
 from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.unlisted import needing, with_obstacles
+from bench.discrepancy.select.unlisted import tried_alike, with_obstacles
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
-from bench.physics.slabs import unlisted
 from bench.physics.units import C_M_PER_NS
 
 NOTE = "it could not be tried: it needs a simulator that can be run again"
@@ -94,16 +93,6 @@ def with_unlisted(search: Search, said: Verdict, added: Added = ()) -> Verdict:
         return said
     options = (*fitted, not_tried(fitted[0], ObstructedPath(), NO_RAYS))
     return Ambiguous(options, separating(options))
-
-
-def tried_alike(search: Search, added: Added) -> list[type[Effect]]:
-    """Return the effects of obstacles that were tried with the same one in every way.
-
-    A table that tells which ways are clear, and not what stands in the others, has walls of any
-    make in some of these: they strike links as by chance.
-    """
-    kinds = needing(kind for kind in search.kinds.values() if kind not in map(type, added))
-    return kinds if kinds and unlisted(search.fit.scene).any() else []
 
 
 def levels_exclude(search: Search, added: Added, effect: Effect) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.law.delay import ends
 from bench.discrepancy.law.faults import UNDETERMINED, of_a_rate
 from bench.discrepancy.law.found import FoundLaw, LawConstant, Rival, SetupFault
 from bench.discrepancy.law.likelihood import log_density
@@ -15,6 +16,7 @@ from bench.discrepancy.law.meaning import looks_like
 from bench.discrepancy.law.search import Candidate, Proposal
 from bench.discrepancy.law.settings import LAW_RATIO_DOUBT, UNDETERMINED_M
 from bench.discrepancy.settings import ONE_SIDED_95
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 SHIFTS = ("dx", "dy", "dz")
 
@@ -70,12 +72,18 @@ def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
     """Return the library's names that do as well as a device that stands elsewhere.
 
     From where an anchor sees its rows, standing further off reads nearly the same as being late: by
-    how much is what a constant there would be, which does as well.
+    how much is what a constant there would be, which does as well; one of that device is a delay.
     """
     of = f" of {law.where}" if law.where else ""
     given = names if law.fault == "position" else ()
-    same = (one.words for one in law.rivals if one.form == "constant" and not one.columns)
-    size = next((f" ({words.partition(',')[0]})" for words in same), "")
+    same = [one for one in law.rivals if one.form == "constant" and not one.columns]
+    late = [
+        one for one in same if any(one.words.endswith(f", where {at}") for at in ends(law.where))
+    ]
+    same = late if law.where else same
+    if late and law.fault == "position":
+        given = tuple(dict.fromkeys((*given, AntennaDelay.name)))
+    size = next((f" ({one.words.partition(',')[0]})" for one in same), "")
     return tuple(Rival(f"{name}{of} instead{size}", "constant", (), 0.0, True) for name in given)
 
 

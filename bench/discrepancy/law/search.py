@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
+from bench.discrepancy.law.delay import as_delay, is_delay_of
 from bench.discrepancy.law.faults import faults, of_a_rate
 from bench.discrepancy.law.floor import floors
 from bench.discrepancy.law.forms import over_what
@@ -95,8 +97,8 @@ def ranking(given: Material) -> Ranking:
     if len(given.residual_m) < LAW_FEWEST_ROWS:
         return Ranking((), 0.0, 1.0)
     laws: list[Structure] = [
-        *promising(given, float(len(given.residual_m))), *faults(given), *floors(given),
-        *roundings(given),
+        *(as_delay(given, law) for law in promising(given, float(len(given.residual_m)))),
+        *faults(given), *floors(given), *roundings(given),
     ]  # fmt: skip
     fits = [(law, law.fitted(given)) for law in laws]
     none = unmoved(given.residual_m).likelihood
@@ -124,13 +126,22 @@ def _preferred(made: Ranking, given: Material) -> Candidate:
     """Return the best; a fault of the set-up that does about as well goes first.
 
     One device that stands elsewhere is as good as a law of the bearing for its rows alone; and what
-    is in proportion to the true range there is a unit, which a power of nearly one only bends.
+    is in proportion to the true range there is a unit, which a power of nearly one only bends. A
+    delay of that device of no less evidence goes before it: one number where a place is three.
     """
     ranked, best = made.candidates, made.candidates[0]
     near = (one for one in ranked if best.nats - one.nats < LAW_TIED_NATS)
     listed = next((one for one in near if one.structure.fault), None)
     rates = (one for one in ranked if _unbent(one, best) and _tied(made, given, one))
-    return listed or next(rates, best)
+    return _late(ranked, listed) or listed or next(rates, best)
+
+
+def _late(ranked: Sequence[Candidate], listed: Candidate | None) -> Candidate | None:
+    """Return the delay of a device whose place has no more evidence, None without one."""
+    if listed is None or listed.structure.fault != "position":
+        return None
+    ahead = (one for one in ranked if one.nats >= listed.nats)
+    return next((o for o in ahead if is_delay_of(o.structure, listed.structure.where)), None)
 
 
 def _unbent(one: Candidate, best: Candidate) -> bool:

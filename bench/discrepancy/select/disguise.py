@@ -1,4 +1,7 @@
-"""A curve that is level is the constant it contains: no second explanation beside it."""
+"""A curve that is level is the constant it contains: no second explanation beside it.
+
+Nor is a drift of which nothing but its constant is there: that is an antenna delay.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +10,43 @@ import numpy as np
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.verdict import LeftOut
+from bench.discrepancy.sets.settings import FLAT_M
 from bench.discrepancy.settings import LEVEL_CURVE_SHARE, WIDE_LEVELS_DB
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.units import Floats
 
 
 def without_disguises(options: tuple[LeftOut, ...], rows: View) -> tuple[LeftOut, ...]:
-    """Return the options without curves that only repeat a simpler one of them.
+    """Return the options without curves and drifts that only repeat a simpler one of them.
 
-    Only where the rows spread over levels: where they do not, a curve is level for want of data.
+    Curves only where the rows spread over levels: where they do not, one is level for want of data.
     """
+    options = _without_steady(options, rows)
     levels = _most_levels_dbm(rows)
     if len(options) < 2 or np.ptp(levels) <= WIDE_LEVELS_DB:
         return options
     names = {name for option in options for name in option.names}
     first, *others = options  # the first is in the simulator: it stays
     return (first, *(option for option in others if not _repeats(option, names, levels)))
+
+
+def _without_steady(options: tuple[LeftOut, ...], rows: View) -> tuple[LeftOut, ...]:
+    """Return the options without drifts that hardly drift in these rows, beside a delay.
+
+    The first is in the simulator: it stays.
+    """
+    if not any(AntennaDelay.name in option.names for option in options):
+        return options
+    return (*options[:1], *(one for one in options[1:] if not _steady(one.effect, rows)))
+
+
+def _steady(effect: Effect, rows: View) -> bool:
+    """Return whether an effect is a drift that is the same in all rows, to a tick of a clock."""
+    if not isinstance(effect, TemperatureDrift):
+        return False
+    return float(np.ptp(effect.longer_m(rows.scene))) < FLAT_M
 
 
 def _most_levels_dbm(rows: View) -> Floats:

@@ -10,25 +10,30 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import WALLS_M
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.slabs import unlisted
 
 OBSTACLES = "obstacles"
 NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
-def with_walls(search: Search, said: Verdict) -> Verdict:
+def with_walls(search: Search, said: Verdict, added: Added = ()) -> Verdict:
     """Return a verdict on struck links, of ranges alone, with what obstacles that nobody listed do.
+
+    Beside `added`. Where a table tells which ways are clear alone, walls were tried as if the same
+    stood in every other, which is no trial of those that differ.
 
     As it is where detours are longer than walls make, for all that is known of their mean.
     """
     if search.fit.waveform or not (isinstance(said, LeftOut) and _short(said)):
         return said
-    return with_obstacles(search, (said,), said)
+    return with_obstacles(search, (said,), said, tried_alike(search, added))
 
 
 def with_obstacles(
@@ -46,6 +51,16 @@ def with_obstacles(
 def needing(kinds: Iterable[type[Effect]]) -> list[type[Effect]]:
     """Return those of some effects that go by what stands in the way."""
     return [kind for kind in kinds if any(OBSTACLES in way for way in kind.needs)]
+
+
+def tried_alike(search: Search, added: Added) -> list[type[Effect]]:
+    """Return the effects of obstacles that were tried with the same one in every way.
+
+    A table that tells which ways are clear, and not what stands in the others, has walls of any
+    make in some of these: they strike links as by chance.
+    """
+    kinds = needing(kind for kind in search.kinds.values() if kind not in map(type, added))
+    return kinds if kinds and unlisted(search.fit.scene).any() else []
 
 
 def _short(said: LeftOut) -> bool:

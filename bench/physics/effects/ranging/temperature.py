@@ -85,17 +85,21 @@ class TemperatureDrift(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by slope x degrees over the reference."""
-        return batch.longer(self.slope_mm_per_c / 1000 * self._warmer(batch))
+        return batch.longer(self.longer_m(batch.rows))
 
     def inert(self, batch: Batch) -> NDArray[np.bool_]:
         """Return the rows at the reference temperature and time zero."""
-        return np.asarray(self._warmer(batch) == 0)
+        return np.asarray(self._warmer(batch.rows) == 0)
 
-    def _warmer(self, batch: Batch) -> Floats:
+    def longer_m(self, rows: Scene) -> Floats:
+        """Return by how much ranges of rows are longer [n], in metres."""
+        return self.slope_mm_per_c / 1000 * self._warmer(rows)
+
+    def _warmer(self, rows: Scene) -> Floats:
         """Return the degrees over the reference [n]."""
-        time_s = np.maximum(batch.rows.number("time_s", 0.0), 0)
+        time_s = np.maximum(rows.number("time_s", 0.0), 0)
         rise = self.warm_up_c * (1 - np.exp(-time_s / self.warm_up_s))
-        known = batch.rows.number("temperature_c", REFERENCE_C)
+        known = rows.number("temperature_c", REFERENCE_C)
         return np.asarray(known - self.reference_c + rise)
 
 

@@ -1,8 +1,10 @@
 """Tables without rows alike: the message names what keeps them apart."""
 
 import numpy as np
+import pandas as pd
+import pytest
 
-from bench.discrepancy.compare.shared import no_overlap
+from bench.discrepancy.compare.shared import far_apart, in_reach, no_overlap
 
 
 def test_only_what_keeps_links_apart_is_named() -> None:
@@ -16,3 +18,15 @@ def test_categories_that_no_simulated_link_has_are_named() -> None:
     words = no_overlap(("tx_z_m",), np.zeros((1, 4), bool), np.array([True, True, True, False]))
     assert "of their category (75 %)" in words
     assert "tx_z_m" not in words
+
+
+@pytest.mark.parametrize(("higher_m", "apart"), [(0.4, False), (0.8, True)])
+def test_devices_that_all_hang_a_little_higher_have_counterparts(
+    higher_m: float, apart: bool
+) -> None:
+    far = np.linspace(2, 50, 60)
+    ours = pd.DataFrame({"true_range_m": far, "rx_z_m": np.where(far > 25, 3.0, 3.1)})
+    theirs = ours.assign(rx_z_m=ours["rx_z_m"] + higher_m)
+    both = in_reach(ours, theirs)
+    found = far_apart(both.names, both.left, both.right)
+    assert bool(found.any()) is apart

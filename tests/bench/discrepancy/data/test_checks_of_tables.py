@@ -55,6 +55,11 @@ def test_waveforms_that_end_after_the_path_are_refused_on_either_side() -> None:
             check_tables(*pair)
         check_tables(*pair, waveforms=False)
     check_tables(long, of_samples("other.parquet", 40))
+    late = long.frame.assign(first_path_index=[10.4, *[50.0] * 4, *[10.4] * (len(long.frame) - 5)])
+    said = rf"10 samples from first_path_index on in 4 of {len(late)} rows \(the first: row 1\)"
+    with pytest.raises(BenchError, match=said):
+        check_tables(Recordings(late, "late.parquet"), Simulator(Base()))
+    said = r"short\.parquet: its CIRs hold 10 samples from first_path_index on; expected 16 or"
     untimed = Recordings(short.frame.drop(columns="sample_period_ns"), short.source)
     with pytest.raises(BenchError, match=said):
         check_tables(long, untimed)

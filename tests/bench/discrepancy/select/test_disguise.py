@@ -6,6 +6,8 @@ from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
+import pandas as pd
+import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.view import View
@@ -14,6 +16,8 @@ from bench.discrepancy.select.verdict import Control, LeftOut
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.temperature import TemperatureDrift
+from bench.physics.scene import scene
 
 LEVELS_DBM = tuple(np.arange(-97.0, -50.0, 3.0))
 
@@ -50,3 +54,15 @@ def test_a_level_curve_stays_where_rows_have_one_level_or_it_leads() -> None:
     delay = option(AntennaDelay(delay_ns=0.77))
     assert len(without_disguises((delay, curve(0.092)), rows(3))) == 2
     assert len(without_disguises((curve(0.092), delay), rows(25))) == 2
+
+
+@pytest.mark.parametrize(("warm_up_c", "stays"), [(0.0, False), (15.0, True)])
+def test_a_drift_that_does_not_drift_is_no_second_explanation_beside_a_delay(
+    warm_up_c: float, stays: bool
+) -> None:
+    frame = pd.DataFrame({"true_range_m": 5.0, "time_s": np.linspace(0, 3000, 50)})
+    seen = cast(View, SimpleNamespace(recorded=rows(0).recorded, scene=scene(frame)))
+    delay = option(AntennaDelay(delay_ns=0.77))
+    drift = option(TemperatureDrift(-5.0, 48.0, warm_up_c))
+    assert without_disguises((delay, drift), seen) == ((delay, drift) if stays else (delay,))
+    assert without_disguises((drift,), seen) == (drift,)
