@@ -132,7 +132,7 @@ def law_lines(law: FoundLaw) -> list[str]:
     rivals = sorted(law.rivals, key=lambda rival: (not rival.listed, rival.behind))
     more = len(rivals) - SHOWN_RIVALS
     return [
-        f"**{law}**{' (90 %)' if law.constants else ''}.",
+        f"**{law}**{' (intervals: 90 %)' if '..' in law.words else ''}.",
         f"As an effect of the simulator: error = {law.effect.formula.shown}",
         f"On sealed links it gains {law.gain_nats} and brings ranges {law.nearer_m} nearer.",
         *(
