@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from bench.discrepancy.compare.records import Record, Samples, recorded_samples,
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import NOISE
+from bench.discrepancy.joint.carriers import carried
 from bench.discrepancy.joint.own_log import logs_scatter
 from bench.discrepancy.joint.quiet_moments import (
     early_samples,
@@ -48,6 +50,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Floats, Statistics
 from bench.discrepancy.joint.tone_or_noise import scatter_logged, with_floor
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.memory import Memory
 
 
@@ -89,7 +92,21 @@ class Quiet:
         told = np.abs(before[1:] - 1) < SCATTER_LOGGED  # in simulated samples with effects, too
         some = slice(1 + np.count_nonzero(told))
         left, tone = self._heard.ratios - before, after - before
-        return agreed(left[some], tone[some], self._heard.errors[some])
+        nats = agreed(left[some], tone[some], self._heard.errors[some])
+        return max(nats, 0.0) if nats < 0 and self.carried else nats
+
+    def carries(self, name: str) -> bool:
+        """Return whether samples that a noise floor was named for may be carriers'."""
+        return name == NoiseFloor.name and self.carried
+
+    @cached_property
+    def carried(self) -> bool:
+        """Whether samples go together as those of many carriers do, which need not be steady."""
+        recorded = recorded_samples(self.given.comparison, self.given.rows)
+        if self._heard is None or recorded is None:
+            return False
+        made = [magnitude for (magnitude, _), _ in self._bare()]
+        return carried(recorded[0], made, self._heard.quiet)
 
     def _listened(self) -> Heard | None:
         """Return the recorded rows as heard, None where too few samples are quiet."""

@@ -325,7 +325,9 @@ class Sets:
         member = name if name in fit.names else fit.names[-1]
         able = [one for one in self._counterparts(fit, member) if one.name not in rest.names]
         made = self._fit([(*rest.effects, one) for one in able])
-        untold = bool(made) and told_apart(self.given, fit, member) < CLASS_NATS
+        untold = bool(made) and (
+            told_apart(self.given, fit, member) < CLASS_NATS or self.quiet.carries(member)
+        )
         return [one for one in made if untold or self.weighing.evidence(one) > least]
 
     def _counterparts(self, fit: Fit, name: str) -> Added:
