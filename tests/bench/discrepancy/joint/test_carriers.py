@@ -1,4 +1,4 @@
-"""Samples of many carriers go together over many samples, as no receiver's noise does; SIMULATED."""
+"""Samples of many carriers go together over many samples, as no noise does; SIMULATED."""
 
 from __future__ import annotations
 
