@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from bench.discrepancy.joint.quiet_moments import mean_known
-from bench.discrepancy.joint.settings import CARRIED_FEWEST, CARRIED_LAGS, CARRIED_P, COLOUR_SAMPLES
+from bench.discrepancy.joint.settings import (
+    CARRIED_FEWEST,
+    CARRIED_LAGS,
+    CARRIED_P,
+    CARRIED_PAIRS,
+    COLOUR_SAMPLES,
+)
 from bench.discrepancy.joint.statistics import Floats
 
 Mask = NDArray[np.bool_]
@@ -51,7 +57,7 @@ def together(magnitude: Floats, quiet: Mask, lags: NDArray[np.intp]) -> Floats:
 
 
 def _lags(quiet: Mask) -> NDArray[np.intp]:
-    """Return the distances in samples that are looked at: where pairs of samples are `quiet`."""
+    """Return the distances in samples that are looked at: where enough pairs are `quiet`."""
     every = np.arange(COLOUR_SAMPLES, CARRIED_LAGS + 1)
     pairs = [np.count_nonzero(quiet[lag:] & quiet[:-lag]) for lag in every]
-    return np.asarray(every[np.array(pairs) > 0], np.intp)
+    return np.asarray(every[np.array(pairs) >= CARRIED_PAIRS], np.intp)

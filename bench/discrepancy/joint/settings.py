@@ -98,7 +98,9 @@ QUIET_MEMBERS: Final = 16  # simulated versions of them: their error is a quarte
 COLOUR_SAMPLES: Final = 4  # from here on noise has nothing in common, as `NoiseFloor` says
 CARRIED_LAGS: Final = 24  # samples apart, up to which they are asked if they go together [cost]
 CARRIED_FEWEST: Final = 6  # such distances, to tell a beat from a tail's slope [convention]
-CARRIED_P: Final = 1e-3  # of a test over all of them [convention]
+CARRIED_PAIRS: Final = 4  # of samples in a row, at each: one pair may lie beside the path
+CARRIED_P: Final = 1e-6  # of a test over all of them: rows share scenes, carriers are plain to see
+# where they matter at all [convention]
 QUIET_ERROR: Final = 0.01  # of the mean squared power over the square, 2 of noise, by which that of
 # a receiver is off: samples are whole numbers, and clipped [convention]
 SCATTER_LOGGED: Final = 0.15  # of the square of what is logged over the power of samples, by which
