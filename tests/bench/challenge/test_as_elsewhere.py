@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import ks_2samp, kstest
 
 from bench.challenge.families.case import Draw, world_of
-from tests.bench.challenge.shown import nothing_of, shift_of, tables_of
+from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
 FAMILIES = ("observatory", "baths", "circus")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
@@ -117,3 +117,34 @@ def test_only_what_is_hidden_behind_things_is_late_by_far_in_waveforms(family: s
         assert np.abs(shift_of(family, name, mode="CIR")).max() < 0.1, name
     for name in ("obstructed-path", "late-detection"):
         assert shift_of(family, name, mode="CIR").max() > 1.0, name
+
+
+FAULTS = {
+    "observatory": (
+        "pole-set-for-another-city", "stairs-of-a-lower-rise", "red-lamps-warm-their-sconces",
+        "north-wall-leans-out", "mist-comes-in-by-the-slit", "sconce-knocked-by-a-ladder",
+    ),
+    "baths": (
+        "strokes-reach-less-far", "riders-ride-up-in-bends", "pumps-shake-their-arches",
+        "deep-end-settles", "steam-room-left-ajar", "arch-struck-by-a-platform",
+    ),
+    "circus": (
+        "trapezes-ropes-give", "wire-dips-under-walkers", "gusts-rack-their-poles",
+        "poles-bow-under-canvas", "smoke-under-lamps", "pole-struck-by-a-lorry",
+    ),
+}  # fmt: skip
+FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]
+
+
+@pytest.mark.parametrize("mode", ["ranges", "CIR"])
+@pytest.mark.parametrize(("family", "name"), FAULTY)
+def test_faults_move_ranges_by_more_than_these_scatter(family: str, name: str, mode: str) -> None:
+    share, times = moved_of(family, name, mode)
+    assert share > 0.04
+    assert times > 1.5
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("name", ["time-lag", "exchange-motion"])
+def test_what_goes_away_is_read_long_or_short_meanwhile(family: str, name: str) -> None:
+    assert with_speed(family, name) > 0.6

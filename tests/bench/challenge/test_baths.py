@@ -150,20 +150,6 @@ def test_laws_of_one_column_are_what_they_are_said_to_be() -> None:
     assert np.allclose(fur, 1.7 * np.log(_of("fur_mm") / 8.0))
 
 
-SEEN = (
-    "strokes-reach-less-far", "riders-ride-up-in-bends", "pumps-shake-their-arches",
-    "deep-end-settles", "steam-room-left-ajar", "arch-struck-by-a-platform",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("mode", ["ranges", "CIR"])
-@pytest.mark.parametrize("name", SEEN)
-def test_faults_move_ranges_by_more_than_these_scatter(name: str, mode: str) -> None:
-    share, times = shown.moved_of("baths", name, mode)
-    assert share > 0.04
-    assert times > 1.5
-
-
 def test_levels_fall_where_they_should_and_fewer_symbols_have_less_noise() -> None:
     for name, low, high in (("path-loss", -6.5, -2.0), ("level-control", -3.0, -1.0)):
         made = _tables(name)
@@ -201,8 +187,3 @@ def test_poles_return_something_that_is_late_enough_to_every_row() -> None:
     legs = [np.linalg.norm(end[7] - poles, axis=1) for end in (heat.low, heat.high)]
     ways = (legs[0] + legs[1] - heat.far[7]).reshape(len(POLES_M), -1).min(axis=1)
     assert ways[ways > 0.47].min() == pytest.approx(more[7], abs=1e-4)
-
-
-@pytest.mark.parametrize("name", ["time-lag", "exchange-motion"])
-def test_what_goes_away_is_read_long_or_short_meanwhile(name: str) -> None:
-    assert shown.with_speed("baths", name) > 0.6
