@@ -44,6 +44,11 @@ class Layer:
     theirs: Rows
     kinds: tuple[OfKinds, ...]
 
+    def apart(self, which: int, pick: Rows) -> Floats:
+        """Return how far kinds of ours are from those of simulated rows `pick` [n], or NaN."""
+        step = self.kinds[which].step
+        return np.asarray(step[self.ours] - step[self.theirs[pick]])
+
 
 @dataclass(frozen=True)
 class OverKinds:
@@ -65,12 +70,14 @@ class OverKinds:
         return made
 
     def _change(self, which: int, pick: Rows) -> Floats:
+        """Return by how much one observable [n] changes, its scatter about its kind with it."""
         made = np.zeros(len(pick))
         for one in self.layers:
-            of, theirs = one.kinds[which], one.theirs[pick]
-            made += np.nan_to_num(of.step[one.ours] - of.step[theirs])
-        known = np.isfinite(of.step[one.ours] - of.step[theirs]) & (one.ours != theirs)
-        wider = of.freedom * of.scatter[one.ours] / of.scatter[theirs] - 1
+            made += np.nan_to_num(one.apart(which, pick))
+        last = self.layers[-1]
+        of, theirs = last.kinds[which], last.theirs[pick]
+        known = np.isfinite(last.apart(which, pick)) & (last.ours != theirs)
+        wider = of.freedom * of.scatter[last.ours] / of.scatter[theirs] - 1
         return np.asarray(made + np.where(known, wider * of.off[pick], 0.0))
 
 

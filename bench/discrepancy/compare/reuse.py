@@ -65,9 +65,8 @@ def reuse(comparison: Comparison, view: View) -> Reused | None:
         np.add.at(uses, (code, comparison.links[pick]), 1.0)
     shares = uses / (np.bincount(code)[:, None] * len(versions))
     walks, over = comparison.over(view)
-    many = [len(one.kinds[0].step) for one in over.layers]
-    ours = [(one.ours, c) for one, c in zip(over.layers, many, strict=True)]
-    theirs = [(one.theirs, c) for one, c in zip(over.layers, many, strict=True)]
+    ours = [(one.ours, len(one.kinds[0].step)) for one in over.layers]
+    theirs = [(one.theirs, len(one.kinds[0].step)) for one in over.layers]
     here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours)
     there = places(comparison.true_range_m, comparison.links, theirs)
     every = zip(over.names, zip(*(one.kinds for one in over.layers), strict=True), strict=True)

@@ -9,11 +9,13 @@ distance, too, but smoothly.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from bench.discrepancy.joint.quiet_moments import mean_known
+from bench.discrepancy.joint.quiet_moments import relative_power
 from bench.discrepancy.joint.settings import (
     CARRIED_FEWEST,
     CARRIED_LAGS,
@@ -26,7 +28,7 @@ from bench.discrepancy.joint.statistics import Floats
 Mask = NDArray[np.bool_]
 
 
-def carried(recorded: Floats, simulated: list[Floats], quiet: Mask) -> bool:
+def carried(recorded: Floats, simulated: Sequence[Floats], quiet: Mask) -> bool:
     """Return whether recorded magnitudes [n, K] go together where they are `quiet` [K].
 
     Beyond what simulated ones do, each [n, K], by a test over all distances.
@@ -47,9 +49,7 @@ def together(magnitude: Floats, quiet: Mask, lags: NDArray[np.intp]) -> Floats:
 
     Of powers over their means, less one, where both samples are `quiet` [K]; 0 where none is known.
     """
-    power = np.where(quiet, magnitude**2, np.nan)
-    power = power / np.where(quiet, np.maximum(mean_known(power, 0), np.finfo(float).tiny), 1.0)
-    power = power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None] - 1
+    power = relative_power(np.where(quiet, magnitude, np.nan)) - 1
     known, power = np.isfinite(power), np.nan_to_num(power)
     sums = np.stack([(power[:, lag:] * power[:, :-lag]).sum(axis=1) for lag in lags], axis=1)
     pairs = np.stack([(known[:, lag:] & known[:, :-lag]).sum(axis=1) for lag in lags], axis=1)

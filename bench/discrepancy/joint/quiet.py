@@ -60,12 +60,20 @@ class Heard:
 
     None of the latter where no log tells how much noise scatters. `ratios` [m]: that of quiet
     samples, and that of what is logged where something is; `errors` [m]: their standard errors.
+    `magnitude` [n, K] as recorded, and of simulated versions as they are (`simulated`).
     """
 
     quiet: NDArray[np.bool_]
     beside_log: NDArray[np.bool_]
     ratios: Floats
     errors: Floats
+    magnitude: Floats
+    simulated: Sequence[Floats]
+
+    @cached_property
+    def carried(self) -> bool:
+        """Whether samples go together as those of many carriers do, which need not be steady."""
+        return carried(self.magnitude, self.simulated, self.quiet)
 
 
 Figures = Sequence[Floats]
@@ -93,20 +101,11 @@ class Quiet:
         some = slice(1 + np.count_nonzero(told))
         left, tone = self._heard.ratios - before, after - before
         nats = agreed(left[some], tone[some], self._heard.errors[some])
-        return max(nats, 0.0) if nats < 0 and self.carried else nats
+        return 0.0 if nats < 0 and self._heard.carried else nats
 
     def carries(self, name: str) -> bool:
         """Return whether samples that a noise floor was named for may be carriers'."""
-        return name == NoiseFloor.name and self.carried
-
-    @cached_property
-    def carried(self) -> bool:
-        """Whether samples go together as those of many carriers do, which need not be steady."""
-        recorded = recorded_samples(self.given.comparison, self.given.rows)
-        if self._heard is None or recorded is None:
-            return False
-        made = [magnitude for (magnitude, _), _ in self._bare()]
-        return carried(recorded[0], made, self._heard.quiet)
+        return name == NoiseFloor.name and self._heard is not None and self._heard.carried
 
     def _listened(self) -> Heard | None:
         """Return the recorded rows as heard, None where too few samples are quiet."""
@@ -146,7 +145,9 @@ class Quiet:
         own = [error_of(np.unique(one, axis=0)) for one in theirs]
         links = [self.given.of_links(one) * self.given.count[:, None] for one in ours]  # sums
         square = [error_of(one) ** 2 + QUIET_ERROR**2 for one in links]
-        return Heard(quiet, beside_log, _ratios(ours), np.hypot(np.sqrt(square), own))
+        errors = np.hypot(np.sqrt(square), own)
+        versions = [magnitude for (magnitude, _), _ in bare]
+        return Heard(quiet, beside_log, _ratios(ours), errors, recorded[0], versions)
 
     def _ratio(self, added: Added, heard: Heard) -> Floats:
         """Return the mean ratios [m] of simulated rows with effects."""

@@ -33,14 +33,19 @@ def moments_of(magnitude: Floats) -> Floats:
     power of every sample, as some may hold a little of a tail. The squared mean is the mean product
     of samples that are no neighbours: it is of noise of any colour.
     """
-    power = magnitude**2
-    power = power / np.maximum(mean_known(power, 0), np.finfo(float).tiny)
-    power = power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None]
+    power = relative_power(magnitude)
     count = _products(np.isfinite(power).astype(np.float64))
     power = np.where(count[:, None] > 0, power, np.nan)  # a row that ends early says nothing
     pairs = _products(np.nan_to_num(power)) / np.maximum(count, 1.0)
     squares = np.nan_to_num(power**2).sum(axis=1) / np.maximum(np.isfinite(power).sum(axis=1), 1)
     return np.stack([squares, pairs], axis=1)
+
+
+def relative_power(magnitude: Floats) -> Floats:
+    """Return powers over the mean of their sample in all rows, then of their row [n, K]."""
+    power = magnitude**2
+    power = power / np.maximum(mean_known(power, 0), np.finfo(float).tiny)
+    return np.asarray(power / np.maximum(mean_known(power, 1), np.finfo(float).tiny)[:, None])
 
 
 def loud_moments(magnitude: Floats) -> Floats:

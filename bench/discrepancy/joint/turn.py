@@ -59,8 +59,7 @@ def selected(state: State, journal: Journal) -> Selection:
 
 def _selected(state: State, journal: Journal) -> Selection:
     search, kept, safely = state.search, journal.kept, state.guard.safely
-    located = kept(with_ranges)(search, kept(locate_left)(search, (), 0, WAVES_SHARE))
-    located = kept(with_levels)(search, located)
+    located = _in_all_rows(search, journal, kept(locate_left)(search, (), 0, WAVES_SHARE))
     if not located.significant:
         return _said(state.after(Round(located, None, None)), WaveChoice(), journal)
     fault = safely("recorder", recorder_fault, "")(search)
@@ -219,14 +218,18 @@ def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
     search, added = state.search, (*state.added, *_scattered(state))
     left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
-    if not added:
-        left = journal.kept(with_levels)(search, journal.kept(with_ranges)(search, left))
+    left = left if added else _in_all_rows(search, journal, left)
     last = Round(left, None, None)
     if left.significant and (not added or any(of_range(found) for found in left.findings)):
         last = replace(last, explanation=journal.kept(left_by)(search, added, left))
     old = tuple(turn for turn in state.rounds if turn.added is not None)
     first = state.rounds[0].located
     return replace(state, rounds=(*(old or (Round(first, last.explanation, None),)), last))
+
+
+def _in_all_rows(search: Search, journal: Journal, found: Located) -> Located:
+    """Return what waveforms show, or ranges of all working rows, or their levels."""
+    return journal.kept(with_levels)(search, journal.kept(with_ranges)(search, found))
 
 
 def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:

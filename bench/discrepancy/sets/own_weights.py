@@ -37,11 +37,11 @@ class Beside:
 
     @cached_property
     def _own(self) -> Evidence:
-        return _weighed_by(self.contest, self.causes)
+        return _weighed_by(self.contest.evidence, self.causes)
 
     def lead(self, other: Set) -> float:
         """Return by how much another set is worth more, of the rows that take part beside both."""
-        contest, own, made = self.contest, self._own, _weighed_by(self.contest, other)
+        contest, own, made = self.contest, self._own, _weighed_by(self.contest.evidence, other)
         rows = np.minimum(made.weights, own.weights) > LEAST_WEIGHT
         worth = _worth(contest, own.among(rows), self.causes)
         return _worth(contest, made.among(rows), other) - worth
@@ -81,18 +81,16 @@ def _instead(one: Set, other: Set) -> bool:
     return not set(one) <= set(other) and not set(other) <= set(one)
 
 
-def _weighed_by(contest: Contest, causes: Set) -> Evidence:
-    """Return the evidence with the weights that rows have beside a set."""
-    made = contest.evidence.with_blocks(contest.evidence.blocks)
+def _weighed_by(evidence: Evidence, causes: Set) -> Evidence:
+    """Return an evidence with the weights that rows have beside a set."""
+    made = evidence.with_blocks(evidence.blocks)
     made.reweigh(causes)
     return made
 
 
 def own_nats(evidence: Evidence, causes: Set, rows: NDArray[np.bool_]) -> float:
     """Return the log evidence that some rows [n] have of a set, at the weights that it gives."""
-    made = evidence.with_blocks(evidence.blocks)
-    made.reweigh(causes)
-    made = made.among(rows)
+    made = _weighed_by(evidence, causes).among(rows)
     return made.of(causes).nats + _paid(made)
 
 
