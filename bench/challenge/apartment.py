@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from bench.challenge.mitigation import Effort, Mitigated, mitigated
 from bench.challenge.obstruction import link_log_odds
 from bench.challenge.real.case import Check, Progress, RealCase, markdown_table
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window, window_of
 from bench.discrepancy.data.split import link_codes, split_links, thinned
-from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
 from bench.recordings.table import Recordings

@@ -14,7 +14,7 @@ from bench.challenge.planted import detected
 from bench.challenge.removal import removed
 from bench.challenge.scoring import Outcome, blank, outcome
 from bench.challenge.truths import compared
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.errors import BenchError
 from bench.files import read_json, write_atomically
 from bench.parallel import Spread

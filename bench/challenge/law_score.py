@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from bench.challenge.cases import Case
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.named_faults import named_fault
-from bench.discrepancy.method import Diagnosis
 
 WITHIN = 0.1
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.challenge.cases import Case
-from bench.discrepancy.method import Diagnosis, Options, diagnose
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.select.verdict import NoMismatch
 from bench.plugins import load
 from bench.recordings.table import Recordings

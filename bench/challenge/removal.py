@@ -13,7 +13,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import weight_of
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.data.observables import observe, window_of
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.settings import RESOLUTION
 
 Floats = NDArray[np.float64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from bench.challenge.cases import LIMIT_Z, Case
 from bench.challenge.law_score import law_score
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.select.verdict import NoMismatch, Unknown
 
 RIGHT = ("right", "ambiguous")

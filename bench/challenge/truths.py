@@ -18,10 +18,10 @@ from bench.challenge.cases import Case
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.fit.bootstrap import latent_values
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.search import revalued
-from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut
 from bench.physics.base import Base
 from bench.physics.effect import Effect

@@ -17,17 +17,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bench.discrepancy.confirm import Confirmed
-    from bench.discrepancy.method import Diagnosis, Options, diagnose
+    from bench.discrepancy.diagnosis import Diagnosis, Options
+    from bench.discrepancy.method import diagnose
     from bench.discrepancy.report.document import write_report
     from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
 
 _FROM = {
     "Ambiguous": "select.verdict",
     "Confirmed": "confirm",
-    "Diagnosis": "method",
+    "Diagnosis": "diagnosis",
     "LeftOut": "select.verdict",
     "NoMismatch": "select.verdict",
-    "Options": "method",
+    "Options": "diagnosis",
     "Unknown": "select.verdict",
     "Verdict": "select.verdict",
     "diagnose": "method",

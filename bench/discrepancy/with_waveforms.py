@@ -18,7 +18,7 @@ from bench.physics.simulator import Simulator
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
 if TYPE_CHECKING:
-    from bench.discrepancy.method import Diagnosis, Options
+    from bench.discrepancy.diagnosis import Diagnosis, Options
     from bench.discrepancy.select.state import Selection
 
 ALONE: Final = "waveforms show no difference: what is said is of ranges and levels by themselves"

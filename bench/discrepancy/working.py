@@ -21,7 +21,7 @@ from bench.errors import about
 from bench.recordings.table import Recordings
 
 if TYPE_CHECKING:
-    from bench.discrepancy.method import Options
+    from bench.discrepancy.diagnosis import Options
 
 
 @dataclass(frozen=True)

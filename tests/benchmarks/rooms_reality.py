@@ -23,7 +23,7 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.columns import with_motion
 from bench.discrepancy.data.observables import RANGE, window_of
 from bench.discrepancy.data.split import link_codes, thinned
-from bench.discrepancy.method import compared_with
+from bench.discrepancy.prepared import compared_with
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.simulator import Simulator
 from bench.physics.simulators import read_simulator

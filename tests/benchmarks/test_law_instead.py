@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.discrepancy.method import Diagnosis, Options, diagnose
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.report.document import summary
 from bench.discrepancy.select.verdict import Unknown
 from bench.physics.effects.fitted.device_delay import DeviceDelay

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 
 Progress = Callable[[str], None]
 

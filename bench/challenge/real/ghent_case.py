@@ -17,11 +17,11 @@ from bench.challenge.real.case import (
     markdown_table,
     names_it,
 )
+from bench.discrepancy import Options, diagnose
 from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.clocks import device_clock
-from bench.discrepancy.method import Options, diagnose
 from bench.physics.base import Base
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.simulator import Simulator

@@ -21,10 +21,10 @@ from bench.challenge.real.case import (
     markdown_table,
     names_it,
 )
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.verdict import Ambiguous
 from bench.physics.base import Base

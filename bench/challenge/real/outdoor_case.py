@@ -14,12 +14,12 @@ from bench.challenge.real.two_ray import (
     reflected,
     shift_m,
 )
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.per_device import power_curve
-from bench.discrepancy.method import Diagnosis, Options, diagnose
 from bench.discrepancy.settings import UNCOMPRESSED_DBM
 from bench.physics.base import Base
 from bench.physics.effects.fitted.power_curve import LOGGED_DBM, TRUE_DBM, PowerCurve

@@ -9,8 +9,8 @@ from typing import Any
 from bench.discrepancy.compare.calibration import auc_doubt
 from bench.discrepancy.compare.radio import SETTINGS
 from bench.discrepancy.data.own_columns import RULE
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.law.found import fault_dict, law_dict
-from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.evidence import write_evidence
 from bench.discrepancy.report.figures import draw
 from bench.discrepancy.report.folder import REPORT

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.select.settings import MOST_PUBLISHED_M
 from bench.discrepancy.settings import LEAST_SCATTER_M, SHOWN_VALUES
 from bench.errors import BenchError

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.select.settings import RANK_BINS
 from bench.discrepancy.settings import (
     FEW_POINTS,

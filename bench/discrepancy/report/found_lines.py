@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.method import Diagnosis
 from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.parameters import detectable_line, parameter_lines
 from bench.discrepancy.select.remainder import beyond_names

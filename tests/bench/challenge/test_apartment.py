@@ -17,9 +17,9 @@ from bench.challenge.api import REAL
 from bench.challenge.mitigation import ROWS, Effort, Mitigated, mitigated, training_geometry
 from bench.challenge.real.case import Check, RealCase
 from bench.cli import challenge as cli
+from bench.discrepancy import Options
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.split import split_links
-from bench.discrepancy.method import Options
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail

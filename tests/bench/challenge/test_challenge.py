@@ -15,7 +15,7 @@ from bench.challenge.cases import LIMIT_Z, Case, drawn_of, make_case
 from bench.challenge.rates import Rate, cause, median_share, rates
 from bench.challenge.scoring import Outcome, blank, scored
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.method import Diagnosis
+from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.select.verdict import Unknown
 from bench.errors import BenchError
 from bench.parallel import Spread

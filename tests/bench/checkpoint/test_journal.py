@@ -12,11 +12,10 @@ import pytest
 
 from bench.checkpoint.codec import NotPlainError, from_plain, to_plain
 from bench.checkpoint.journal import FOLDER, Kept
-from bench.discrepancy import method
+from bench.discrepancy import Options, diagnose, method
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.method import Options, diagnose
 from bench.discrepancy.report.document import summary
 from bench.discrepancy.select import stepwise
 from bench.discrepancy.sets import turn

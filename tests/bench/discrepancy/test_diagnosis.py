@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from bench.cli.diagnose import command
-from bench.discrepancy.method import Options, diagnose
+from bench.discrepancy import Options, diagnose
 from bench.discrepancy.report.document import write_report
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown
 from bench.errors import BenchError

@@ -7,10 +7,10 @@ from typing import Any, cast
 
 import pytest
 
+from bench.discrepancy import Options
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
-from bench.discrepancy.method import Options
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.with_waveforms import ALONE, or_without
 

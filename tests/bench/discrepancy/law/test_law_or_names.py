@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.method import Diagnosis, Options, diagnose
+from bench.discrepancy import Diagnosis, Options, diagnose
 from bench.discrepancy.select.candidates import library
 from tests.bench.discrepancy.numpy_tables import tables, walls
 

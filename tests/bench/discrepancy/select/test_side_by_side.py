@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from light_tasks import power
 
-from bench.discrepancy.method import Options, diagnose
+from bench.discrepancy import Options, diagnose
 from bench.parallel import Spread, each, spreading
 from bench.physics.base import Base
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
