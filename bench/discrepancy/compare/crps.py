@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ from bench.discrepancy.settings import (
 from bench.text import significant
 
 Floats = NDArray[np.float64]
+LIKELIHOOD: Final = "nats of likelihood"
+"""The unit of what links speak for one by one; a gain of the score has nats of its own."""
 
 
 @dataclass(frozen=True)

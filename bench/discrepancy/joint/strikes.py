@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm, rankdata
 
-from bench.discrepancy.compare.crps import cluster_bootstrap
+from bench.discrepancy.compare.crps import LIKELIHOOD, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
@@ -327,7 +327,7 @@ def _strike(found: Found, common: float) -> Strike:
     links = np.unique(given.rows.links)
     each = of_each(found)
     excess = each.sum() - (found.nats - common)
-    evidence = cluster_bootstrap(each * len(each) - excess, links, 0, "nats of likelihood")
+    evidence = cluster_bootstrap(each * len(each) - excess, links, 0, LIKELIHOOD)
     near = found.mixture.near(found.best)
     parameters = (_share(found), *(_size(p, found, near) for p in found.mixture.free))
     order = {p.name: i for i, p in enumerate(kind.parameters())}

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.crps import LIKELIHOOD
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.diagnosis import Diagnosis
+from bench.discrepancy.select.candidates import Contender
 from bench.discrepancy.select.settings import RANK_BINS
 from bench.discrepancy.settings import (
     FEW_POINTS,
@@ -175,24 +178,37 @@ def _residual(ensemble: Ensemble) -> Floats:
 def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     """Held-out gain of every effect in the order it was added, with 95 % intervals.
 
-    Small marks: what the others would have gained in its place.
+    Small marks: what the others would have gained in its place. What a likelihood speaks for has
+    nats of its own, on the upper axis: one of them is not one of the score.
     """
     turns = [t for t in diagnosis.selection.rounds if t.added is not None and t.explanation]
     steps = [turn.explanation.contenders for turn in turns if turn.explanation]
-    places = np.arange(len(steps))
-    gains = [step[0].gain for step in steps]
-    values = np.array([gain.value for gain in gains])
-    edges = np.array([[g.value - g.low, g.high - g.value] for g in gains]).reshape(-1, 2).T
-    axes.barh(places, values, color=AFTER, alpha=0.4, xerr=np.abs(edges) if steps else None)
-    for place, (_, *others) in enumerate(steps):
-        for number, other in enumerate(others[:3]):
-            _mark(axes, max(other.gain.value, 0.0), place + 0.18 * number, other.name)
-    by_link = ["\n(likelihood)" if turn.strike else "" for turn in turns]
-    axes.set_yticks(places, [f"{s[0].name}{w}" for s, w in zip(steps, by_link, strict=True)])
-    axes.invert_yaxis()
-    axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
+    scored = [place for place, step in enumerate(steps) if step[0].gain.unit != LIKELIHOOD]
+    judged = [place for place in range(len(steps)) if place not in scored]
+    if scored or not steps:
+        _gains(axes, steps, scored, AFTER)
+        axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
+    if judged:
+        likely = axes.twiny() if scored else axes
+        _gains(likely, steps, judged, RECORDED)
+        likely.set_xlabel("evidence of links, grey (nats of likelihood)")
+    axes.set_ylim(len(steps) - 0.5, -0.5)
+    axes.set_yticks(range(len(steps)), [step[0].name for step in steps])
     if not steps:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)
+
+
+def _gains(
+    axes: Axes, steps: Sequence[tuple[Contender, ...]], places: Sequence[int], colour: str
+) -> None:
+    """Draw the gains of some steps of the ladder, others in their place as marks."""
+    gains = [steps[place][0].gain for place in places]
+    edges = np.array([[g.value - g.low, g.high - g.value] for g in gains]).reshape(-1, 2).T
+    error = np.abs(edges) if gains else None
+    axes.barh(places, [gain.value for gain in gains], color=colour, alpha=0.4, xerr=error)
+    for place in places:
+        for number, other in enumerate(steps[place][1:4]):
+            _mark(axes, max(other.gain.value, 0.0), place + 0.18 * number, other.name)
 
 
 def _mark(axes: Axes, value: float, place: float, name: str) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
+from bench.discrepancy.compare.crps import LIKELIHOOD, Estimate, cluster_bootstrap
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
@@ -176,7 +176,7 @@ def _one(
         return None  # what strikes rows, not links
     effect = as_loud(striking(kind, mixed.share, mixed.size), bare, likeliest)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))
-    evidence = cluster_bootstrap(each * len(each), seen.links, 0, "nats of likelihood")
+    evidence = cluster_bootstrap(each * len(each), seen.links, 0, LIKELIHOOD)
     parameters = _intervals(likely, mixed, kind, sizes)
     cost = np.log(len(each))  # of two parameters (Schwarz 1978)
     return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.crps import cluster_bootstrap
+from bench.discrepancy.compare.crps import LIKELIHOOD, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
@@ -147,7 +147,7 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
     ours = float(free_share(made.links, usable)[usable].sum())
     shared = 1 + ours / free_of(search.comparison, search.work, simulated)  # both scatter by chance
     total = (nats * usable.sum() / shared)[usable]
-    evidence = cluster_bootstrap(total, made.links[usable], 0, "nats of likelihood")
+    evidence = cluster_bootstrap(total, made.links[usable], 0, LIKELIHOOD)
     if evidence.value < STRIKE_NATS or not evidence.likely_above_zero:
         return None  # normal rows of all links make both at once, a few wild links the first alone
     effect, sizes = sized(search, added, kind, extras(made, recorded, simulated))
