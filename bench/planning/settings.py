@@ -46,12 +46,6 @@ TREND_REACH: Final = 5.0  # spans beyond the recorded values to which a trend is
 TREND_NATS: Final = 6.0  # behind the best trend: likelier ones stay in question [convention]
 SEED_FIRST: Final = 20_000  # of replicates: apart from those of a diagnosis
 
-# --- What stays without a name (strays, trends) ---------------------------------------------------
-STRAY_STD: Final = 5.0  # of the other links' offsets, from which on a link is far off [convention]
-STRAY_M: Final = 0.1  # and at least so far [convention]
-STRAY_SHARE: Final = 0.34  # of the links: more of them are no exceptions [convention]
-MOST_STRAYS: Final = 5  # that are listed [convention]
-
 # --- What can be measured (measurements) ---------------------------------------------------------
 REPEATS: Final = 8  # of what was recorded, each with random numbers of its own [cost]
 DISTANCES_M: Final = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)

@@ -6,12 +6,11 @@ import numpy as np
 
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.far_links import far_links
 from bench.discrepancy.select.settings import LEADING
-from bench.discrepancy.settings import MAD_TO_STD
 from bench.planning.alternatives import Past
 from bench.planning.questions import Seen
 from bench.planning.scatter import link_means
-from bench.planning.settings import MOST_STRAYS, STRAY_M, STRAY_SHARE, STRAY_STD
 from bench.planning.world import Added
 
 
@@ -22,19 +21,14 @@ def stray_links(past: Past, rest: Added) -> str:
         return ""
     left = past.residual(rest)[0][:, [found.names.index(RANGE)]]
     means = link_means(left, found.links)[1][:, 0]
-    middle = float(np.median(means))
-    scale = MAD_TO_STD * float(np.median(np.abs(means - middle)))
-    far = np.flatnonzero(np.abs(means - middle) > max(STRAY_M, STRAY_STD * scale))
-    if not 0 < len(far) <= STRAY_SHARE * len(means):
+    seen = far_links(means)
+    if not len(seen.far):
         return ""
-    names = np.unique(found.frame["link"].astype(str))
-    worst = far[np.argsort(-np.abs(means[far] - middle))][:MOST_STRAYS]
-    each = ", ".join(f"{names[one]} ({means[one]:+.2f} m)" for one in worst)
     return (
-        f"first look at the {len(far)} of {len(means)} links that are far off the others "
-        f"({middle:+.2f} m): {each}. If something stands in their way, list it (`obstacles`, "
-        "`los`); if a device or a position is wrong, put it right; diagnose again, and plan what "
-        "stays open"
+        f"first look at the {len(seen.far)} of {len(means)} links that are far off the others "
+        f"({seen.calm_m:+.2f} m): {seen.worst(np.unique(found.frame['link'].astype(str)))}. If "
+        "something stands in their way, list it (`obstacles`, `los`); if a device or a position is "
+        "wrong, put it right; diagnose again, and plan what stays open"
     )
 
 

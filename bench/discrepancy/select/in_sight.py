@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.select.far_links import links_in_the_way
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, strike
 from bench.discrepancy.select.state import Search, Selection
@@ -20,13 +21,14 @@ SIGHT = "los"
 
 
 def with_struck_in_sight(search: Search, found: Selection) -> Selection:
-    """Return the selection; what is unknown says which links in sight are struck at random.
+    """Return the selection; what is unknown says which links are struck at random, or far off.
 
-    Of ranges alone, and as it is where none are.
+    Struck ones in sight of ranges alone; as it is where none are.
     """
     if not any(isinstance(one, Unknown) for one in found.verdicts):
         return found
     note = Guard().safely("sight", struck_in_sight, "")(search, found.added)
+    note = note or Guard().safely("far links", links_in_the_way, "")(search, found.added)
     noted = (_noted(one, note) if isinstance(one, Unknown) else one for one in found.verdicts)
     return replace(found, verdicts=tuple(noted))
 

@@ -143,3 +143,10 @@ RANK_BINS: Final = 12  # of the picture of ranks [convention]
 IDLE_SHARE: Final = 0.1  # of a strike's size, that it must move links by to act at all [convention]
 SHARES_TOLD: Final = 9  # of struck links over the interval that working links leave, of which the
 # mean likelihood of sealed ones is taken: chance has few or many of them there [cost]
+
+# --- Links far off all others (far_links) ---------------------------------------------------------
+FAR_STD: Final = 5.0  # of the other links' offsets, from which on a link is far off [convention]
+FAR_M: Final = 0.1  # and at least so far [convention]
+FAR_SHARE: Final = 0.45  # of the links: of half of them none are the exceptions [convention]
+FAR_LIST: Final = 5  # that are listed [convention]
+LONG_SHARE: Final = 0.8  # of them read long: nothing in a way makes a range shorter [physics]

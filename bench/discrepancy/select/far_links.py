@@ -1,0 +1,74 @@
+"""Links whose ranges lie far off those of all others: who stood in the way, no column may know.
+
+Walls and bodies that a table does not list strike links at random, and a model that reads the table
+cannot say which. The recordings can: a link keeps its offset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.view import Added
+from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.settings import FAR_LIST, FAR_M, FAR_SHARE, FAR_STD, LONG_SHARE
+from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.stepwise import versions
+from bench.discrepancy.settings import MAD_TO_STD
+from bench.physics.units import Floats
+
+
+@dataclass(frozen=True)
+class FarLinks:
+    """Offsets [L] of links in metres; `far` [k] numbers those far off the others, worst first."""
+
+    offset_m: Floats
+    far: NDArray[np.intp]
+
+    @property
+    def calm_m(self) -> float:
+        """The median offset of all links: of most of them nothing is far off."""
+        return float(np.median(self.offset_m))
+
+    @property
+    def long(self) -> bool:
+        """Whether far links are told as a rule by ranges that are too long, as obstacles make."""
+        beyond = self.offset_m[self.far] > self.calm_m
+        return len(self.far) > 1 and float(beyond.mean()) >= LONG_SHARE
+
+    def worst(self, names: NDArray[Any]) -> str:
+        """Return the worst of them with their offsets; `names` [L] are those of all links."""
+        return ", ".join(
+            f"{names[one]} ({self.offset_m[one]:+.2f} m)" for one in self.far[:FAR_LIST]
+        )
+
+
+def far_links(offset_m: Floats) -> FarLinks:
+    """Return which links' mean residuals [L] are far off the others: none where too many are."""
+    aside = np.abs(offset_m - np.median(offset_m))
+    scale = MAD_TO_STD * float(np.median(aside))
+    far = np.flatnonzero(aside > max(FAR_M, FAR_STD * scale))
+    kept = far if len(far) <= FAR_SHARE * len(offset_m) else far[:0]
+    return FarLinks(offset_m, kept[np.argsort(-aside[kept])])
+
+
+def links_in_the_way(search: Search, added: Added) -> str:
+    """Return which links read far longer than the others beside some effects, "" for none."""
+    rows = search.both
+    made = versions(search.comparison, rows, added)
+    if RANGE not in made.names:
+        return ""
+    left, codes = made.residual_of(RANGE), np.unique(rows.links, return_inverse=True)[1]
+    offset_m = np.bincount(codes, np.nan_to_num(left)) / np.bincount(codes)
+    found = far_links(offset_m)
+    if not found.long:
+        return ""
+    names = rows.frame["link"].astype(str).to_numpy()
+    return (
+        f"{len(found.far)} of {len(offset_m)} links read far longer than the others "
+        f"({found.calm_m:+.2f} m): {found.worst(names[np.unique(codes, return_index=True)[1]])}; "
+        "if something stands in their way, list it (`obstacles`, `los`)"
+    )
