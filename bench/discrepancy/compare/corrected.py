@@ -1,7 +1,7 @@
 """How much every simulated link has in what stands for a recorded one, corrections with it.
 
 A recorded link is compared with the mean of similar simulated ones, from which it is taken off what
-observables walk over the distance and over kinds of links. Both are told by all simulated links:
+observables walk over distance, kinds of links and headings. All are told by all simulated links:
 what these are off by chance is in all recorded links that are corrected alike.
 """
 
@@ -21,29 +21,38 @@ def moved(shares: Floats, ours: Sequence[Floats], theirs: Sequence[Floats]) -> F
     """Return how far what stands for links `ours` is moved [L, q], in what walks and kinds do.
 
     `shares` [L, K] are those of simulated links `theirs` in the mean of similar ones. Of both: what
-    a walk over the distance is made of [L, 2], then by layer which kind links are of [L, c].
+    a walk over the distance is made of [L, 2], then by layer which kind links are of [L, c], last
+    the waves of their headings [L, w].
     """
     parts = [here - shares @ there for here, there in zip(ours, theirs, strict=True)]
     return np.hstack(parts)
 
 
-def told_by(theirs: Sequence[Floats], walk: Walk, of: Sequence[OfKinds]) -> Floats:
-    """Return the weights [q, K] of simulated links in what a walk and kinds do (see `moved`).
+def told_by(theirs: Sequence[Floats], walk: Walk, of: Sequence[OfKinds], headed: float) -> Floats:
+    """Return the weights [q, K] of simulated links in what a walk, kinds and headings do.
 
-    What is told in part is off by as much of its variance (a random effect).
+    See `moved`. What is told in part is off by as much of its variance (a random effect); of what
+    headings do the part `headed` is.
     """
     parts = [_walked(theirs, walk)]
-    for there, kinds in zip(theirs[1:], of, strict=True):
+    for there, kinds in zip(theirs[1:-1], of, strict=True):
         told = np.sqrt(np.where(np.isfinite(kinds.step), kinds.told, 0.0))
         mean = told[:, None] * (there / np.maximum(there.sum(axis=0), 1)).T
-        before = zip(theirs, parts, strict=False)
-        parts.append(mean - sum((mean @ one) @ part for one, part in before))
+        parts.append(_beside(mean, theirs, parts))
+    turning = theirs[-1] - theirs[-1].mean(axis=0)
+    parts.append(_beside(np.sqrt(headed) * np.linalg.pinv(turning), theirs, parts))
     return np.vstack(parts)
+
+
+def _beside(weights: Floats, theirs: Sequence[Floats], parts: Sequence[Floats]) -> Floats:
+    """Return weights of links in one correction of what those before it leave."""
+    before = zip(theirs, parts, strict=False)
+    return np.asarray(weights - sum((weights @ one) @ part for one, part in before))
 
 
 def _walked(theirs: Sequence[Floats], walk: Walk) -> Floats:
     """Return the weights [2, K] of simulated links in a walk, told within their last kinds."""
-    of_kind = theirs[-1]
+    of_kind = theirs[-2]
     mean = (of_kind / np.maximum(of_kind.sum(axis=0), 1)).T
     inside = theirs[0] - of_kind @ (mean @ theirs[0])
     tilt = float(inside[:, 0] @ inside[:, 1]) / max(float(inside[:, 0] @ inside[:, 0]), 1e-30)
@@ -52,13 +61,17 @@ def _walked(theirs: Sequence[Floats], walk: Walk) -> Floats:
     return np.asarray(apart @ (told * np.linalg.pinv(inside @ apart)))
 
 
-def places(range_m: Floats, links: Rows, layers: Sequence[tuple[Rows, int]]) -> list[Floats]:
-    """Return what says where `links` [n] are, in the order of their numbers (see `weights`).
+def places(
+    range_m: Floats, links: Rows, layers: Sequence[tuple[Rows, int]], headings: Floats
+) -> list[Floats]:
+    """Return what says where `links` [n] are, in the order of their numbers (see `told_by`).
 
-    `layers`: the kind of every row [n], and how many there are.
+    `layers`: the kind of every row [n], and how many there are; `headings` [n, w]: their waves.
     """
     decades = np.log10(np.where(range_m > 0, range_m, 1.0))
     code = of_links(links, links)[0]
     far = np.bincount(code, decades) / np.bincount(code)
     kinds = [of_links(links, kind)[1][:, None] == np.arange(many) for kind, many in layers]
-    return [np.stack([far, far**2], axis=1), *(one.astype(np.float64) for one in kinds)]
+    waves = [np.bincount(code, one) / np.bincount(code) for one in headings.T]
+    turned = np.stack(waves, axis=1) if waves else np.zeros((len(far), 0))
+    return [np.stack([far, far**2], axis=1), *(one.astype(np.float64) for one in kinds), turned]

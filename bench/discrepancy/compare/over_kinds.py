@@ -69,6 +69,14 @@ class OverKinds:
                 made[:, at] = self._change(self.names.index(name), pick)
         return made
 
+    def steps(self, which: int) -> Floats:
+        """Return how far the kind of every simulated row is off all others [k], in one observable.
+
+        Of all layers together; nothing where that is unknown.
+        """
+        every = (np.nan_to_num(one.kinds[which].step[one.theirs]) for one in self.layers)
+        return np.asarray(np.sum(list(every), axis=0), np.float64)
+
     def _change(self, which: int, pick: Rows) -> Floats:
         """Return by how much one observable [n] changes, its scatter about its kind with it."""
         made = np.zeros(len(pick))

@@ -64,13 +64,18 @@ def reuse(comparison: Comparison, view: View) -> Reused | None:
     for pick in versions:
         np.add.at(uses, (code, comparison.links[pick]), 1.0)
     shares = uses / (np.bincount(code)[:, None] * len(versions))
-    walks, over = comparison.over(view)
-    ours = [(one.ours, len(one.kinds[0].step)) for one in over.layers]
-    theirs = [(one.theirs, len(one.kinds[0].step)) for one in over.layers]
-    here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours)
-    there = places(comparison.true_range_m, comparison.links, theirs)
-    every = zip(over.names, zip(*(one.kinds for one in over.layers), strict=True), strict=True)
-    by = {name: told_by(there, walks[name], kinds) for name, kinds in every}
+    over = comparison.over(view)
+    layers, heading = over.kinds.layers, over.heading
+    ours = [(one.ours, len(one.kinds[0].step)) for one in layers]
+    theirs = [(one.theirs, len(one.kinds[0].step)) for one in layers]
+    here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours, heading.ours)
+    there = places(comparison.true_range_m, comparison.links, theirs, heading.theirs)
+    kinds = zip(*(one.kinds for one in layers), strict=True)
+    every = zip(over.kinds.names, kinds, strict=True)
+    by = {
+        name: told_by(there, over.walks[name], of, heading.told.get(name, 0.0))
+        for name, of in every
+    }
     return Reused(shares, moved(shares, here, there), by)
 
 

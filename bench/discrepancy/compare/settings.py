@@ -14,6 +14,12 @@ WALK_CLIP: Final = 4.5  # median distances of links from a walk, that one counts
 KIND_FREEDOM: Final = 4.0  # links of a kind, that how all kinds scatter counts as, beside its own:
 # of two or three a variance says next to nothing [convention]
 LEAST_VARIANCE: Final = 1e-30  # keeps kinds that scatter by nothing comparable [derived]
+HEADING_WAVES: Final = 2  # of an observable over headings: a lobe to one side, and to both
+# [convention]
+HEADING_SECTORS: Final = 12  # of rows of one link that head alike [convention]
+HEADING_LINKS: Final = 16  # at least, to tell what headings do [convention]
+HEADING_P: Final = 1e-3  # that headings do nothing, below which what they do is taken off: what is
+# not plain would but add to the scatter [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]

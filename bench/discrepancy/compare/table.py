@@ -23,8 +23,7 @@ from bench.discrepancy.compare.matching import (
     link_means,
     same_links,
 )
-from bench.discrepancy.compare.over_distance import Walk, nearer, walks
-from bench.discrepancy.compare.over_kinds import OverKinds, over_kinds
+from bench.discrepancy.compare.over import Over, found_over
 from bench.discrepancy.compare.settings import (
     LEAST_STD,
     MIX_DIGITS,
@@ -34,10 +33,8 @@ from bench.discrepancy.compare.settings import (
 )
 from bench.discrepancy.compare.shared import (
     NUMBERS,
-    alike,
     far_apart,
     in_reach,
-    kinds,
     no_overlap,
     shared,
     shared_with_categories,
@@ -300,12 +297,9 @@ class TableComparison:
         return np.asarray(inside)
 
     def _nearer(self, seen: Observables, view: View, pick: Rows, but: str = "") -> Floats:
-        """Return by how much observables [n, p], all `but` one, change from their range to ours."""
+        """Return by how much observables [n, p], all `but` one, change from their place to ours."""
         ours = np.asarray(view.scene.true_range_m, np.float64)
-        over = {name: walk for name, walk in self.over(view)[0].items() if name != but}
-        walked = nearer(seen.names, over, ours, self.true_range_m[pick])
-        stepped = self.over(view)[1].change(seen.names, pick)
-        return walked + stepped * [name != but for name in seen.names]
+        return self.over(view).change(seen.names, ours, pick, but)
 
     def _error_m(self, view: View, pick: Rows) -> Floats:
         """Return errors [n] of matched rows at our distances, before effects (rounding) act."""
@@ -318,20 +312,18 @@ class TableComparison:
         """The true ranges of the simulated rows, NaN where unknown."""
         return numeric(self.frame, "true_range_m")
 
-    def over(self, view: View) -> tuple[dict[str, Walk], OverKinds]:
-        """Return what simulated observables do over the distance, and over kinds; remembered."""
+    def over(self, view: View) -> Over:
+        """Return what simulated observables do over distance, kinds and headings; remembered."""
 
-        def found() -> tuple[dict[str, Walk], OverKinds]:
-            known, codes = kinds(view.frame, self.frame), alike(view.frame, self.frame)
-            rows = self.true_range_m, self.links
-            over = walks(self.observed, *rows, known)
-            return over, over_kinds(self.observed, over, *rows, codes)
+        def found() -> Over:
+            rows = self.observed, self.true_range_m, self.links
+            return found_over(view.frame, self.frame, *rows)
 
-        return self._walks.get(view.number, found)
+        return self._overs.get(view.number, found)
 
     @cached_property
-    def _walks(self) -> Memory[tuple[dict[str, Walk], OverKinds]]:
-        """What observables do over distance and kinds, as views know kinds of links."""
+    def _overs(self) -> Memory[Over]:
+        """What observables do over distance, kinds and headings, as views know these."""
         return Memory(KEPT_MATCHES)
 
     def mix(self, view: View) -> dict[str, tuple[float, float]]:
