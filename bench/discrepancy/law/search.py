@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
+from scipy.stats import t as student
 
 from bench.discrepancy.law.between import told_from_delays
 from bench.discrepancy.law.curve import best_curve
@@ -20,6 +22,7 @@ from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.rounding import roundings
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import (
+    LAW_ACTS_M,
     LAW_DRAWS,
     LAW_FEWEST_ROWS,
     LAW_NATS,
@@ -176,17 +179,31 @@ def _distinct(best: Candidate, tied: list[Candidate]) -> tuple[Candidate, ...]:
 
 
 def intervals(given: Material, best: Candidate, seed: int) -> tuple[LawConstant, ...]:
-    """Return the constants with 90 % intervals from links drawn again."""
+    """Return the constants with 90 % intervals from links drawn again.
+
+    Few links drawn again scatter less than other links would: by the degrees of freedom of those in
+    which the law acts, and by Student's t (Imbens and Kolesar 2016).
+    """
     drawn = _drawn(given, best.structure, seed)
-    out = []
+    wider, out = _wider(given, best), []
     for name, value, unit in best.fitted.constants:
         found = np.array([draw[name] for draw in drawn])
         if name == "phase":  # goes round: beside its value
             found = value + np.angle(np.exp(1j * (found - value)))
         tails = (50 - 50 * INTERVAL_LEVEL, 50 + 50 * INTERVAL_LEVEL)
-        low, high = _to_rows(given, best.structure, name, *np.percentile(found, tails))
+        ends = value + wider * (np.percentile(found, tails) - value)
+        low, high = _to_rows(given, best.structure, name, *ends)
         out.append(LawConstant(name, value, min(float(low), value), max(float(high), value), unit))
     return tuple(out)
+
+
+def _wider(given: Material, best: Candidate) -> float:
+    """Return how many times as wide intervals are as those of links drawn again."""
+    shift_m = best.structure.shift_m(given, best.fitted.constants)
+    links = len(np.unique(given.links[np.abs(np.nan_to_num(shift_m)) > LAW_ACTS_M]))
+    free = max(links - best.structure.free, 2)
+    level = 0.5 + INTERVAL_LEVEL / 2
+    return float(np.sqrt(max(links, free) / free) * student.ppf(level, free) / ndtri(level))
 
 
 def _to_rows(

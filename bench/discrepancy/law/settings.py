@@ -59,6 +59,7 @@ LAW_OWN_RATE: Final = 1e-4  # of the true range, that one device is off by: five
 LAW_EVERY_RATE: Final = 0.05  # the same of all devices: the bound of `range-scale` [derived]
 LAW_LATTICE: Final = (0.002, 1.0)  # m: steps of a rounding that is looked for [convention]
 LAW_ON_LATTICE: Final = (0.02, 0.98)  # of a step, and of the rows, to be on a lattice [convention]
+LAW_ACTS_M: Final = 1e-9  # of range, from which on a law acts on a row [derived]
 LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [derived]
 LAW_ONE_STEP: Final = 1.5  # times the smallest gap: wider ones are two steps [derived]
 LAW_FLOOR_M: Final = 0.006  # that true ranges are off distances of places, in whole cm [derived]
