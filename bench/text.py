@@ -10,6 +10,8 @@ _STRANGE = re.compile(
     r"\ud800-\udfff]"  # halves of surrogate pairs: bytes that are no text
 )
 
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")
+
 
 def plain(text: str) -> str:
     r"""Return text in which control characters stand as visible escapes; line ends and tabs stay.
@@ -43,6 +45,15 @@ def named(name: object) -> str:
 def unmarked(text: str) -> str:
     """Return one line that a picture shows as it is: no dollar of it begins a formula."""
     return one_line(text).replace("$", r"\$")
+
+
+def unlinked(text: str) -> str:
+    r"""Return a line of Markdown in which no name begins a tag of HTML, or a link.
+
+    >>> unlinked("of **<b>[x](http://y)**")
+    'of **&lt;b>[x]\\(http://y)**'
+    """
+    return _TAG.sub("&lt;", text).replace("](", "]\\(")
 
 
 def reason(problem: BaseException) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ from bench.discrepancy.select.verdict import (
 from bench.files import write_atomically
 from bench.physics.effect import Effect
 from bench.physics.toml_file import to_toml
-from bench.text import named, plain
+from bench.text import named, plain, unlinked
 
 PLACES = (
     "Antennas move under one link name: {} links were cut into {} places of 1 m, the unit that is "
@@ -114,12 +115,18 @@ def markdown(diagnosis: Diagnosis, figures: list[tuple[str, str]]) -> str:
     lines += [part for line in nameless_lines(diagnosis) for part in (line, "")]
     lines += [*left, ""] if (left := left_lines(diagnosis)) else []
     lines += _confirm_lines(diagnosis) + _mix_lines(diagnosis) + _search_lines(diagnosis)
-    lines += ["## Pictures", ""]
-    for name, caption in figures:
-        lines += [f"![{caption}]({name})", f"*{caption}.*", ""]
-    lines += value_table(diagnosis.selection.verdicts, diagnosis.simulator is not None)
-    lines += _method_lines(diagnosis)
-    return "\n".join(map(named, lines)) + "\n"  # names of devices may hold line ends
+    pictures = [f"![{caption}]({name})\n*{caption}.*\n" for name, caption in figures]
+    more = value_table(diagnosis.selection.verdicts, diagnosis.simulator is not None)
+    more += _method_lines(diagnosis)
+    return "\n".join([*_safe(lines), "## Pictures", "", *pictures, *_safe(more)]) + "\n"
+
+
+def _safe(lines: Iterable[str]) -> list[str]:
+    """Return lines in which names of devices, which may hold anything, begin nothing of their own.
+
+    Neither a line, nor a tag, nor a link.
+    """
+    return [unlinked(named(line)) for line in lines]
 
 
 def _base_line(diagnosis: Diagnosis) -> str:
