@@ -12,7 +12,7 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
-FAMILIES = ("observatory", "baths", "circus")
+FAMILIES = ("observatory", "baths", "circus", "velodrome")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -38,6 +38,7 @@ OWN = {
     "observatory": "red-lamps-warm-their-sconces",
     "baths": "pumps-shake-their-arches",
     "circus": "gusts-rack-their-poles",
+    "velodrome": "riders-pressed-down-in-bends",
 }
 ALIKE = [
     (family, name)
@@ -97,6 +98,10 @@ OWN_PARTS = {
         "blocks-read-by-columns": (0.1, 0.6), "odd-ones-left-as-not-foretold": (0.1, 0.6),
         "tape-wows-in-late-part": (0.1, 0.6),
     },
+    "velodrome": {
+        "odd-samples-of-the-frame-before": (0.1, 0.6), "tops-shaved-that-are-narrow": (0.1, 0.6),
+        "pen-has-play-in-late-part": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -131,6 +136,11 @@ FAULTS = {
     "circus": (
         "trapezes-ropes-give", "wire-dips-under-walkers", "gusts-rack-their-poles",
         "poles-bow-under-canvas", "smoke-under-lamps", "pole-struck-by-a-lorry",
+    ),
+    "velodrome": (
+        "riders-pressed-down-in-bends", "boards-flatter-than-drawn", "fog-that-fans-thin",
+        "ignition-pulls-dernies-tags", "stations-chained-along-another-line",
+        "post-struck-by-a-bicycle",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -23,6 +23,7 @@ from bench.challenge.families import (
     roundhouse_recorder,
     saltworks_gauge,
     sawmill_decoder,
+    velodrome_camera,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
 
@@ -42,6 +43,7 @@ OF_ITS_OWN = {
     "observatory": {"sort", "arm", "into_s"},
     "baths": {"beat", "wears", "into_s"},
     "circus": {"throw", "girth", "into_s"},
+    "velodrome": {"lane", "pedal", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -66,6 +68,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (observatory_plate.sky, observatory_plate.OF_SIZES, -0.2),
         (baths_probe.gurgle, baths_probe.OF_SIZES, -0.2),
         (circus_lamp.applause, circus_lamp.OF_SIZES, -0.2),
+        (velodrome_camera.humming, velodrome_camera.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -95,6 +98,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (observatory_plate.stars, observatory_plate.exposed_later, 0.02),
         (baths_probe.ripples, baths_probe.held_under, 0.02),
         (circus_lamp.flashes, circus_lamp.encored, 0.02),
+        (velodrome_camera.bulges, velodrome_camera.dropped_back, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
