@@ -14,6 +14,7 @@ from bench.discrepancy.compare.shared import unseen
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison
 from bench.discrepancy.data.columns import WAVES, known_columns, numeric
+from bench.discrepancy.data.gaps import with_temperatures
 from bench.discrepancy.data.nominal_noise import nominal_noise
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.data.own_link import far_off_their_link
@@ -36,14 +37,14 @@ OTHER_END = {
 def beside(recorded: Recordings, simulated: Simulator | Recordings) -> Simulator | Recordings:
     """Return a simulated table as it stands beside the recorded one; a simulator as it is.
 
-    Its ends are named as there, and drives are cut into places.
+    Its ends are named as there, temperatures have no gaps, and drives are cut into places.
     """
     if not isinstance(simulated, Recordings):
         return simulated
     frame = simulated.frame
     if exchanged(recorded.frame, frame):
         frame = frame.rename(columns=OTHER_END)[list(frame)]
-    return replace(simulated, frame=cut_into_places(frame))
+    return replace(simulated, frame=cut_into_places(with_temperatures(frame)))
 
 
 def exchanged(recorded: pd.DataFrame, simulated: pd.DataFrame) -> bool:

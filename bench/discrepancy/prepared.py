@@ -16,6 +16,7 @@ from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.counterpart import beside, counted, covered
 from bench.discrepancy.data.checks import check_tables
 from bench.discrepancy.data.columns import hidden, text_instead, with_motion
+from bench.discrepancy.data.gaps import gap_words, with_temperatures
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
 from bench.discrepancy.diagnosis import Diagnosis, Options
@@ -95,7 +96,8 @@ def prepared(
     asked = decided(options, recorded, simulated)
     check_tables(recorded, simulated, bool(asked.waveform))
     numbers = counted(recorded, simulated, options.waveform is None)
-    frame = cut_into_places(whole := hidden(recorded.frame, asked.hide))
+    whole = hidden(recorded.frame, asked.hide)
+    frame = cut_into_places(with_temperatures(whole))
     measured = measured_columns(frame, asked.measured, asked.known)
     shown = replace(recorded, frame=with_motion(hidden(frame, measured)))
     against = _Against.of(shown, beside(recorded, simulated), asked)
@@ -109,7 +111,8 @@ def prepared(
     return Prepared(
         recorded.label, _name(simulated), against.comparison, against.base, rows, able, untried,
         {**skipped, **lacking, **text_instead(frame)}, measured,
-        (link_count(whole), link_count(frame)), numbers + against.said, 1 - float(inside.mean()),
+        (link_count(whole), link_count(frame)), (*numbers, *gap_words(whole), *against.said),
+        1 - float(inside.mean()),
     )  # fmt: skip
 
 

@@ -1,8 +1,8 @@
 """How much every simulated link has in what stands for a recorded one, corrections with it.
 
 A recorded link is compared with the mean of similar simulated ones, from which it is taken off what
-observables walk over distance, kinds of links and headings. All are told by all simulated links:
-what these are off by chance is in all recorded links that are corrected alike.
+observables walk over distance, kinds of links and what else is known, by
+all simulated links: what these are off by chance is in all recorded links that are corrected alike.
 """
 
 from __future__ import annotations
@@ -22,25 +22,29 @@ def moved(shares: Floats, ours: Sequence[Floats], theirs: Sequence[Floats]) -> F
 
     `shares` [L, K] are those of simulated links `theirs` in the mean of similar ones. Of both: what
     a walk over the distance is made of [L, 2], then by layer which kind links are of [L, c], last
-    the waves of their headings [L, w].
+    blocks of what else is known [L, w].
     """
     parts = [here - shares @ there for here, there in zip(ours, theirs, strict=True)]
     return np.hstack(parts)
 
 
-def told_by(theirs: Sequence[Floats], walk: Walk, of: Sequence[OfKinds], headed: float) -> Floats:
-    """Return the weights [q, K] of simulated links in what a walk, kinds and headings do.
+def told_by(
+    theirs: Sequence[Floats], walk: Walk, of: Sequence[OfKinds], known: Sequence[float]
+) -> Floats:
+    """Return the weights [q, K] of simulated links in what a walk, kinds and blocks do.
 
-    See `moved`. What is told in part is off by as much of its variance (a random effect); of what
-    headings do the part `headed` is.
+    See `moved`. What is told in part is off by as much of its variance (a random effect); `known`
+    are the parts of blocks.
     """
-    parts = [_walked(theirs, walk)]
-    for there, kinds in zip(theirs[1:-1], of, strict=True):
+    last = 1 + len(of)
+    parts = [_walked(theirs[0], theirs[last - 1], walk)]
+    for there, kinds in zip(theirs[1:last], of, strict=True):
         told = np.sqrt(np.where(np.isfinite(kinds.step), kinds.told, 0.0))
         mean = told[:, None] * (there / np.maximum(there.sum(axis=0), 1)).T
         parts.append(_beside(mean, theirs, parts))
-    turning = theirs[-1] - theirs[-1].mean(axis=0)
-    parts.append(_beside(np.sqrt(headed) * np.linalg.pinv(turning), theirs, parts))
+    for there, told_of in zip(theirs[last:], known, strict=True):
+        apart = np.linalg.pinv(there - there.mean(axis=0))
+        parts.append(_beside(np.sqrt(told_of) * apart, theirs, parts))
     return np.vstack(parts)
 
 
@@ -50,11 +54,10 @@ def _beside(weights: Floats, theirs: Sequence[Floats], parts: Sequence[Floats]) 
     return np.asarray(weights - sum((weights @ one) @ part for one, part in before))
 
 
-def _walked(theirs: Sequence[Floats], walk: Walk) -> Floats:
+def _walked(far: Floats, of_kind: Floats, walk: Walk) -> Floats:
     """Return the weights [2, K] of simulated links in a walk, told within their last kinds."""
-    of_kind = theirs[-2]
     mean = (of_kind / np.maximum(of_kind.sum(axis=0), 1)).T
-    inside = theirs[0] - of_kind @ (mean @ theirs[0])
+    inside = far - of_kind @ (mean @ far)
     tilt = float(inside[:, 0] @ inside[:, 1]) / max(float(inside[:, 0] @ inside[:, 0]), 1e-30)
     apart = np.array([[1.0, -tilt], [0.0, 1.0]])  # what the bend is beside the slope
     told = np.sqrt(walk.told)[:, None]
@@ -62,16 +65,18 @@ def _walked(theirs: Sequence[Floats], walk: Walk) -> Floats:
 
 
 def places(
-    range_m: Floats, links: Rows, layers: Sequence[tuple[Rows, int]], headings: Floats
+    range_m: Floats, links: Rows, layers: Sequence[tuple[Rows, int]], blocks: Sequence[Floats]
 ) -> list[Floats]:
     """Return what says where `links` [n] are, in the order of their numbers (see `told_by`).
 
-    `layers`: the kind of every row [n], and how many there are; `headings` [n, w]: their waves.
+    `layers`: the kind of every row [n], and how many there are; `blocks` [n, w]: all else.
     """
     decades = np.log10(np.where(range_m > 0, range_m, 1.0))
     code = of_links(links, links)[0]
     far = np.bincount(code, decades) / np.bincount(code)
     kinds = [of_links(links, kind)[1][:, None] == np.arange(many) for kind, many in layers]
-    waves = [np.bincount(code, one) / np.bincount(code) for one in headings.T]
-    turned = np.stack(waves, axis=1) if waves else np.zeros((len(far), 0))
-    return [np.stack([far, far**2], axis=1), *(one.astype(np.float64) for one in kinds), turned]
+    known = [
+        np.stack([np.bincount(code, one) / np.bincount(code) for one in block.T], axis=1)
+        for block in blocks
+    ]
+    return [np.stack([far, far**2], axis=1), *(one.astype(np.float64) for one in kinds), *known]

@@ -1,4 +1,4 @@
-"""What simulated observables do over distance, kinds of links and headings: taken off matched rows.
+"""What simulated observables do over all that is known of a row: taken off matched rows.
 
 Matching leaves a difference in each where the mixes differ; a regression on the simulated side
 takes it out (bias-corrected matching: Abadie and Imbens 2011).
@@ -7,14 +7,15 @@ takes it out (bias-corrected matching: Abadie and Imbens 2011).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.compare.known_blocks import known_blocks
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
-from bench.discrepancy.compare.over_heading import OverHeading, over_heading
 from bench.discrepancy.compare.over_kinds import OverKinds, over_kinds
+from bench.discrepancy.compare.over_known import OverKnown, over_known
 from bench.discrepancy.compare.shared import alike, kinds
 from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
@@ -23,18 +24,18 @@ from bench.physics.units import Floats
 
 @dataclass(frozen=True)
 class Over:
-    """What simulated rows `range_m` [k] far do over distance, by kinds, and over headings."""
+    """What simulated rows `range_m` [k] far do over distance, by kinds, and over what is known."""
 
     range_m: Floats
     walks: Mapping[str, Walk]
     kinds: OverKinds
-    heading: OverHeading
+    known: OverKnown
 
     def change(self, names: tuple[str, ...], ours_m: Floats, pick: Rows, but: str = "") -> Floats:
         """Return by how much observables [n, p], all `but` one, change from rows `pick` to ours."""
         over = {name: walk for name, walk in self.walks.items() if name != but}
         walked = nearer(names, over, ours_m, self.range_m[pick])
-        stepped = self.kinds.change(names, pick) + self.heading.change(names, pick)
+        stepped = self.kinds.change(names, pick) + self.known.change(names, pick)
         return walked + stepped * [name != but for name in names]
 
 
@@ -42,14 +43,14 @@ def found_over(
     recorded: pd.DataFrame, simulated: pd.DataFrame, observed: Observables, range_m: Floats,
     links: Rows,
 ) -> Over:  # fmt: skip
-    """Return what `observed` rows of `links` [k] do, and which kinds and headings ours have."""
+    """Return what `observed` rows of `links` [k] do, and what is known of recorded ones."""
     rows = range_m, links
     over = walks(observed, *rows, kinds(recorded, simulated))
     of_kinds = over_kinds(observed, over, *rows, alike(recorded, simulated))
     decades = np.log10(np.where(range_m > 0, range_m, 1.0))
     walked = {name: over.get(name, Walk(0.0)).at(decades) for name in observed.names}
-    left = {
-        name: observed.column(name) - walked[name] - of_kinds.steps(at)
-        for at, name in enumerate(observed.names)
-    }
-    return Over(range_m, over, of_kinds, over_heading(recorded, simulated, left, links))
+    steps = [of_kinds.steps(at) for at in range(len(observed.names))]
+    beside = np.stack([*walked.values()], axis=1) + np.stack(steps, axis=1)
+    left = replace(observed, values=observed.values - beside)
+    blocks = tuple(known_blocks(recorded, simulated))
+    return Over(range_m, over, of_kinds, over_known(left, links, blocks))

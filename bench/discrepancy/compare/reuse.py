@@ -65,16 +65,16 @@ def reuse(comparison: Comparison, view: View) -> Reused | None:
         np.add.at(uses, (code, comparison.links[pick]), 1.0)
     shares = uses / (np.bincount(code)[:, None] * len(versions))
     over = comparison.over(view)
-    layers, heading = over.kinds.layers, over.heading
+    layers, taken = over.kinds.layers, over.known.taken
     ours = [(one.ours, len(one.kinds[0].step)) for one in layers]
     theirs = [(one.theirs, len(one.kinds[0].step)) for one in layers]
-    here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours, heading.ours)
-    there = places(comparison.true_range_m, comparison.links, theirs, heading.theirs)
+    known = [[one.block.ours for one in taken], [one.block.theirs for one in taken]]
+    here = places(np.asarray(view.scene.true_range_m, np.float64), view.links, ours, known[0])
+    there = places(comparison.true_range_m, comparison.links, theirs, known[1])
     kinds = zip(*(one.kinds for one in layers), strict=True)
-    every = zip(over.kinds.names, kinds, strict=True)
     by = {
-        name: told_by(there, over.walks[name], of, heading.told.get(name, 0.0))
-        for name, of in every
+        name: told_by(there, over.walks[name], of, [float(t.told[at]) for t in taken])
+        for at, (name, of) in enumerate(zip(over.kinds.names, kinds, strict=True))
     }
     return Reused(shares, moved(shares, here, there), by)
 

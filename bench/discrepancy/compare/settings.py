@@ -16,10 +16,12 @@ KIND_FREEDOM: Final = 4.0  # links of a kind, that how all kinds scatter counts 
 LEAST_VARIANCE: Final = 1e-30  # keeps kinds that scatter by nothing comparable [derived]
 HEADING_WAVES: Final = 2  # of an observable over headings: a lobe to one side, and to both
 # [convention]
-HEADING_SECTORS: Final = 12  # of rows of one link that head alike [convention]
-HEADING_LINKS: Final = 16  # at least, to tell what headings do [convention]
-HEADING_P: Final = 1e-3  # that headings do nothing, below which what they do is taken off: what is
-# not plain would but add to the scatter [convention]
+PARTS: Final = 6  # of a number, that rows of one link are told apart by [convention]
+KNOWN_LINKS: Final = 16  # at least, to tell what devices, temperatures or headings do [convention]
+KNOWN_P: Final = 1e-3  # that they do nothing, below which what they do is taken off: what is not
+# plain would but add to the scatter [convention]
+KNOWN_PASSES: Final = 4  # over all of them, until each stands beside the others [cost]
+UNKNOWN_SHARE: Final = 0.1  # of rows without an observable, to tell what is done to it [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]

@@ -186,10 +186,17 @@ def _standardised(
 def _categories(
     recorded: pd.DataFrame, simulated: pd.DataFrame
 ) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
-    """Return the categories of both tables, as words: rooms, sight, devices, kinds of obstacles."""
+    """Return the categories that are known in every row of both tables, as words.
+
+    Rooms, sight, devices, kinds of obstacles.
+    """
     out: dict[str, tuple[NDArray[Any], NDArray[Any]]] = {}
     for name in CATEGORIES:
-        if name in recorded and name in simulated and recorded[name].nunique() <= MOST_CATEGORIES:
+        if (
+            _known(recorded, name)
+            and _known(simulated, name)
+            and recorded[name].nunique() <= MOST_CATEGORIES
+        ):
             out[name] = (
                 recorded[name].astype(str).to_numpy(),
                 simulated[name].astype(str).to_numpy(),
@@ -197,6 +204,11 @@ def _categories(
     if "obstacles" in recorded and "obstacles" in simulated:
         out["obstacles"] = _kinds(recorded["obstacles"]), _kinds(simulated["obstacles"])
     return out
+
+
+def _known(frame: pd.DataFrame, name: str) -> bool:
+    """Return whether a table has a category in every row."""
+    return name in frame and bool(frame[name].notna().all())
 
 
 def _more_of_a_kind(recorded: pd.DataFrame, simulated: pd.DataFrame) -> tuple[Floats, Floats]:

@@ -85,7 +85,12 @@ def _categories(column: str, values: pd.Series) -> dict[str, NDArray[np.bool_]]:
     if len(share) < 2 or len(share) > MOST_CATEGORIES:
         return {}
     common = share.index[share > RAREST_CATEGORY]
-    return {f"{column}={value}": np.asarray(values == value, bool) for value in common}
+    return {f"{column}={value}": _same(values, value) for value in common}
+
+
+def _same(values: pd.Series, value: object) -> NDArray[np.bool_]:
+    """Return which rows [n] have a value: none of those that are null, which may be any."""
+    return np.asarray((values == value).fillna(False), bool)
 
 
 def _obstacles(values: pd.Series) -> dict[str, NDArray[np.bool_]]:

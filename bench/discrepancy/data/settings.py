@@ -50,3 +50,10 @@ STUCK_ROWS: Final = 10  # of one range, to say that a receiver is stuck [convent
 MOST_NEGATIVE: Final = 0.05  # of the rows with a negative true range: more are no slips
 # [convention]
 STUCK_APART_M: Final = 2.0  # that true ranges differ by then: no rounding is so coarse [convention]
+
+# --- Gaps (gaps) ----------------------------------------------------------------------------------
+GAP_KNOWN: Final = (
+    0.5  # of the rows, whose temperature is known, to fill in the others [convention]
+)
+GAP_ERROR: Final = 0.5  # of its standard deviation, that a temperature may be off the mean of those
+# before and after, to be told by time [convention]

@@ -45,7 +45,7 @@ def struck_in_sight(search: Search, added: Added) -> str:
 
 def _words(rows: View, found: Strike) -> str:
     """Return what is to be said of struck links, "" where none of them is in sight."""
-    sight = rows.frame[SIGHT].eq(True).to_numpy()
+    sight = rows.frame[SIGHT].eq(True).fillna(False).to_numpy(bool)
     seen = np.intersect1d(found.struck, rows.links[sight])
     if not len(seen):
         return ""

@@ -116,8 +116,8 @@ def test_what_corrects_a_link_is_shared_by_all_that_it_corrects() -> None:
     """Three links behind metal stand for ten: what these are off by chance is in all ten."""
     kinds = np.array([*np.zeros(20, np.intp), 1, 1, 1])
     ours, many = np.ones(10, np.intp), 2
-    there = places(np.linspace(5, 20, 23), np.arange(23), [(kinds, many)], np.zeros((23, 0)))
-    here = places(np.linspace(8, 12, 10), np.arange(10), [(ours, many)], np.zeros((10, 0)))
+    there = places(np.linspace(5, 20, 23), np.arange(23), [(kinds, many)], ())
+    here = places(np.linspace(8, 12, 10), np.arange(10), [(ours, many)], ())
     shares = np.full((10, 23), 1 / 20) * (kinds == 0)
     none, one = np.ones(2), np.zeros(2)
     told, known = (OfKinds(one, part, none, np.zeros(23)) for part in (none, one))
@@ -133,13 +133,13 @@ def test_what_corrects_a_link_is_shared_by_all_that_it_corrects() -> None:
 def _reused(
     shares: Floats, here: list[Floats], there: list[Floats], walk: Walk, of: OfKinds
 ) -> Reused:
-    return Reused(shares, moved(shares, here, there), {RANGE: told_by(there, walk, [of], 0.0)})
+    return Reused(shares, moved(shares, here, there), {RANGE: told_by(there, walk, [of], ())})
 
 
 def test_a_walk_that_is_told_is_shared_by_links_that_are_nearer_than_all_that_tell_it() -> None:
     kinds, ours = np.zeros(20, np.intp), np.zeros(10, np.intp)
-    there = places(np.geomspace(5, 20, 20), np.arange(20), [(kinds, 1)], np.zeros((20, 0)))
-    here = places(np.full(10, 4.0), np.arange(10), [(ours, 1)], np.zeros((10, 0)))
+    there = places(np.geomspace(5, 20, 20), np.arange(20), [(kinds, 1)], ())
+    here = places(np.full(10, 4.0), np.arange(10), [(ours, 1)], ())
     shares, nothing = np.full((10, 20), 1 / 20), OfKinds(*np.zeros((3, 1)), np.zeros(20))
     told, untold = (
         _reused(shares, here, there, Walk(-20.0, 0.0, part), nothing)

@@ -1,0 +1,103 @@
+"""What a simulated table does over devices, clocks and headings is taken off where it is plain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bench
+from bench.discrepancy.compare.known_blocks import known_blocks
+from bench.discrepancy.compare.over_known import OverKnown, over_known
+from bench.discrepancy.data.observables import Observables
+from bench.physics.units import Floats
+
+LINKS, DELAYS_M = 70, np.array([0.0, 0.15, -0.1, 0.08, -0.12])
+Law = Callable[[pd.DataFrame], Floats]
+
+
+def lobe(frame: pd.DataFrame) -> Floats:
+    """Return what a body does that wears the tag, in metres [n]."""
+    return np.asarray(0.1 * (1 - np.cos(np.radians(frame["azimuth_deg"]))), np.float64)
+
+
+def delays(frame: pd.DataFrame) -> Floats:
+    """Return what anchors are late by, in metres [n]."""
+    return np.asarray(DELAYS_M[frame["rx"].str[1:].astype(int)], np.float64)
+
+
+def clocks(frame: pd.DataFrame) -> Floats:
+    """Return what anchors' clocks make of the reply time, in metres [n]."""
+    ppm = 10 * DELAYS_M[frame["rx"].str[1:].astype(int)]
+    return np.asarray(0.299792458 / 2 * ppm * 1000 * frame["reply_time_s"], np.float64)
+
+
+def drift(frame: pd.DataFrame) -> Floats:
+    """Return what the temperature does, in metres [n]."""
+    return np.asarray(0.008 * (frame["temperature_c"] - 25), np.float64)
+
+
+def nothing(frame: pd.DataFrame) -> Floats:
+    return np.zeros(len(frame))
+
+
+def table(seed: int, law: Law, links: int = LINKS) -> pd.DataFrame:
+    """Return ranges between tags and five anchors, off by a law; SIMULATED."""
+    rng = np.random.default_rng(seed)
+    rows = np.repeat(np.arange(links), 4)
+    frame = pd.DataFrame(
+        {"link": [f"{seed}-{n}" for n in rows], "true_range_m": rng.uniform(3, 18, links)[rows],
+         "azimuth_deg": rng.uniform(0, 360, links)[rows], "tx": [f"t{n % 7}" for n in rows],
+         "rx": np.array([f"a{n}" for n in range(5)])[rng.integers(0, 5, links)][rows],
+         "temperature_c": rng.uniform(10, 40, links)[rows],
+         "reply_time_s": rng.uniform(0.3e-3, 1.5e-3, links)[rows]}
+    )  # fmt: skip
+    noise_m = rng.normal(0, 0.03, len(rows))
+    return frame.assign(range_m=frame["true_range_m"] + law(frame) + noise_m)
+
+
+def errors(frame: pd.DataFrame) -> Floats:
+    return np.asarray(frame["range_m"] - frame["true_range_m"], np.float64)
+
+
+def found(ours: pd.DataFrame, theirs: pd.DataFrame) -> OverKnown:
+    """Return what is plain of the errors of a simulated table."""
+    seen = Observables(("error_m",), ("m",), errors(theirs)[:, None])
+    links = np.asarray(pd.factorize(theirs["link"])[0], np.intp)
+    return over_known(seen, links, tuple(known_blocks(ours, theirs)))
+
+
+@pytest.mark.parametrize("law", [lobe, delays, clocks, drift])
+def test_a_matched_row_is_made_one_of_ours(law: Law) -> None:
+    ours, theirs = table(1, law), table(2, law)
+    pick = np.random.default_rng(0).permutation(len(theirs))
+    apart = errors(theirs)[pick] - errors(ours)
+    left = apart + found(ours, theirs).change(("error_m",), pick)[:, 0]
+    assert np.std(left) < 0.065  # two scatters of 0.03 m, and what the fit is off
+    assert np.std(left) < 0.75 * np.std(apart)
+
+
+def test_what_nothing_plainly_does_is_left() -> None:
+    taken = [found(table(seed, nothing), table(seed + 1, nothing)).taken for seed in range(8)]
+    assert not any(taken)
+
+
+def test_a_heading_is_no_bearing() -> None:
+    ours = table(1, lobe).drop(columns="azimuth_deg")
+    assert not found(ours, table(2, lobe)).taken
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("law", [lobe, delays, drift])
+def test_what_both_tables_have_is_nothing_left_out(law: Law) -> None:
+    said = bench.diagnose(table(1, law), table(2, law))
+    assert not said.selection.names
+    assert said.law is None
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_what_recordings_alone_have_is_left_out() -> None:
+    assert "antenna-pattern" in bench.diagnose(table(1, lobe), table(2, nothing)).headline
+    assert "temperature-drift" in bench.diagnose(table(1, drift), table(2, nothing)).headline
