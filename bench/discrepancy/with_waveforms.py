@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from bench.discrepancy.data.columns import has_waveforms, hidden
 from bench.discrepancy.data.nominal_noise import untrue_logs
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.select.verdict import Unknown
 from bench.physics.simulator import Simulator
 from bench.recordings.table import CIR_COLUMNS, Recordings
 
@@ -51,6 +52,11 @@ def or_without(made: Diagnosis, without: Callable[[], Diagnosis]) -> Diagnosis:
 
 
 def _of_ranges_alone(found: Selection) -> bool:
-    """Return whether all that was found is of ranges, and without a name."""
+    """Return whether all that was found is of ranges, and without a name.
+
+    Ranges may also speak for a cause beyond doubt that no place shows, and no name came of it.
+    """
     seen = [finding for turn in found.rounds for finding in turn.located.findings]
-    return bool(seen) and not found.names and all(f.cell.observable == RANGE for f in seen)
+    beyond = any(isinstance(one, Unknown) and not one.cause for one in found.verdicts)
+    of_ranges = all(f.cell.observable == RANGE for f in seen)
+    return (bool(seen) or beyond) and not found.names and of_ranges

@@ -61,7 +61,7 @@ def _selected(state: State, journal: Journal) -> Selection:
     search, kept, safely = state.search, journal.kept, state.guard.safely
     located = _in_all_rows(search, journal, kept(locate_left)(search, (), 0, WAVES_SHARE))
     if not located.significant:
-        return _said(state.after(Round(located, None, None)), WaveChoice(), journal)
+        return _of_sure_ranges(state.after(Round(located, None, None)), journal)
     fault = safely("recorder", recorder_fault, "")(search)
     if fault:
         return spoilt(state.after(Round(located, None, None)), fault)
@@ -85,6 +85,14 @@ def _selected(state: State, journal: Journal) -> Selection:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
     state = safely("scatter", with_scatter, state)(state, journal, choice)
     return _said(_with_last(state, journal), choice, journal)
+
+
+def _of_sure_ranges(state: State, journal: Journal) -> Selection:
+    """Return what ranges speak for beyond doubt where no search found anything."""
+    sure = with_range_part(state, journal)
+    if sure.search.choice.mistaken:
+        return Selection((), (), (), mistaken=sure.search.choice.mistaken)
+    return _said(_with_last(sure, journal) if sure.added else sure, WaveChoice(), journal)
 
 
 def _spared(

@@ -20,6 +20,7 @@ from bench.discrepancy.compare.reuse import Reused, simulated_share
 from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.locate.row_scatter import about_links, of_links
@@ -28,7 +29,6 @@ from bench.discrepancy.settings import (
     LARGER_HERE,
     MOST_CLUSTERS,
     MOST_FINDINGS,
-    NULL_TAIL,
     PART_SHARE,
     PERMUTATIONS,
     PERMUTED_AT_ONCE,
@@ -136,8 +136,9 @@ def locate(
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
     narrow = [wider_only and c.moment in ("spread", "link", "rows") for c in cells] & (z < 0)
-    best = [i for i in np.argsort(-told) if p[i] <= alpha and not narrow[i]][:top]
-    wholes = _found_everywhere(cells, p, alpha)
+    chance = told_apart(p, null, z)
+    best = [i for i in np.argsort(-told) if chance[i] <= alpha and not narrow[i]][:top]
+    wholes = _found_everywhere(cells, chance, alpha)
     at = {
         i: _finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
         for i in {*best, *(wholes[i] for i in best if i in wholes)}
@@ -158,21 +159,8 @@ def locate(
         threshold,
         len(cells),
         small,
-        _beyond(null, float(np.abs(z).max())),
+        chance_beyond(null, float(np.abs(z).max())),
     )
-
-
-def _beyond(null: Floats, z: float) -> float:
-    """Return the chance of a maximum of `z` or more, of permuted maxima [permutations].
-
-    Some hundred permutations tell no chance below their number's inverse; maxima fall off
-    exponentially there, as those in their tail do (Knijnenburg et al., Bioinformatics 25, 2009).
-    """
-    start = float(np.quantile(null, 1 - NULL_TAIL))
-    over = float(np.mean(null[null > start] - start)) if (null > start).any() else 0.0
-    if z <= start or over <= 0:
-        return float((1 + (null >= z).sum()) / (1 + len(null)))
-    return float(NULL_TAIL * np.exp(-(z - start) / over))
 
 
 def _wider(

@@ -14,6 +14,7 @@ from bench.discrepancy.select.second_level import calmed
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.stepwise import struck_round
 from bench.discrepancy.sets import turn as sets
+from bench.discrepancy.sets.sure import beyond_doubt
 
 
 def last_round(state: State, located: Located, journal: Journal) -> State:
@@ -25,7 +26,7 @@ def last_round(state: State, located: Located, journal: Journal) -> State:
     then: what rounds ranges scatters by itself.
     """
     asked, news = (state, False) if state.added else sets.agreed(state, located, journal)
-    if news and sets.beyond_doubt(asked.search.choice):
+    if news and beyond_doubt(asked.search.choice):
         return asked
     beside = state.guard.safely("scatter beside", journal.kept(scatter_beside), None)
     last = beside(state.search, state.added, located)

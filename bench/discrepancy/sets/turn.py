@@ -14,7 +14,7 @@ from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import chosen, decided, judged_by_sets
 from bench.discrepancy.sets.install import installed, struck_instead
-from bench.discrepancy.sets.settings import SCATTER_NATS, SEEN_NATS
+from bench.discrepancy.sets.settings import SCATTER_NATS
 from bench.discrepancy.settings import SCATTER_MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.errors import BenchError
 
@@ -37,15 +37,6 @@ def agreed(state: State, located: Located, journal: Journal) -> tuple[State, boo
     if set(found.names) == {effect.physics for effect in state.added} & names:
         return state, False
     return _installed(state, beside, located, journal)
-
-
-def beyond_doubt(choice: Choice) -> bool:
-    """Return whether ranges speak for a name of a set so surely that no place need stand out.
-
-    A search looks at means over intervals of one number at a time. What goes up and down over two
-    of them, or by a product of two, moves none of these by much; an effect knows its own shape.
-    """
-    return max((choice.nats[one] for one in choice.names), default=0.0) >= SEEN_NATS
 
 
 def _working(state: State, names: frozenset[str]) -> State:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import pytest
@@ -12,6 +12,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.state import Round, Selection
+from bench.discrepancy.select.verdict import Unknown
 from bench.discrepancy.with_waveforms import ALONE, or_without
 
 
@@ -53,6 +54,12 @@ def test_a_law_of_ranges_by_themselves_is_said_where_waveforms_show_nothing() ->
     said = _or_without(Made(_found("error_m")), LAW)
     assert said.law == LAW.law
     assert said.counted == (ALONE,)
+
+
+def test_so_it_is_where_ranges_speak_for_something_that_no_place_shows() -> None:
+    unknown = Unknown((), Estimate(0.0, 0.0, 0.0, "m"))
+    asked = replace(_found(), verdicts=(unknown,))
+    assert _or_without(Made(asked), LAW).counted == (ALONE,)
 
 
 @pytest.mark.parametrize(

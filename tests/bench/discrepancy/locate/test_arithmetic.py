@@ -7,9 +7,9 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
+from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import (
-    _beyond,
     _clusters,
     _detectable,
     _effect_rows,
@@ -28,9 +28,16 @@ THREE = np.array([[9.0, 9.0, 9.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
 
 def test_the_tail_of_permuted_maxima_goes_on_beyond_the_farthest() -> None:
     null = np.random.default_rng(0).exponential(1.0, 4999)
-    assert _beyond(null, 1.0) == pytest.approx(np.exp(-1.0), rel=0.1)
-    assert np.log(_beyond(null, 12.0)) == pytest.approx(-12.0, rel=0.1)
-    assert _beyond(np.zeros(99), 3.0) == pytest.approx(0.01)
+    assert chance_beyond(null, 1.0) == pytest.approx(np.exp(-1.0), rel=0.1)
+    assert np.log(chance_beyond(null, 12.0)) == pytest.approx(-12.0, rel=0.1)
+    assert chance_beyond(np.zeros(99), 3.0) == pytest.approx(0.01)
+
+
+def test_what_lies_beyond_all_permutations_is_as_unlikely_as_their_tail_says() -> None:
+    null = np.random.default_rng(0).exponential(1.0, 499)
+    chance = told_apart(np.array([0.5, 0.002, 0.002]), null, np.array([0.7, -30.0, 2.0]))
+    assert chance[1] < 1e-6  # a level of 0.001 can be reached
+    assert (chance[0], chance[2]) == (0.5, 0.002)  # what permutations count stands
 
 
 def test_the_noise_behind_the_smallest_shift_is_that_of_sums_over_links() -> None:

@@ -21,6 +21,7 @@ from bench.discrepancy.select.flattened import whitening
 from bench.discrepancy.select.range_part import asked, chosen_beside, with_range_part
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import MERE, Choice
+from bench.discrepancy.settings import PATHS_ONLY_RICHER, RESIDUAL_MEMBERS
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.temperature import TemperatureDrift
@@ -104,6 +105,28 @@ def test_a_name_that_a_misplaced_device_took_the_place_of_is_kept_in_mind(
     monkeypatch.setattr(range_part, "chosen_beside", lambda *_: found)
     made = with_range_part(State(search, (), (turn,)), Journal())
     assert made.search.choice.tied == ("antenna-delay",)
+
+
+@pytest.mark.parametrize(("nats", "there"), [(17.0, True), (9.0, False)])
+def test_where_no_place_stands_out_only_a_name_beyond_doubt_is_there(
+    monkeypatch: pytest.MonkeyPatch, nats: float, there: bool
+) -> None:
+    search = search_of(0.15)[0]
+    search = replace(search, fit=replace(search.fit, waveform=True))
+    turn = Round(Located((), 0.5, 3.0, 4.0, 1, {}), None, None)
+    state, more = State(search, (), (turn,)), (TemperatureDrift(0.0),)
+    found = Choice(("temperature-drift",), nats={"temperature-drift": nats})
+    monkeypatch.setattr(range_part, "chosen_beside", lambda *_: found)
+    monkeypatch.setattr(range_part, "installed", lambda *_: (more, (turn,)))
+    monkeypatch.setattr(range_part, "loses", lambda *_: False)
+    monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
+    assert with_range_part(state, Journal()).added == (more if there else ())
+
+
+def test_of_a_table_ranges_have_as_many_versions_as_without_waveforms() -> None:
+    search = search_of(0.15)[1]
+    assert range_part._members(search, (PathLoss(),)) == RESIDUAL_MEMBERS
+    assert range_part._members(search, ()) == RESIDUAL_MEMBERS * PATHS_ONLY_RICHER
 
 
 @pytest.mark.parametrize("worse", [True, False])
