@@ -148,8 +148,8 @@ def _half_steps(magnitude: Floats) -> Floats:
 def _standing_out(level: Floats) -> tuple[Floats, Floats]:
     """Return by how many dB each place of levels [n, K] stands out of both neighbours, its error.
 
-    Above both, or below both; the ends never do. Below both as far as it is below the noise: between
-    two pulses, such as those of a ringing, the field is zero at one place, but noise stays there.
+    Above both, or below both; the ends never do. Below both as far as it is below the noise:
+    between two pulses, such as those of a ringing, the field is zero, but noise stays there.
     """
     left, right = (level[:, 1:-1] - level[:, at : level.shape[1] - 2 + at] for at in (0, 2))
     means = np.stack([left.mean(axis=0), right.mean(axis=0)])

@@ -122,7 +122,7 @@ class Quantisation(Effect):
 
 
 def coarse(cirs: pd.Series) -> bool:
-    """Return whether samples are rounded coarsely: many are equal, or the step is much of the noise.
+    """Return whether samples are rounded coarsely: many are equal, or the step is a part of noise.
 
     The weakest quarter of a row holds noise, or more than that.
     """
