@@ -130,7 +130,7 @@ def coarse(cirs: pd.Series) -> bool:
     if share >= EQUAL_MANY or share < EQUAL_SURE:
         return share >= EQUAL_MANY
     quiet = [float(np.percentile(np.abs(row), 25)) for row in _some(cirs)]
-    return grid_step(cirs) >= COARSE * float(np.median(quiet)) / QUARTER
+    return bool(grid_step(cirs) >= COARSE * float(np.median(quiet)) / QUARTER)
 
 
 def grid_step(cirs: pd.Series) -> float:
