@@ -8,7 +8,6 @@ Effects act on the table's rows: on range and receive level, and on the CIR wher
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -18,7 +17,12 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.as_simulated import AsReceived, AsSimulated
 from bench.discrepancy.compare.ensemble import Ensemble, stack
-from bench.discrepancy.compare.matching import by_link, by_neighbours, link_means, same_links
+from bench.discrepancy.compare.matching import (
+    by_link,
+    by_neighbours,
+    link_means,
+    same_links,
+)
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
 from bench.discrepancy.compare.over_kinds import OverKinds, over_kinds
 from bench.discrepancy.compare.settings import (
@@ -99,7 +103,11 @@ class TableComparison:
         count = min(view.rich * members, max(members, len(self.versions(view))))
         first, picks = view.rich * first, self._matches(view, count)
         if added and any(name.startswith("profile_db") for name in seen.names):
-            made = self.of_waveforms(view, picks, added, range(first, first + count))
+            numbers = range(first, first + count)
+            made = self.waveforms.changed(view, picks, added, numbers)
+            near = [self._nearer(one, view, p, RANGE) for one, p in zip(made, picks, strict=True)]
+            pairs = zip(made, near, strict=True)
+            made = [replace(one, values=one.values + more) for one, more in pairs]
             return stack(view.recorded, made, view.links)
         whole = any(e.last or e.first or e.own_curve for e in added)
         changes = (
@@ -112,14 +120,6 @@ class TableComparison:
             values = seen.values[pick] + self._nearer(seen, view, pick) + change
             replicas.append(Observables(seen.names, seen.units, values))
         return stack(view.recorded, replicas, view.links)
-
-    def of_waveforms(
-        self, view: View, picks: Sequence[Rows], added: Added, numbers: Sequence[int]
-    ) -> list[Observables]:
-        """Return versions with effects on their CIRs, moved to where the recorded rows are."""
-        made = self.waveforms.changed(view, picks, added, numbers)
-        near = [self._nearer(one, view, p, RANGE) for one, p in zip(made, picks, strict=True)]
-        return [replace(o, values=o.values + n) for o, n in zip(made, near, strict=True)]
 
     def outcome(self, view: View, added: Added, number: int) -> Outcome:
         """Return one matched version of recorded rows with its samples, with effects `added`."""

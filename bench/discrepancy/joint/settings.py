@@ -14,9 +14,6 @@ KNOWN_SHARE: Final = 0.5  # of the rows, that must know a statistic [convention]
 MEMBERS: Final = 4  # simulated versions that a set is judged by [cost]
 OTHERS: Final = 8  # further simulated versions, that stand in the recorded ones' place [cost]
 OTHERS_KEPT: Final = 4  # sets whose further versions are remembered (changes nothing but time)
-SIMILAR: Final = 2  # versions of similar links, that tell what effects change of how they differ:
-# the same ones with and without, so chance cancels [cost]
-APART_MOST: Final = 10.0  # times more or less that effects make similar links differ [convention]
 NOISE_LEAST: Final = 0.3  # squared standard deviations, that a squared deviation counts at least
 FLOOR: Final = {"dB": 0.15, "ns": 0.1, "counts": 0.15, "symbols": 0.15, "1": 0.15}
 # standard deviations that every statistic has at least: counts, symbols and kurtosis in decibels

@@ -25,7 +25,6 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.covariances import Covariances, shrunk
 from bench.discrepancy.joint.decades import decades
-from bench.discrepancy.joint.filled import filled, numbers
 from bench.discrepancy.joint.row_likelihood import rows_nats
 from bench.discrepancy.joint.settings import (
     DECIBELS,
@@ -38,7 +37,6 @@ from bench.discrepancy.joint.settings import (
     OTHERS,
     OTHERS_KEPT,
 )
-from bench.discrepancy.joint.similar import beyond_own, covariance_beyond, scaled
 from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
 from bench.physics.effects.propagation.antenna_pattern import waves
@@ -104,7 +102,6 @@ class Statistics:
         self.floor = np.array([FLOOR.get(units[name], 0.1) for name in self.names]) ** 2
         self._others: Memory[Floats] = Memory(OTHERS_KEPT)
         self.apart = np.zeros((len(self.names),) * 2)
-        self._apart_bare: Floats | None = None
         if repeated:
             self.apart = self._apart()
         self.crowding = 1.0 if self.apart.any() else comparison.crowding(rows) ** 2
@@ -126,7 +123,7 @@ class Statistics:
         """All numbers, waves of headings and groups known before, standardised, [L, q]."""
         every = self.rows.covariates
         known = (*every.numbers.values(), *waves(self.rows.scene))
-        numbers = [self.of_links(filled(one)[:, None])[:, 0] for one in known]
+        numbers = [self.of_links(_filled(one)[:, None])[:, 0] for one in known]
         groups = [
             self.of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
         ]
@@ -179,7 +176,6 @@ class Statistics:
         less = copy(self)
         less.names, less.floor = tuple(self.names[i] for i in keep), self.floor[keep]
         less.apart = self.apart[np.ix_(keep, keep)]
-        less._apart_bare = None if self._apart_bare is None else self._apart_bare[keep]
         less._kept, less._others = Memory(KEPT), Memory(OTHERS_KEPT)
         return less
 
@@ -203,7 +199,7 @@ class Statistics:
         """Return the statistics of the first simulated version [L, p], None where not all are."""
         if made is None or not set(self.names) <= set(made.names):
             return None
-        return self.of_links(np.nan_to_num(self.values(made)[1]))
+        return self.of_links(np.nan_to_num(self._values(made)[1]))
 
     def others(self, added: Added) -> Floats:
         """Return what links of further simulated versions leave [v, L, p] (see `others_rows`)."""
@@ -227,7 +223,7 @@ class Statistics:
         made = self._made(added, first + count) if count >= FEW_VERSIONS else None
         if made is None:
             return np.zeros((0, len(self.code), len(self.names)))
-        values = np.nan_to_num(self.values(made))
+        values = np.nan_to_num(self._values(made))
         return np.asarray(values[1 + first :] - values[1 : 1 + self.members].mean(axis=0))
 
     def _apart(self) -> Floats:
@@ -235,17 +231,11 @@ class Statistics:
         others, bare = self.others(()), self._made((), self.members)
         if not len(others) or bare is None:
             return self.apart
-        values = self.values(bare)
-        self._apart_bare = beyond_own(self, (), values)
-        plain = self._compared(values, self.apart).covariances
+        plain = self._compared(self._values(bare)).covariances
         usual = np.mean([plain[int(n)] for n in self.count], axis=0) - np.diag(self.floor)
-        return covariance_beyond(others, usual)
-
-    def _apart_with(self, added: Added, values: Floats) -> Floats:
-        """Return what similar links differ by [p, p] beside versions with effects [1 + m, n, p]."""
-        if not added or self._apart_bare is None:
-            return self.apart
-        return scaled(self.apart, self._apart_bare, beyond_own(self, added, values))
+        wide = np.einsum("vli,vlj->ij", others, others) / others[..., 0].size
+        sizes, ways = np.linalg.eigh(wide - usual)
+        return np.asarray((ways * np.maximum(sizes, 0)) @ ways.T)
 
     def _made(self, added: Added, members: int) -> Ensemble | None:
         try:
@@ -256,12 +246,9 @@ class Statistics:
 
     def _moments(self, added: Added, members: int) -> Moments | None:
         made = self._made(added, members)
-        if made is None:
-            return None
-        values = self.values(made)
-        return self._compared(values, self._apart_with(added, values))
+        return None if made is None else self._compared(self._values(made))
 
-    def values(self, made: Ensemble) -> Floats:
+    def _values(self, made: Ensemble) -> Floats:
         """Return the versions [1 + m, n, p] of the statistics of rows."""
         places = [made.place(name) for name in self.names]
         values = np.array(made.versions[:, :, places])
@@ -270,14 +257,14 @@ class Statistics:
                 values[..., column] = DECIBELS[name] * decades(values[..., column])
         return values
 
-    def _compared(self, values: Floats, apart: Floats) -> Moments:
+    def _compared(self, values: Floats) -> Moments:
         members = len(values) - 1
-        mean = numbers(values[1:]).mean(axis=0)
-        left = numbers(values[0] - mean)
-        own = numbers(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
+        mean = _numbers(values[1:]).mean(axis=0)
+        left = _numbers(values[0] - mean)
+        own = _numbers(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
         of_links = np.stack([self.of_links(one) for one in own])
         between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
-        scatter = np.maximum(np.diag(between + apart), 1e-9)
+        scatter = np.maximum(np.diag(between + self.apart), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
         alike = own**2 / np.maximum(np.diag(between), 1e-9)
         usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
@@ -286,7 +273,7 @@ class Statistics:
         return Moments(
             self.of_links(left),
             self.of_links(mean),
-            self._covariances(rows, between, members, apart),
+            self._covariances(rows, between, members),
             self.of_links(wide - usual),
             self._rows_left(left, about * np.sqrt(1 + 1 / members), rows),
             self.within(left, rows),
@@ -336,14 +323,26 @@ class Statistics:
         wide = shrunk(rows, few) * (1 + 1 / self.members) + np.diag(self.floor)
         return rows_nats(about, self.code, wide, uneven)
 
-    def _covariances(self, rows: Floats, means: Floats, members: int, apart: Floats) -> Covariances:
+    def _covariances(self, rows: Floats, between: Floats, members: int) -> Covariances:
         """Return the covariance of means over so many rows of a link, by their number."""
-        link = means - rows * float(np.mean(1 / self.count))
+        link = between - rows * float(np.mean(1 / self.count))
         share = min(len(self.names) / max(members * self.links, 1), 1.0)
         counts = tuple(int(n) for n in np.unique(self.count))
         wider = 1 + 1 / members
-        return Covariances(counts, link, rows, share, wider, apart, np.diag(self.floor))
+        return Covariances(counts, link, rows, share, wider, self.apart, np.diag(self.floor))
 
     def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
         return group_sums(values, self.code, self.links) / self.count[:, None]
+
+
+def _numbers(values: Floats) -> Floats:
+    """Return values, 0 where one is not known; mostly all are, which takes a tenth to see."""
+    return values if np.isfinite(values).all() else np.nan_to_num(values)
+
+
+def _filled(values: Floats) -> Floats:
+    """Return values with what is not known at the mean."""
+    known = np.isfinite(values)
+    middle = float(values[known].mean()) if known.any() else 0.0
+    return np.asarray(np.where(known, values, middle), np.float64)
