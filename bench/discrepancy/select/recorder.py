@@ -24,6 +24,7 @@ from bench.discrepancy.select.settings import (
     PULSE_SAMPLES,
     STUCK_DB,
     STUCK_PLACES,
+    STUCK_QUIET,
     STUCK_Z,
     UNITS_DB,
     VARIED_DB,
@@ -147,12 +148,15 @@ def _half_steps(magnitude: Floats) -> Floats:
 def _standing_out(level: Floats) -> tuple[Floats, Floats]:
     """Return by how many dB each place of levels [n, K] stands out of both neighbours, its error.
 
-    Above both, or below both; the ends never do.
+    Above both, or below both; the ends never do. Below both as far as it is below the noise:
+    between two pulses, such as those of a ringing, the field is zero, but noise stays there.
     """
     left, right = (level[:, 1:-1] - level[:, at : level.shape[1] - 2 + at] for at in (0, 2))
     means = np.stack([left.mean(axis=0), right.mean(axis=0)])
     errors = np.stack([left.std(axis=0), right.std(axis=0)]) / np.sqrt(len(level))
-    apart = np.maximum(means.min(axis=0), -means.max(axis=0))
+    usual = level.mean(axis=0)
+    under = np.percentile(usual, STUCK_QUIET) - usual[1:-1]
+    apart = np.maximum(means.min(axis=0), np.minimum(-means.max(axis=0), under))
     return np.pad(apart, 1), np.pad(errors.max(axis=0), 1, constant_values=1.0)
 
 

@@ -58,6 +58,8 @@ VARIED_DB: Final = 1.0  # that peaks vary by, at least, which were not [conventi
 STUCK_DB: Final = 6.0  # out of both neighbours: a pulse of 2 samples at half height is 3 [derived]
 STUCK_Z: Final = 8.0  # standard errors over rows [convention]
 STUCK_PLACES: Final = 3  # at least [convention]
+STUCK_QUIET: Final = 25.0  # percentile of the levels of places that is no more than noise: records
+# begin before the first path, and tails end [convention]
 PULSE_SAMPLES: Final = 6  # around the first path, where the pulse itself stands [derived]
 
 # --- A stuck bit of the ranges (select/range_word) ------------------------------------------------

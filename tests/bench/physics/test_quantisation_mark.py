@@ -48,6 +48,15 @@ def test_the_step_is_the_grids() -> None:
         assert Quantisation.by_mark(_table(1, magnitudes)) == ()
 
 
+def test_a_grid_is_coarse_by_its_step_over_the_noise_though_loud_samples_differ() -> None:
+    tail = 8 * np.sqrt(1e4 + np.arange(60))  # of signals, on the same grid
+    for noise, coarse in ((40.0, True), (90.0, False)):
+        table = _table(8, True, noise=noise)
+        table["cir"] = table["cir"].map(lambda row: np.append(row, tail))
+        assert equal_share(table["cir"]) < 0.5
+        assert bool(Quantisation.by_mark(table)) is coarse
+
+
 @pytest.mark.parametrize("magnitudes", [False, True])
 def test_a_coarse_step_is_the_grids_too(magnitudes: bool) -> None:
     forms = Quantisation.by_mark(_table(530, magnitudes, noise=150.0))

@@ -18,7 +18,11 @@ from bench.physics.units import Complexes, Floats
 
 EQUAL_ROWS = 100  # looked at
 MOST_COUNTS = 1024.0  # of a step: several times the noise of the loudest accumulators recorded
-EQUAL_MANY = 0.5  # of the samples: the step is a tenth of the noise or more [derived]
+EQUAL_MANY = 0.5  # of the samples: rounding is plain to see
+EQUAL_SURE = 0.25  # of the samples, which nothing but rounding makes equal on a coarse grid
+COARSE = 0.1  # of the noise, that the step of such a grid has: long records have more levels, of
+# which fewer are equal, and are rounded no less [convention]
+QUARTER = np.sqrt(-np.log(0.75))  # of noise of size 1, the lower quartile of magnitudes [derived]
 GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
 EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
 _QUANTILES = (np.arange(256) + 0.5) / 256  # of a noise whose rounding is worked out
@@ -66,7 +70,7 @@ class Quantisation(Effect):
     @classmethod
     def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:
         """Return the roundings whose grid recorded samples lie on, where many are equal."""
-        if "cir" not in frame or equal_share(frame["cir"]) < EQUAL_MANY:
+        if "cir" not in frame or not coarse(frame["cir"]):
             return ()
         step, beside = min(grid_step(frame["cir"]), MOST_COUNTS), beside_zero(frame["cir"])
         levels = [(0.0, 1.0)] if beside else [(0.0, 0.0), (1.0, 0.0)]  # no zero: nothing to drop
@@ -115,6 +119,18 @@ class Quantisation(Effect):
         else:
             steps = np.floor(size / self.step_counts + 0.5 - 0.5 * self.dropped)
         return np.asarray(steps.std(axis=1) * self.step_counts / size.std(axis=1))
+
+
+def coarse(cirs: pd.Series) -> bool:
+    """Return whether samples are rounded coarsely: many are equal, or the step is a part of noise.
+
+    The weakest quarter of a row holds noise, or more than that.
+    """
+    share = equal_share(cirs)
+    if share >= EQUAL_MANY or share < EQUAL_SURE:
+        return share >= EQUAL_MANY
+    quiet = [float(np.percentile(np.abs(row), 25)) for row in _some(cirs)]
+    return bool(grid_step(cirs) >= COARSE * float(np.median(quiet)) / QUARTER)
 
 
 def grid_step(cirs: pd.Series) -> float:

@@ -60,6 +60,17 @@ def test_stuck_samples_stand_out_in_every_row_above_or_below() -> None:
         assert "samples 45, 61, 77" in stuck(frame(cir))
 
 
+def test_where_waves_cancel_noise_stays_and_no_sample_is_stuck() -> None:
+    zeros = [45, 61, 77, 93]  # of the field, between echoes of a ringing
+    field = np.where((np.arange(SAMPLES) > FIRST) & (np.arange(SAMPLES) < 100), 1000.0, 0.0)
+    field[zeros] = 0.0
+    noise = np.random.default_rng(4).normal(0, 40, (2, ROWS, SAMPLES))
+    cir = np.abs(field + noise[0] + 1j * noise[1])
+    assert stuck(frame(cir)) == ""
+    cir[:, zeros] = 2.0  # where even noise is missing
+    assert "samples 45, 61, 77" in stuck(frame(cir))
+
+
 def test_samples_that_are_mostly_rounded_to_zero_do_not_stand_out() -> None:
     noise = np.random.default_rng(2).normal(0, 1, (2, 300, SAMPLES))
     noise *= np.where(np.arange(SAMPLES) % 2, 1.0, 0.5)  # a ripple of 6 dB
