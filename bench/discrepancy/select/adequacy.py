@@ -118,6 +118,8 @@ def adequacy(
         names = tuple(n for n in names if n != RANGE)
     if type(effect).by_rows and views[0].waveform:  # its shape hangs on rays within a pulse
         names = tuple(n for n in names if n in LEVELS)
+    if views[0].waveform and len(added) > 1:
+        names = by_itself(comparison, views, effect, names)
     if not names:
         return Adequacy(True)
     if type(effect).per_link and views[0].waveform and (words := row_by_row(whole, rest)):
@@ -131,6 +133,24 @@ def adequacy(
     if not found.adequate or not views[0].waveform:
         return found
     return brought(*parts, [(cell, place_weight(views, cell.place)) for cell in wanted])
+
+
+def by_itself(
+    comparison: Comparison, views: tuple[View, ...], effect: Effect, names: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return the names of what an effect changes where it is alone, and not through another.
+
+    A level control counts fewer symbols of strong signals, whatever made them strong: what is left
+    of the count is a matter of its curve, and no objection to what made levels so.
+    """
+    none, alone = (fresh_ensemble(comparison, views, one) for one in ((), (effect,)))
+    able = {*none.names} & {*alone.names}
+
+    def same(name: str) -> bool:
+        was, now = none.simulated_of(name), alone.simulated_of(name)
+        return np.array_equal(was, now, equal_nan=True)
+
+    return tuple(name for name in names if name not in able or not same(name))
 
 
 def row_by_row(whole: Ensemble, rest: Ensemble) -> str:

@@ -22,7 +22,7 @@ from bench.discrepancy.joint.polish import fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.untried import scatter_at_most, with_unlisted, with_untried
-from bench.discrepancy.select.adequacy import adequacy
+from bench.discrepancy.select.adequacy import adequacy, by_itself
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics.base import Base
@@ -36,6 +36,7 @@ from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
+from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -259,3 +260,13 @@ def test_what_levels_may_scatter_beyond_simulated_ones_is_bounded():
     assert extra < scatter_at_most(made, "rx_power_dbm") < 1.3 * extra
     single = Ensemble(made.names, made.units, made.versions, np.arange(240))
     assert scatter_at_most(single, "rx_power_dbm") == float("inf")
+
+
+def test_a_count_that_another_effect_turns_levels_into_is_no_matter_of_what_made_these():
+    comparison, rows = compared((FADED,))
+    frame = rows.frame.assign(preamble_count=1000.0)
+    again = view(frame, rows.links, np.arange(len(frame)), comparison.window)
+    control = LevelControl(compression=1.0, accumulation=0.8)
+    every, asked = ("preamble_count", "rx_power_dbm"), (comparison, (again,))
+    assert by_itself(*asked, control, every) == every
+    assert by_itself(*asked, SHADOWED, every) == every[1:]
