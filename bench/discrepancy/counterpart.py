@@ -69,7 +69,8 @@ def counted(
     Also why `waveforms` are, if they are asked for.
     """
     lines = [f"recorded: {_words(recorded)}"]
-    more = [_lone_rows(recorded.frame), _one_pair(recorded.frame), _negative(recorded.frame)]
+    seen = recorded.frame
+    more = [_copies(seen), _lone_rows(seen), _one_pair(seen), _negative(seen)]
     if isinstance(simulated, Recordings):
         lines.append(f"simulated: {_words(simulated)}")
         more.append(_exchanged(recorded.frame, simulated))
@@ -112,6 +113,17 @@ def _lone_rows(frame: pd.DataFrame) -> str:
         "every link has one row only: what rows of one run have in common (a lag, an offset of "
         "the link) cannot be told from scatter; give rows of one run one link"
     )
+
+
+def _copies(frame: pd.DataFrame) -> str:
+    """Return, in words, how many rows say at the same time the same as others, "" for none."""
+    if "time_s" not in frame:
+        return ""
+    plain = frame.select_dtypes(["number", "bool", "string"])
+    many = int(plain[plain["time_s"].notna()].duplicated().sum())
+    if not many:
+        return ""
+    return f"{many} recorded rows are copies of others, and count as rows of their own: drop them"
 
 
 def _negative(frame: pd.DataFrame) -> str:

@@ -22,8 +22,9 @@ PER_OBSTACLE, OF_THICKNESS = "excess_m[", ("thickness_scale", "delay_scale")
 def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
     """Return the parameters with their intervals; of a long list those farthest from zero.
 
-    Those that are not determined share the last line. Factors of a thickness that no table has
-    stand in the last table alone where metres per obstacle say the same.
+    Those that may be zero are counted, those that are not determined share the last line. Factors
+    of a thickness that no table has stand in the last table alone where metres per obstacle say
+    the same.
     """
     out, open_ones = [], []
     told = any(one.name.startswith(PER_OBSTACLE) for one in parameters)
@@ -32,12 +33,20 @@ def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
         values = list(group)
         long = len(values) > SHOWN_VALUES + 1
         first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
+        first = _told(first) if long else first
         first = [one for one in values if one in first]  # levels and angles stay in order
         out += [f"  - {one} (90 %)" for one in first if one.determined]
         open_ones += [one.name for one in first if not one.determined]
         out += [f"  - {_rest(name, values, first)}"] if long else []
     named = ", ".join(open_ones)
     return out + ([f"  - not determined by these recordings: {named}"] if open_ones else [])
+
+
+def _told(first: list[ParameterEstimate]) -> list[ParameterEstimate]:
+    """Return those of a long list that are told from zero, all where none is or it is a curve."""
+    if all(KNOT.search(one.name) for one in first):
+        return first
+    return [one for one in first if _distance(one) > 1] or first
 
 
 def _distance(one: ParameterEstimate) -> float:

@@ -49,7 +49,8 @@ class DeviceClock(Effect):
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
     signature = (
         "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged; only "
-        "differences between devices are seen: values are beside the median device's"
+        "differences between devices are seen: values are beside the median device's, and one "
+        "above zero makes ranges longer where the device is at tx"
     )
     needs = (("tx", "rx", "reply_time_s"),)
     control = "rows with zero reply time"

@@ -56,3 +56,12 @@ def test_a_sight_that_is_not_known_of_some_rows_is_no_category() -> None:
     ours, theirs = table(1), table(2)
     ours["los"] = pd.array([True, False, None] * 100, "boolean")
     assert not bench.diagnose(ours, theirs.assign(los=True, link=theirs["link"] + "s")).law
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_copies_of_rows_are_counted() -> None:
+    ours = table(1)
+    doubled = pd.concat([ours, ours.iloc[:12]]).sort_values("time_s", ignore_index=True)
+    assert any(
+        "12 recorded rows are copies" in line for line in bench.diagnose(doubled, table(2)).counted
+    )
