@@ -102,7 +102,8 @@ class NoMismatch:
 
     def __str__(self) -> str:
         seen = self.detectable.get("error_m")
-        found = f"p = {self.p:.2g}{', not enough by itself' * (self.p <= UNUSUAL_P)}"
+        shared = ", not enough, as several searches share 5 %" * (self.p <= UNUSUAL_P)
+        found = f"p = {self.p:.2g}{shared}"
         if seen is None:
             return f"no mismatch found ({found})"
         least = f"; a range shift of {seen:.2g} m would have been seen every second time"
