@@ -20,6 +20,7 @@ from bench.discrepancy.compare.settings import (
     KNOWN_LINKS,
     KNOWN_P,
     KNOWN_PASSES,
+    LEAST_SPREAD,
     LEAST_VARIANCE,
     UNKNOWN_SHARE,
     WALK_CLIP,
@@ -86,7 +87,8 @@ def _taken(values: Floats, links: Rows, block: Block) -> Taken | None:
     high, base = _means(_filled(values), code), _means(block.theirs, code)
     base = base - base.mean(axis=0)
     basis, spread, turn = np.linalg.svd(base, full_matrices=False)
-    basis = basis[:, kept := spread > 1e-9 * spread.max(initial=1e-30)]
+    kept = spread > LEAST_SPREAD * spread[0]
+    basis = basis[:, kept]
     high = _usual(high - high.mean(axis=0), basis)
     swing = basis.T @ high
     noise = ((high - basis @ swing) ** 2).sum(axis=0) / max(len(high) - len(swing) - 1, 1)

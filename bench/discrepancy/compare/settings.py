@@ -21,6 +21,7 @@ KNOWN_LINKS: Final = 16  # at least, to tell what devices, temperatures or headi
 KNOWN_P: Final = 1e-3  # that they do nothing, below which what they do is taken off: what is not
 # plain would but add to the scatter [convention]
 KNOWN_PASSES: Final = 4  # over all of them, until each stands beside the others [cost]
+LEAST_SPREAD: Final = 1e-9  # of the widest direction of columns: one below says nothing [derived]
 UNKNOWN_SHARE: Final = 0.1  # of rows without an observable, to tell what is done to it [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
