@@ -64,39 +64,61 @@ def over_known(observed: Observables, links: Rows, blocks: Sequence[Block]) -> O
     Over means of a link's rows that have about the same in a block, `links` [k]; each beside all
     others, again and again (backfitting): devices may have been warm, and warm ones late.
     """
-    left, taken = observed.values.copy(), [_nothing(one, observed) for one in blocks]
+    fits = [fit for fit in (_fit(block, links) for block in blocks) if fit]
+    left, many = observed.values.copy(), len(observed.names)
+    sizes = [np.zeros((fit.block.theirs.shape[1], many)) for fit in fits]
+    taken = [Taken(f.block, size, np.zeros(many)) for f, size in zip(fits, sizes, strict=True)]
     for _ in range(KNOWN_PASSES):
-        for at, block in enumerate(blocks):
-            beside = left + block.theirs @ taken[at].size
-            taken[at] = _taken(beside, links, block) or _nothing(block, observed)
-            left = beside - block.theirs @ taken[at].size
+        for at, fit in enumerate(fits):
+            beside = left + fit.block.theirs @ taken[at].size
+            taken[at] = fit.taken(beside)
+            left = beside - fit.block.theirs @ taken[at].size
     return OverKnown(observed.names, tuple(one for one in taken if one.told.any()))
 
 
-def _nothing(block: Block, observed: Observables) -> Taken:
-    many = len(observed.names)
-    return Taken(block, np.zeros((block.theirs.shape[1], many)), np.zeros(many))
+@dataclass(frozen=True)
+class _Fit:
+    """How a block is fitted to means over cells [c] of rows: those of a link that have its values.
+
+    `order` [k] puts rows of a cell together, `starts` [c] and `counts` [c] say where each begins
+    and how many it has. `basis` [c, w] are orthogonal columns, `back` [columns, w] leads from these
+    to the block's own. `free`: the degrees of freedom that so many links leave.
+    """
+
+    block: Block
+    order: Rows
+    starts: Rows
+    counts: Rows
+    basis: Floats
+    back: Floats
+    free: int
+
+    def taken(self, values: Floats) -> Taken:
+        """Return what the block does to values [k, p], as far as that is plain."""
+        high = _means(_filled(values), self.order, self.starts, self.counts)
+        high = _usual(high - high.mean(axis=0), self.basis)
+        swing, many = self.basis.T @ high, self.basis.shape[1]
+        noise = ((high - self.basis @ swing) ** 2).sum(axis=0) / max(len(high) - many - 1, 1)
+        ratio = (swing**2).sum(axis=0) / many / np.maximum(noise, LEAST_VARIANCE)
+        plain = variance_ratio.sf(ratio, many, self.free) < KNOWN_P
+        plain &= np.isfinite(values).mean(axis=0) > 1 - UNKNOWN_SHARE
+        told = np.where(plain, 1 - 1 / np.maximum(ratio, 1.0), 0.0)
+        return Taken(self.block, self.back @ swing * told, told)
 
 
-def _taken(values: Floats, links: Rows, block: Block) -> Taken | None:
-    """Return what a block does to values [k, p], as far as that is plain; None of few links."""
+def _fit(block: Block, links: Rows) -> _Fit | None:
+    """Return how a block is fitted to simulated rows of `links` [k]; None where links are few."""
     code = of_links(links * (1 + int(block.part.max())) + block.part, links)[0]
-    many, columns = len(np.unique(links)), np.linalg.matrix_rank(block.theirs)
-    if many < max(KNOWN_LINKS, 2 * (columns + 1)) or not columns:
+    order, counts = np.argsort(code, kind="stable"), np.bincount(code)
+    starts = np.cumsum(counts) - counts
+    base = _means(block.theirs, order, starts, counts)
+    basis, spread, turn = np.linalg.svd(base - base.mean(axis=0), full_matrices=False)
+    kept = spread > max(LEAST_SPREAD * float(spread[0]), LEAST_VARIANCE)
+    columns, many = int(kept.sum()), len(np.unique(links))
+    if not columns or many < max(KNOWN_LINKS, 2 * (columns + 1)):
         return None
-    high, base = _means(_filled(values), code), _means(block.theirs, code)
-    base = base - base.mean(axis=0)
-    basis, spread, turn = np.linalg.svd(base, full_matrices=False)
-    kept = spread > LEAST_SPREAD * spread[0]
-    basis = basis[:, kept]
-    high = _usual(high - high.mean(axis=0), basis)
-    swing = basis.T @ high
-    noise = ((high - basis @ swing) ** 2).sum(axis=0) / max(len(high) - len(swing) - 1, 1)
-    ratio = (swing**2).sum(axis=0) / len(swing) / np.maximum(noise, LEAST_VARIANCE)
-    plain = variance_ratio.sf(ratio, len(swing), many - len(swing) - 1) < KNOWN_P
-    plain &= np.isfinite(values).mean(axis=0) > 1 - UNKNOWN_SHARE
-    told = np.where(plain, 1 - 1 / np.maximum(ratio, 1.0), 0.0)
-    return Taken(block, (turn[kept].T / spread[kept]) @ swing * told, told)
+    back = turn[kept].T / spread[kept]
+    return _Fit(block, order, starts, counts, basis[:, kept], back, many - columns - 1)
 
 
 def _filled(values: Floats) -> Floats:
@@ -113,8 +135,6 @@ def _usual(high: Floats, basis: Floats) -> Floats:
     return np.asarray(fit + np.clip(high - fit, -most, most))
 
 
-def _means(values: Floats, code: Rows) -> Floats:
-    """Return means [c, p] of values [k, p] by code."""
-    sums = np.zeros((int(code.max()) + 1, values.shape[1]))
-    np.add.at(sums, code, values)
-    return np.asarray(sums / np.bincount(code)[:, None])
+def _means(values: Floats, order: Rows, starts: Rows, counts: Rows) -> Floats:
+    """Return means [c, p] of values [k, p] over cells (see `_Fit`)."""
+    return np.asarray(np.add.reduceat(values[order], starts, axis=0) / counts[:, None])
