@@ -1,8 +1,8 @@
 """How much every simulated link has in what stands for a recorded one, corrections with it.
 
 A recorded link is compared with the mean of similar simulated ones, from which it is taken off what
-observables walk over distance, kinds of links and what else is known, by
-all simulated links: what these are off by chance is in all recorded links that are corrected alike.
+observables walk over distance, kinds of links and what else is known. All simulated links tell
+this: what they are off by chance is in all recorded links that are corrected alike.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ import pandas as pd
 from bench.discrepancy.compare.settings import HEADING_WAVES, PARTS
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.split import Rows
-from bench.physics.effects.propagation.antenna_pattern import heading_rad
+from bench.physics.effects.propagation.antenna_pattern import harmonics, heading_rad
 from bench.physics.scene import scene
 from bench.physics.units import Floats
 
@@ -46,14 +46,8 @@ def known_blocks(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Iterator[Bl
         yield _of_number(*warm)
     headings = [_headings(frame) for frame in (recorded, simulated)]
     if _all_known(*headings) and (AZIMUTH in recorded) == (AZIMUTH in simulated):
-        ours, theirs = map(waves, headings)
+        ours, theirs = (np.stack(harmonics(one, HEADING_WAVES), axis=1) for one in headings)
         yield Block(ours, theirs, _parts(headings[1] % (2 * np.pi)))
-
-
-def waves(heading: Floats) -> Floats:
-    """Return cosines and sines [n, w] of headings [n] in radians and of their multiples."""
-    turns = [k * heading for k in range(1, HEADING_WAVES + 1)]
-    return np.stack([wave(turn) for turn in turns for wave in (np.cos, np.sin)], axis=1)
 
 
 def _of_number(ours: Floats, theirs: Floats) -> Block:

@@ -14,7 +14,7 @@ import pandas as pd
 
 from bench.discrepancy.compare.known_blocks import known_blocks
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
-from bench.discrepancy.compare.over_kinds import OverKinds, over_kinds
+from bench.discrepancy.compare.over_kinds import OverKinds, beside_walk, over_kinds
 from bench.discrepancy.compare.over_known import OverKnown, over_known
 from bench.discrepancy.compare.shared import alike, kinds
 from bench.discrepancy.data.observables import Observables
@@ -47,10 +47,7 @@ def found_over(
     rows = range_m, links
     over = walks(observed, *rows, kinds(recorded, simulated))
     of_kinds = over_kinds(observed, over, *rows, alike(recorded, simulated))
-    decades = np.log10(np.where(range_m > 0, range_m, 1.0))
-    walked = {name: over.get(name, Walk(0.0)).at(decades) for name in observed.names}
-    steps = [of_kinds.steps(at) for at in range(len(observed.names))]
-    beside = np.stack([*walked.values()], axis=1) + np.stack(steps, axis=1)
-    left = replace(observed, values=observed.values - beside)
+    steps = np.stack([of_kinds.steps(at) for at in range(len(observed.names))], axis=1)
+    left = replace(observed, values=beside_walk(observed, over, range_m) - steps)
     blocks = tuple(known_blocks(recorded, simulated))
     return Over(range_m, over, of_kinds, over_known(left, links, blocks))

@@ -98,13 +98,17 @@ def over_kinds(
     Means over `links` [k] beside the walk `over` the distance, each nearer to zero the less it is
     told from it (a random effect: Robinson 1991).
     """
-    decades = np.log10(np.where(range_m > 0, range_m, 1.0))
-    walked = (over.get(name, Walk(0.0)).at(decades) for name in observed.names)
-    left = [v - w for v, w in zip(observed.values.T, walked, strict=True)]
-    every = [_in_layers(one, links, codes) for one in left]
+    every = [_in_layers(one, links, codes) for one in beside_walk(observed, over, range_m).T]
     made = zip(codes, zip(*every, strict=True), strict=True)
     layers = [Layer(ours, theirs, kinds) for (ours, theirs), kinds in made]
     return OverKinds(observed.names, tuple(layers))
+
+
+def beside_walk(observed: Observables, over: Mapping[str, Walk], range_m: Floats) -> Floats:
+    """Return what is left of observables [k, p] beside their walk over the distance."""
+    decades = np.log10(np.where(range_m > 0, range_m, 1.0))
+    walked = [over.get(name, Walk(0.0)).at(decades) for name in observed.names]
+    return np.asarray(observed.values - np.stack(walked, axis=1))
 
 
 def _in_layers(values: Floats, links: Rows, codes: Sequence[tuple[Rows, Rows]]) -> list[OfKinds]:

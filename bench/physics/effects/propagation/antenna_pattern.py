@@ -115,7 +115,13 @@ def waves(rows: Scene) -> tuple[Floats, ...]:
     turn = np.radians(rows.number("azimuth_deg", np.nan))
     if not np.isfinite(turn).any():
         return ()
-    return tuple(np.asarray(wave(k * turn)) for k in (1, 2) for wave in (np.cos, np.sin))
+    return harmonics(turn, 2)
+
+
+def harmonics(turn: Floats, many: int) -> tuple[Floats, ...]:
+    """Return cosine and sine [n] each of so `many` multiples of an angle [n] in radians."""
+    multiples = range(1, many + 1)
+    return tuple(np.asarray(wave(k * turn)) for k in multiples for wave in (np.cos, np.sin))
 
 
 def heading_rad(rows: Scene) -> Floats:
