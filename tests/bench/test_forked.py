@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from threading import Lock
 
@@ -39,11 +40,13 @@ def test_two_pieces_of_work_each_give_their_own() -> None:
 
 @linux
 def test_forks_do_a_part_of_it() -> None:
-    def slow(item: int) -> int:
-        total = sum(range(30_000))
-        return os.getpid() if total else item
+    all_three = get_context("fork").Barrier(3)
 
-    assert len({*in_forks(slow, range(200))}) == 3
+    def together(_: int) -> int:
+        all_three.wait(60)  # whoever takes the first piece goes on once the others have one
+        return os.getpid()
+
+    assert len({*in_forks(together, range(3))}) == 3
 
 
 def test_without_leave_threads_or_the_first_thread_all_is_done_here(
