@@ -12,7 +12,7 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
-FAMILIES = ("observatory", "baths", "circus", "velodrome")
+FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -39,6 +39,7 @@ OWN = {
     "baths": "pumps-shake-their-arches",
     "circus": "gusts-rack-their-poles",
     "velodrome": "riders-pressed-down-in-bends",
+    "colliery": "tubs-hunt-on-their-rails",
 }
 ALIKE = [
     (family, name)
@@ -102,6 +103,11 @@ OWN_PARTS = {
         "odd-samples-of-the-frame-before": (0.1, 0.6), "tops-shaved-that-are-narrow": (0.1, 0.6),
         "pen-has-play-in-late-part": (0.1, 0.6),
     },
+    "colliery": {
+        "late-sizes-left-as-steps-up-and-down": (0.1, 0.6),
+        "halves-of-late-words-swapped": (0.1, 0.6),
+        "strong-late-sizes-by-the-weak-channel": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -141,6 +147,10 @@ FAULTS = {
         "riders-pressed-down-in-bends", "boards-flatter-than-drawn", "fog-that-fans-thin",
         "ignition-pulls-dernies-tags", "stations-chained-along-another-line",
         "post-struck-by-a-bicycle",
+    ),
+    "colliery": (
+        "winding-rope-stretches", "tubs-hunt-on-their-rails", "haze-that-draught-clears",
+        "drilling-shakes-booms", "traverse-turns-at-each-station", "prop-rammed-by-a-tub",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -27,11 +27,11 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
 WITH_BOTH = (
-    "signalbox", "bakery", "belfry",
+    "bakery", "belfry",
     "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag",
     "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
-    "circus", "velodrome",
+    "circus", "velodrome", "colliery",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

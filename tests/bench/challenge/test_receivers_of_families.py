@@ -15,6 +15,7 @@ from bench.challenge.families import (
     brickworks_reader,
     canal_staff,
     circus_lamp,
+    colliery_geophone,
     laundry_meter,
     manege_handset,
     observatory_plate,
@@ -44,6 +45,7 @@ OF_ITS_OWN = {
     "baths": {"beat", "wears", "into_s"},
     "circus": {"throw", "girth", "into_s"},
     "velodrome": {"lane", "pedal", "into_s"},
+    "colliery": {"begins", "phase", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -69,6 +71,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (baths_probe.gurgle, baths_probe.OF_SIZES, -0.2),
         (circus_lamp.applause, circus_lamp.OF_SIZES, -0.2),
         (velodrome_camera.humming, velodrome_camera.OF_SIZES, -0.2),
+        (colliery_geophone.trickling, colliery_geophone.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -99,6 +102,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (baths_probe.ripples, baths_probe.held_under, 0.02),
         (circus_lamp.flashes, circus_lamp.encored, 0.02),
         (velodrome_camera.bulges, velodrome_camera.dropped_back, 0.02),
+        (colliery_geophone.booms, colliery_geophone.hauled_back, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
