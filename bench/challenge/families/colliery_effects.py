@@ -275,7 +275,7 @@ def _gaps(tally: Tally, strength: float) -> Burden:
 
 def grown(of: Floats) -> Floats:
     """Return what goes from 0 to 1, soon at first and slowly at last (Gompertz 1825) [n]."""
-    return np.exp(-np.exp(-of.clip(-5.0)))
+    return np.asarray(np.exp(-np.exp(-of.clip(-5.0))))
 
 
 def _grown(tally: Tally, strength: float) -> Burden:

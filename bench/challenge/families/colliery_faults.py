@@ -99,9 +99,9 @@ def _rope(tally: Tally, strength: float) -> Burden:
 def _hunting(tally: Tally, strength: float) -> Burden:
     """Have tubs hunt from rail to rail, as wheels on cones do, and lean with it (Klingel 1883)."""
     along, own = along_m(tally.course, tally.gone_s), tally.are("tub")
-    aside = HUNTS_M * strength * own * np.sin(2 * np.pi * along / WAVE_M)
-    there, tall = (on_rails(along, off, tally.course["tall"]) for off in (aside, 0.0))
-    moved = there - tall
+    aside: Floats = np.asarray(HUNTS_M * strength * own * np.sin(2 * np.pi * along / WAVE_M))
+    tall = tally.course["tall"]
+    moved = on_rails(along, aside, tall) - on_rails(along, 0.0, tall)
     moved[:, 2] = -LEANS * np.abs(aside)
     return Burden(np.where(own, tally.lengthens(moved), 0.0))
 

@@ -41,7 +41,7 @@ def _sizes_of_pitches() -> Floats:
     """Return roots of how much noise has at pitches of a circle [ROUND]."""
     turn = 2 * np.pi * np.arange(ROUND) / ROUND
     power = 1 + 2 * sum(by * np.cos(k * turn) for k, by in enumerate(ALIKE[1:], 1))
-    return np.sqrt(np.asarray(power, np.float64).clip(0.0))
+    return np.asarray(np.sqrt(np.maximum(power, 0.0)), np.float64)
 
 
 PITCHES = _sizes_of_pitches()
@@ -112,8 +112,10 @@ def _steps(waves: Complexes, top: Integers) -> Floats:
     bend = np.minimum(before - 2 * amid + after, -0.08 * np.abs(amid))
     off = (0.5 * (before - after) / bend).clip(-0.6, 0.6)
     high = np.maximum(amid - 0.25 * (before - after) * off, 0.2 * np.abs(amid) + 1e-12)
-    # trapezia below the rise up to the sample at the top, and what is left to the top itself
-    below = rise[:, :RISE].sum(axis=1) + 0.5 * amid + off * 0.5 * (amid + high)
+    slope = 0.5 * (after - before)
+    # trapezia up to the sample at the top and what bends off these; a parabola on to the top itself
+    below = rise[:, :RISE].sum(axis=1) + 0.5 * amid - slope / 12
+    below = below + amid * off + slope * off**2 / 2 + bend * off**3 / 6
     place = top.clip(RISE + 1, waves.shape[1] - 3)
     return np.asarray(place + off - (below / high).clip(0.0, 3.2))
 

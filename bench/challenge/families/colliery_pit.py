@@ -122,14 +122,15 @@ def on_incline(up_m: Floats, lane: Floats, tall_m: Floats) -> Floats:
 def up_m(course: Course, gone_s: Floats) -> Floats:
     """Return how far up the incline skips are in m [n]: one goes up while the other comes down."""
     come = wound_m(course["begins"] + gone_s)
-    bobs = course["sways"] * (np.cos(course["beat"] * gone_s + course["phase"]))
+    bobs = course["sways"] * np.cos(course["beat"] * gone_s + course["phase"])
     return np.where(course["lane"] > 0, come, INCLINE_M - come) + bobs
+    return np.asarray(np.where(course["lane"] > 0, come, INCLINE_M - come) + bobs)
 
 
 def along_m(course: Course, gone_s: Floats) -> Floats:
     """Return how far along rails tubs are in m [n], which couplings pull and push."""
     jerks = np.sin(course["beat"] * gone_s + course["phase"]) - np.sin(course["phase"])
-    return course["begins"] + course["pace"] * gone_s + course["sways"] * jerks
+    return np.asarray(course["begins"] + course["pace"] * gone_s + course["sways"] * jerks)
 
 
 def _skip(course: Course, gone_s: Floats) -> Floats:
