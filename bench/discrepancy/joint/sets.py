@@ -167,8 +167,9 @@ class Sets:
         return self._likeliest((best, self._needed(self._likeliest(self._able()))))
 
     def _able(self) -> list[Fit]:
-        """Return the sets that hold none that is known to do nothing of its own."""
-        return [fit for fit in self.fits.values() if not self.idle.intersection(fit.names)]
+        """Return the sets of all that was marked, with none that does nothing of its own."""
+        marked, idle = key_of(self.start.effects), self.idle
+        return [fit for key, fit in self.fits.items() if marked <= key and not idle & key]
 
     def _likeliest(self, fits: Iterable[Fit]) -> Fit:
         """Return the set of most evidence; of those that do as well, the one that fits best.
@@ -264,9 +265,8 @@ class Sets:
 
     def _by_chance(self, fit: Fit, name: str) -> float:
         """Return what a member may bring on simulated links that lack nothing, in nats."""
-        return by_chance(
-            self.given, self.weighing.plain(fit), self.weighing.plain(self._without(fit, name))
-        )
+        plain = self.weighing.plain
+        return by_chance(self.given, plain(fit), plain(self._without(fit, name)))
 
     def _brings(self, fit: Fit, name: str) -> float:
         """Return the evidence that one member brings beside the others, in nats."""

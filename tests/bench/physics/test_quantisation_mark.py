@@ -77,3 +77,15 @@ def test_a_grid_without_zero_is_seen(step: float, magnitudes: bool) -> None:
 def test_a_fit_keeps_what_is_not_fitted() -> None:
     effect = Quantisation(step_counts=90.0, beside_zero=1.0)
     assert with_shares((effect,), shares((effect,))) == (effect,)
+
+
+def test_steps_that_grow_with_what_they_stand_for_have_their_zero() -> None:
+    """Squares of their magnitudes are no multiples of one step, and lie anywhere between."""
+    rng, step = np.random.default_rng(5), 200.0
+    codes = np.rint(rng.normal(size=(2, 30, 150)) * rng.exponential(1.5, size=(30, 150)))
+    parts = step * np.sinh(0.12 * codes) / 0.12
+    table = pd.DataFrame({"cir": list(np.hypot(*parts).astype(np.float32))})
+    forms = Quantisation.by_mark(table)
+    assert [vars(one)["beside_zero"] for one in forms] == [0.0] * 4
+    finest = step * np.sinh(0.12) / 0.12
+    assert [vars(one)["step_counts"] for one in forms] == pytest.approx([finest] * 4, rel=0.02)

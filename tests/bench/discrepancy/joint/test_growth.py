@@ -8,13 +8,14 @@ from bench.discrepancy.joint.growth import all_used
 from bench.discrepancy.joint.polish import Fit, key_of
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Moments
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 NOISE, LOSS = NoiseFloor(), PathLoss()
 
 
-def _fit(nats: float, *effects: NoiseFloor | PathLoss) -> Fit:
+def _fit(nats: float, *effects: Effect) -> Fit:
     left = np.zeros((2, 1))
     return Fit(effects, Moments(left, left, {}, left, left), (), nats)
 

@@ -8,11 +8,13 @@ from typing import Any
 import pytest
 
 from bench.discrepancy.joint import polish
+from bench.discrepancy.joint.polish import key_of
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import STARTED
 from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.quantisation import Quantisation
+from tests.bench.discrepancy.joint.test_growth import LOSS, NOISE, _fit
 
 GIVEN: Any = None
 
@@ -56,3 +58,13 @@ def test_only_a_mark_that_tells_the_form_leaves_nothing_to_be_another_form_of_it
     exact = Sets._exact.fget  # type: ignore[attr-defined]
     assert exact is not None
     assert bool(exact(some).effects) is told
+
+
+def test_a_set_without_what_was_marked_is_none_to_choose() -> None:
+    """What a member brings is asked of sets without the marked one, which are then known, too."""
+    marked = Quantisation(step_counts=90.0)
+    every = [_fit(1.0, marked), _fit(3.0, NOISE), _fit(2.0, marked, LOSS), _fit(2.5, marked, NOISE)]
+    sets = Sets.__new__(Sets)
+    sets.start, sets.idle = every[0], {LOSS.name}
+    sets.fits = {key_of(one.effects): one for one in every}
+    assert sets._able() == [every[0], every[3]]
