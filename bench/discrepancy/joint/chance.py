@@ -28,14 +28,16 @@ Floats = NDArray[np.float64]
 def off(given: Statistics, fit: Fit, none: Fit) -> bool:
     """Return whether recordings are farther from a set than its simulated links are.
 
-    And by more than a small share of how far they are from `none`: no form is exactly right.
+    And by more than a small share of how far they are from `none`, but for what simulated links are
+    off by chance: no form is exactly right.
     """
     moments, responses = fit.moments, fit.responses
-    others = given.others(fit.effects)
-    usual = [near(misfits(given, replace(moments, left=one), responses)) for one in others]
+    every = [misfits(given, replace(moments, left=o), responses) for o in given.others(fit.effects)]
     left, before = (misfits(given, one.moments, one.responses) for one in (fit, none))
-    share = MISFIT_SHARE * float((before**2).mean())
-    return near(left) > max(MISFIT, highest(usual)) and float((left**2).mean()) > share
+    chance = float(np.mean([(one**2).mean() for one in every])) if every else 0.0
+    beyond, most = (float((one**2).mean()) - chance for one in (left, before))
+    farther = near(left) > max(MISFIT, highest([near(one) for one in every]))
+    return farther and beyond > MISFIT_SHARE * most
 
 
 def near(misfit: Floats) -> float:

@@ -80,7 +80,7 @@ MISFIT: Final = 1.0  # mean square of what a set leaves, in scatters of simulate
 # it may be what is there; right sets leave 0.5 to 0.9 [derived]
 MISFIT_FAR: Final = 3.0  # scatters, that a link's statistic counts in that at most: of normal ones
 # three in a thousand are farther [convention]
-MISFIT_SHARE: Final = 0.02  # of the mean square that is there without any effect, that a set may
+MISFIT_SHARE: Final = 0.02  # of the mean square beyond chance without any effect, that a set may
 # leave: forms of effects are right to a seventh at best [convention]
 SCATTERS: Final = 2.0  # times the variance of a statistic, from where on a set makes links scatter:
 # what is known must then tell nothing of it, however little that is beside the scatter [convention]

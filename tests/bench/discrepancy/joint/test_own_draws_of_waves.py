@@ -13,8 +13,9 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.joint import chance
 from bench.discrepancy.joint.chance import by_chance, highest, near, off
-from bench.discrepancy.joint.polish import fitted
+from bench.discrepancy.joint.polish import Fit, fitted
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import NAME_NATS
 from bench.discrepancy.joint.statistics import Statistics
@@ -123,6 +124,28 @@ def test_a_set_may_leave_a_small_share_of_what_was_there() -> None:
     far = replace(bare, moments=replace(bare.moments, left=bare.moments.left * 10))
     assert off(given, bare, bare)
     assert not off(given, bare, far)
+
+
+def test_what_simulated_links_are_off_by_is_no_part_of_that_share(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of mean squares of 38 and, left, 1.4, where chance makes 0.9: the set left 0.5 of 37."""
+    comparison, rows = compared(())
+    given, rng = Statistics(comparison, rows), np.random.default_rng(0)
+    bare = fitted(given, ())
+    assert bare is not None
+    shape = bare.moments.left.shape
+    draws = [rng.normal(0, np.sqrt(0.9), shape) for _ in range(8)]
+    monkeypatch.setattr(given, "others", lambda _: np.stack(draws))
+    monkeypatch.setattr(chance, "misfits", lambda _, moments, __: moments.left)
+
+    def leaving(square: float) -> Fit:
+        left = rng.normal(0, np.sqrt(square), shape)
+        return replace(bare, moments=replace(bare.moments, left=left))
+
+    assert not off(given, leaving(1.4), leaving(38.0))
+    assert off(given, leaving(1.4), leaving(10.0))
+    assert off(given, leaving(2.4), leaving(38.0))
 
 
 def test_a_few_links_that_are_far_off_in_one_figure_refuse_no_set() -> None:
