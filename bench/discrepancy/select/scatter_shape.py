@@ -49,7 +49,7 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
     )
     if steady(whole, rest):
         return Adequacy(False, 1.0, note="rows of one link scatter no more than simulated ones")
-    if not view.waveform and overdone(whole, rest):
+    if overdone(whole, rest):
         return Adequacy(False, 1.0, note="rows of one link scatter far less than with it")
     return shape(whole)
 
