@@ -25,9 +25,9 @@ COARSE = 0.1  # of the noise, that the step of such a grid has: long records hav
 QUARTER = np.sqrt(-np.log(0.75))  # of noise of size 1, the lower quartile of magnitudes [derived]
 GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
 EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
-AHEAD, BEHIND = 3, 8  # samples of a first path, before and after which none is of its pulse [derived]
-EQUAL_AHEAD = 0.5  # as often as behind a path, two samples before it are equal at least: noise alone
-# is weaker, so has no more levels; half, as steps may widen with what they stand for [derived]
+AHEAD, BEHIND = 3, 8  # samples before and after a first path, beyond which none is of its pulse
+EQUAL_AHEAD = 0.5  # as often as behind a path, two samples before it are equal at least: noise is
+# weaker, so has no more levels; half, as steps may widen with what they stand for [derived]
 EQUAL_ERRORS = 5.0  # standard errors, by which they surely are not [convention]
 _QUANTILES = (np.arange(256) + 0.5) / 256  # of a noise whose rounding is worked out
 
