@@ -191,7 +191,8 @@ def with_scatter(state: State, journal: Journal, choice: WaveChoice) -> State:
         return _with_rows_scatter(state, found, left)
     added = (*state.added, best.effect)
     if not _scatters_by_itself(search, added, best.effect):
-        return state
+        # As wide as a score has it, which takes what links keep for it; not as wide as rows do.
+        return _with_rows_scatter(state, found, left)
     turn = Round(left, found.led_by(best), best.effect)
     return replace(state, added=added, rounds=(*state.rounds, turn))
 

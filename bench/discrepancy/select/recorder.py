@@ -1,7 +1,8 @@
 """Faults of what recorded the samples, seen by marks that nothing on the air can leave.
 
 Clipped peaks share one largest value; a pulse of 500 MHz is wider than a sample, so no signal
-stands out of both neighbours of a sample at one place of the accumulator in all rows. Effects of
+stands out of both neighbours of a sample at one place of the accumulator in all rows; and what
+rounds samples rounds noise before a first path, too. Effects of
 the library fit what such faults do to levels and profiles, and would be named for it.
 """
 
@@ -31,6 +32,7 @@ from bench.discrepancy.select.settings import (
 )
 from bench.discrepancy.select.state import Round, Search, Selection, State
 from bench.discrepancy.select.verdict import Unknown
+from bench.physics.effects.receiver.quantisation import EQUAL_SURE, equal_share, late_alone
 from bench.physics.units import Floats
 
 AMPLITUDE, PEAK = "max_amplitude_db", "peak_counts_db"  # by accumulated symbol, and as recorded
@@ -48,7 +50,7 @@ def recorder_fault(search: Search) -> str:
     table = search.comparison
     other = table.frame if isinstance(table, TableComparison) else None
     frame = pd.concat([search.fit.frame, search.discover.frame], ignore_index=True)
-    for fault in (clipped, stuck):
+    for fault in (clipped, stuck, repeated):
         words = fault(frame)
         if words and not (other is not None and fault(other)):
             return words
@@ -133,6 +135,21 @@ def stuck(frame: pd.DataFrame) -> str:
         return ""
     places = ", ".join(map(str, seen[:STUCK_PLACES]))
     return f"samples {places} ... of every row read a level of their own, whatever arrives"
+
+
+def repeated(frame: pd.DataFrame) -> str:
+    """Return in words that samples repeat each other behind first paths alone, "" where not.
+
+    In many of them: nothing that arrives is as large as another to the last bit, and a converter
+    takes noise before first paths, too.
+    """
+    share = equal_share(frame["cir"])
+    if share < EQUAL_SURE or not late_alone(frame):
+        return ""
+    return (
+        f"{share:.0%} of the samples equal others of their row, all behind first paths: something "
+        "replaced them after they were received"
+    )
 
 
 def _half_steps(magnitude: Floats) -> Floats:

@@ -39,7 +39,8 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
 
     Asked of independent scatter alone: it is named for a distribution, and a score hardly tells
     one wide hump from two narrow ones (two-sample test of Kolmogorov and Smirnov). Where every row
-    draws its own, rows of one link must scatter more than they do without it.
+    draws its own, rows of one link must scatter more than they do without it, and not far less than
+    with it: a score of single rows takes for scatter what links keep.
     """
     if not type(effect).independent or RANGE not in view.recorded.names:
         return Adequacy(True)
@@ -49,7 +50,7 @@ def scatters_alike(comparison: Comparison, view: View, added: Added, effect: Eff
     )
     if steady(whole, rest):
         return Adequacy(False, 1.0, note="rows of one link scatter no more than simulated ones")
-    if not view.waveform and overdone(whole, rest):
+    if overdone(whole, rest):
         return Adequacy(False, 1.0, note="rows of one link scatter far less than with it")
     return shape(whole)
 

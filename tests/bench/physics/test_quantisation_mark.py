@@ -9,7 +9,12 @@ import pytest
 from bench.discrepancy.joint.polish import shares, with_shares
 from bench.discrepancy.select.candidates import offered
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
-from bench.physics.effects.receiver.quantisation import Quantisation, equal_share, grid_step
+from bench.physics.effects.receiver.quantisation import (
+    Quantisation,
+    equal_share,
+    grid_step,
+    late_alone,
+)
 
 
 def _table(
@@ -89,3 +94,20 @@ def test_steps_that_grow_with_what_they_stand_for_have_their_zero() -> None:
     assert [vars(one)["beside_zero"] for one in forms] == [0.0] * 4
     finest = step * np.sinh(0.12) / 0.12
     assert [vars(one)["step_counts"] for one in forms] == pytest.approx([finest] * 4, rel=0.02)
+
+
+def test_samples_that_are_equal_behind_first_paths_alone_are_not_rounded() -> None:
+    """Such as those of which exponents are kept without mantissas: noise ahead has its own."""
+    table = _table(0, True)
+    table["first_path_index"] = 50.0
+    late = np.arange(150) > 58
+    powers = [np.where(late, 3.0 ** np.floor(np.log(row) / np.log(3)), row) for row in table["cir"]]
+    odd = table.assign(cir=powers)
+    assert late_alone(odd)
+    assert Quantisation.by_mark(odd) == ()
+    assert "before first paths" in Quantisation.unmarked(odd)
+    rounded = _table(60, True).assign(first_path_index=50.0)
+    assert not late_alone(rounded)
+    assert Quantisation.by_mark(rounded)
+    unknown = odd.drop(columns="first_path_index")
+    assert not late_alone(unknown)

@@ -25,6 +25,10 @@ COARSE = 0.1  # of the noise, that the step of such a grid has: long records hav
 QUARTER = np.sqrt(-np.log(0.75))  # of noise of size 1, the lower quartile of magnitudes [derived]
 GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
 EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
+AHEAD, BEHIND = 3, 8  # samples before and after a first path, beyond which none is of its pulse
+EQUAL_AHEAD = 0.5  # as often as behind a path, two samples before it are equal at least: noise is
+# weaker, so has no more levels; half, as steps may widen with what they stand for [derived]
+EQUAL_ERRORS = 5.0  # standard errors, by which they surely are not [convention]
 _QUANTILES = (np.arange(256) + 0.5) / 256  # of a noise whose rounding is worked out
 
 
@@ -62,15 +66,20 @@ class Quantisation(Effect):
 
     @classmethod
     def unmarked(cls, frame: pd.DataFrame) -> str:
-        """Return that no two recorded samples are equal: rounded ones are, others never."""
-        if "cir" not in frame or equal_share(frame["cir"]) > EQUAL_LEAST:
+        """Return that no two recorded samples are equal: rounded ones are, others never.
+
+        Or late ones alone are, which were made so later.
+        """
+        if "cir" not in frame:
             return ""
-        return "samples of which some are equal, as rounded ones are"
+        if equal_share(frame["cir"]) <= EQUAL_LEAST:
+            return "samples of which some are equal, as rounded ones are"
+        return "samples that are equal before first paths, too" if late_alone(frame) else ""
 
     @classmethod
     def by_mark(cls, frame: pd.DataFrame) -> tuple[Effect, ...]:
         """Return the roundings whose grid recorded samples lie on, where many are equal."""
-        if "cir" not in frame or not coarse(frame["cir"]):
+        if "cir" not in frame or not coarse(frame["cir"]) or late_alone(frame):
             return ()
         step, beside = min(grid_step(frame["cir"]), MOST_COUNTS), beside_zero(frame["cir"])
         levels = [(0.0, 1.0)] if beside else [(0.0, 0.0), (1.0, 0.0)]  # no zero: nothing to drop
@@ -187,8 +196,37 @@ def equal_share(cirs: pd.Series) -> float:
     return 1 - sum(len(np.unique(row)) for row in kept) / count if count else 0.0
 
 
+def late_alone(frame: pd.DataFrame) -> bool:
+    """Return whether samples repeat each other behind first paths, and do not before them.
+
+    Rounding takes every sample of a record, and noise alone, which is weaker, has no more levels
+    than what lies behind a path: two of it are equal as often.
+    """
+    if "first_path_index" not in frame:
+        return False
+    few = _few(len(frame))
+    rows = zip(frame["cir"].iloc[few], frame["first_path_index"].iloc[few], strict=True)
+    able = [(np.real(row), int(at)) for row, at in rows if np.ndim(row) == 1 and np.isfinite(at)]
+    ahead = np.sum([_pairs(row[: max(at - AHEAD, 0)]) for row, at in able] or [(0, 0)], axis=0)
+    behind = np.sum([_pairs(row[max(at + BEHIND, 0) :]) for row, at in able] or [(0, 0)], axis=0)
+    expected = EQUAL_AHEAD * behind[0] / max(behind[1], 1) * ahead[1]
+    return bool(ahead[0] + EQUAL_ERRORS * np.sqrt(ahead[0] + 1) < expected)
+
+
+def _pairs(samples: Floats) -> tuple[float, float]:
+    """Return how many pairs of samples are equal, and how many pairs there are; zeros are none."""
+    known = samples[np.isfinite(samples) & (samples != 0)]
+    equal = np.unique(known, return_counts=True)[1]
+    return float((equal * (equal - 1) / 2).sum()), len(known) * (len(known) - 1) / 2
+
+
+def _few(rows: int) -> NDArray[np.intp]:
+    """Return which of so many rows are looked at."""
+    return np.unique(np.linspace(0, rows - 1, EQUAL_ROWS).astype(np.intp))
+
+
 def _some(cirs: pd.Series) -> list[NDArray[Any]]:
     """Return some rows as arrays, those that are numbers."""
-    few = cirs.iloc[np.unique(np.linspace(0, len(cirs) - 1, EQUAL_ROWS).astype(int))]
+    few = cirs.iloc[_few(len(cirs))]
     each = [np.asarray(row) for row in few]
     return [row for row in each if row.ndim == 1 and row.size and row.dtype.kind in "fciu"]

@@ -18,6 +18,7 @@ from bench.discrepancy.select.recorder import (
     PEAK,
     clipped,
     recorder_fault,
+    repeated,
     spoilt,
     stuck,
 )
@@ -133,3 +134,13 @@ def test_samples_rounded_to_zero_are_no_fault() -> None:
     assert np.median(coarse) == 0
     assert stuck(frame(coarse)) == ""
     assert stuck(frame(0 * coarse)) == ""
+
+
+def test_samples_that_repeat_each_other_behind_first_paths_alone_were_replaced() -> None:
+    made = samples(0.5)
+    late = np.arange(SAMPLES) > FIRST + 8
+    powers = np.where(late, 3.0 ** np.floor(np.log(made) / np.log(3)), made)
+    assert "all behind first paths" in repeated(frame(powers))
+    assert repeated(frame(made)) == ""
+    assert repeated(frame(np.rint(made / 60) * 60)) == ""  # a converter takes noise ahead, too
+    assert repeated(frame(np.where(late & (made < 60), 0.0, made))) == ""  # nor what is left out

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.select.scatter_shape import bounded, overdone, shape, steady
+from bench.discrepancy.select.scatter_shape import bounded, overdone, scatters_alike, shape, steady
 from bench.discrepancy.select.within_links import rows_off
+from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 LINKS = np.repeat(np.arange(60), 5)
 
@@ -85,6 +89,27 @@ def test_a_jitter_as_wide_as_offsets_that_links_keep_is_overdone() -> None:
         rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.1))
         assert overdone(whole, rest) == told
     assert not overdone(rest, rest)  # nor is what draws nothing for rows
+
+
+@pytest.mark.parametrize("waveform", [True, False])
+@pytest.mark.parametrize(("jitter_m", "named"), [(0.05, False), (0.2, True)])
+def test_what_links_keep_is_no_jitter_beside_waveforms_either(
+    waveform: bool, jitter_m: float, named: bool
+) -> None:
+    """Rows of a link scatter more than simulated, but by far less than the jitter that was fitted.
+
+    A score of single rows takes for jitter what links keep, too.
+    """
+    rng = np.random.default_rng(8)
+    kept_m = np.sqrt(0.2**2 - jitter_m**2) * rng.normal(0, 1, 60)[LINKS]
+    error_m = rng.normal(0, np.hypot(0.03, jitter_m), 300) + kept_m
+    rest, whole = (ensemble(error_m, scatter) for scatter in (0.03, 0.2))
+    view = SimpleNamespace(waveform=waveform, recorded=SimpleNamespace(names=("error_m",)))
+    comparison = SimpleNamespace(ensemble=lambda _rows, added, *_: whole if added else rest)
+    jitter = TimestampJitter()
+    found = scatters_alike(cast(Any, comparison), cast(Any, view), (jitter,), jitter)
+    assert found.adequate is named
+    assert named or found.note == "rows of one link scatter far less than with it"
 
 
 def test_a_few_simulated_ranges_far_off_hide_no_wider_rows() -> None:
