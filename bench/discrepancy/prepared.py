@@ -135,7 +135,7 @@ class _Against:
     @classmethod
     def of(cls, shown: Recordings, simulated: Simulator | Recordings, asked: Options) -> _Against:
         """Return the counterpart of the rows that are shown."""
-        with about(shown.source):
+        with about(shown.at):
             base = base_of(shown.frame, simulated)
         said = tried(simulated, base, shown.frame, bool(asked.waveform))
         window = shared_window(shown.frame, getattr(simulated, "frame", None))
