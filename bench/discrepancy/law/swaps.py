@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -107,14 +108,18 @@ class Swap:
 
 
 def swaps(given: Material) -> Iterator[Swap]:
-    """Yield a swap for every two devices that stand still and are at one end, or both, alike."""
+    """Yield a swap for every two devices that stand still and are at one end, or both, alike.
+
+    Each is one of as many as there are of devices at these ends.
+    """
     pairs = [
         (one, two)
         for one, two in combinations(still(given), 2)
         if one.name != two.name and {*one.ends} & {*two.ends}
     ]
-    for both in pairs:
-        yield Swap(both, given.axes, len(pairs))
+    made = sorted((Swap(both, given.axes, 1) for both in pairs), key=lambda one: one.columns)
+    often = Counter(one.columns for one in made)
+    yield from (replace(one, choices=often[one.columns]) for one in made)
 
 
 def still(given: Material) -> list[Still]:
