@@ -70,5 +70,5 @@ def reason(problem: BaseException) -> str:
 
 def significant(value: float, digits: int) -> str:
     """Return a number with so many significant digits, without a power of ten below a million."""
-    text = f"{value:.{digits}g}"
+    text = f"{value + 0.0:.{digits}g}"  # + 0.0: a negative zero is said as zero
     return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text

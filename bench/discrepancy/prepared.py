@@ -15,10 +15,11 @@ from bench.discrepancy.compare.view import Added, Comparison
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.counterpart import beside, counted, covered
 from bench.discrepancy.data.checks import check_tables
-from bench.discrepancy.data.columns import hidden, text_instead, with_motion
+from bench.discrepancy.data.columns import hidden, with_motion
 from bench.discrepancy.data.gaps import gap_words, with_temperatures
 from bench.discrepancy.data.observables import Window, shared_window
 from bench.discrepancy.data.own_columns import doubtful_columns, measured_columns
+from bench.discrepancy.data.unread import unread_words
 from bench.discrepancy.diagnosis import Diagnosis, Options
 from bench.discrepancy.report.evidence import evidence
 from bench.discrepancy.select.candidates import library, offered
@@ -110,8 +111,9 @@ def prepared(
     untried = {name: asked_for[name] for name in lacking}
     return Prepared(
         recorded.label, _name(simulated), against.comparison, against.base, rows, able, untried,
-        {**skipped, **lacking, **text_instead(frame)}, measured,
-        (link_count(whole), link_count(frame)), (*numbers, *gap_words(whole), *against.said),
+        {**skipped, **lacking}, measured,
+        (link_count(whole), link_count(frame)),
+        (*numbers, *gap_words(whole), *unread_words(whole, measured), *against.said),
         1 - float(inside.mean()),
     )  # fmt: skip
 
@@ -133,7 +135,7 @@ class _Against:
     @classmethod
     def of(cls, shown: Recordings, simulated: Simulator | Recordings, asked: Options) -> _Against:
         """Return the counterpart of the rows that are shown."""
-        with about(shown.source):
+        with about(shown.at):
             base = base_of(shown.frame, simulated)
         said = tried(simulated, base, shown.frame, bool(asked.waveform))
         window = shared_window(shown.frame, getattr(simulated, "frame", None))

@@ -42,7 +42,7 @@ class WorkingRows:
         cls, recorded: Recordings, asked: Options, doubtful: pd.DataFrame, window: Window
     ) -> WorkingRows:
         """Return a recorded table, split by link; `doubtful` columns of its rows take no part."""
-        with about(recorded.source):
+        with about(recorded.at):
             split = split_links(recorded.frame, asked.seed)
             check_rows(split)
         return cls(recorded, asked, split, window, doubtful)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +70,7 @@ def _only(table: Recordings, environment: str) -> Recordings:
     rows = np.asarray(table.frame["environment"] == environment, bool)
     if not rows.any():
         have = ", ".join(sorted(map(str, table.frame["environment"].dropna().unique())))
-        raise BenchError(f"{table.source}: no environment {environment!r} (it has: {have})")
+        raise BenchError(f"{table.at}: no environment {environment!r} (it has: {have})")
     return table.select(rows)
 
 
@@ -80,7 +81,7 @@ def open_recordings(name_or_path: str | Path) -> tuple[Recordings, Source | None
     that is not on this machine (saying what to download and where to put it).
     """
     if is_path(name_or_path):
-        return read_recordings(Path(name_or_path)), None
+        return replace(read_recordings(Path(name_or_path)), file=str(name_or_path)), None
     source = open_source(str(name_or_path))
     with foreign(f"data set {name_or_path!r}"):
         missing = source.available()

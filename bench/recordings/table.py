@@ -56,7 +56,8 @@ class Recordings:
 
     `frame` holds one row per range (columns of RECORDINGS: `range_m`, `cir`, `link`, ...); `cir`
     cells are float32 arrays. `dropped` counts the rows a reader left out, by reason. `simulator`
-    is the TOML text that made a simulated table, None for real recordings.
+    is the TOML text that made a simulated table, None for real recordings. `file` is the one
+    that a user named, "" where none.
     """
 
     frame: pd.DataFrame
@@ -65,6 +66,7 @@ class Recordings:
     simulator: str | None = None
     seed: int | None = None
     dropped: Mapping[str, int] = field(default_factory=dict)
+    file: str = ""
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -79,6 +81,11 @@ class Recordings:
         """The source, marked SIMULATED where it is."""
         return f"{self.source} (SIMULATED)" if self.simulated else self.source
 
+    @property
+    def at(self) -> str:
+        """Where a mistake in it is to be looked for: the file, or the source of what is in none."""
+        return self.file or self.source
+
     def errors_m(self) -> NDArray[np.float64]:
         """Return measured - true range [n] in metres. Raises BenchError where neither is known."""
         if "error_m" in self.frame:
@@ -92,7 +99,7 @@ class Recordings:
         for column in columns:
             if column not in self.frame:
                 have = ", ".join(map(str, self.frame.columns))
-                raise BenchError(f"{self.source}: no column {column!r} (it has: {have})")
+                raise BenchError(f"{self.at}: no column {column!r} (it has: {have})")
 
     def select(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Recordings:
         """Return the recordings of some rows, by mask or position."""

@@ -85,7 +85,7 @@ def diagnose(
     table, against = read(recorded, environment), counterpart(simulated)
     table.require(*options.hide)
     if not chosen:
-        check_hidden(table.frame, options.hide, table.source)
+        check_hidden(table.frame, options.hide, table.at)
     if out is None:
         with spreading(spread), one_blas_thread():
             return method.diagnose(table, against, options, watch.stage)

@@ -16,6 +16,7 @@ from bench.text import significant, unlinked
         (0.01234, "0.0123"),
         (3.2e7, "3.2e+07"),
         (0.0, "0"),
+        (-0.0, "0"),
     ],
 )
 def test_no_power_of_ten_below_a_million(value: float, text: str) -> None:

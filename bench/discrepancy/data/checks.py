@@ -40,7 +40,7 @@ def check_tables(recorded: Recordings, simulated: object, waveforms: bool = True
         _check_reach(table)
     if not isinstance(simulated, Recordings):
         return
-    check_figures(simulated.frame, simulated.source)
+    check_figures(simulated.frame, simulated.at)
     _check_copies(recorded, simulated)
     _check_headings(recorded, simulated)
     both = all({"cir", "sample_period_ns"} <= {*one.frame} for one in tables)
@@ -55,7 +55,7 @@ def _check_reach(table: Recordings) -> None:
     after, least = reach(table.frame)[1], WINDOW_AFTER[0]
     if after < least:
         raise BenchError(
-            f"{table.source}: its CIRs hold {max(after, 0):.0f} samples from first_path_index on"
+            f"{table.at}: its CIRs hold {max(after, 0):.0f} samples from first_path_index on"
             f"{_short_rows(table.frame, least)}; expected {least} or more to compare waveforms: "
             "give longer ones, or --paths-only to compare ranges and levels"
         )
@@ -75,14 +75,14 @@ def _check_copies(recorded: Recordings, simulated: Recordings) -> None:
     same = len(mine) == len(other) and np.allclose(mine, other, 0, SAME_RANGE_M, equal_nan=True)
     if np.isfinite(mine).any() and same:
         raise BenchError(
-            f"{simulated.source}: its ranges are those of {recorded.source}, row by row: expected "
+            f"{simulated.at}: its ranges are those of {recorded.at}, row by row: expected "
             "a table that was simulated, with noise of its own"
         )
 
 
 def _check_headings(recorded: Recordings, simulated: Recordings) -> None:
     """Raise where one table's headings turn by radians and the other's by degrees."""
-    seen = {t.source: _known(numeric(t.frame, "azimuth_deg")) for t in (recorded, simulated)}
+    seen = {t.at: _known(numeric(t.frame, "azimuth_deg")) for t in (recorded, simulated)}
     if len(seen) < 2 or not all(len(heading) for heading in seen.values()):
         return
     (less, few), (more, many) = sorted(seen.items(), key=lambda one: float(np.ptp(one[1])))
@@ -108,8 +108,8 @@ def _check_periods(recorded: Recordings, simulated: Recordings) -> None:
     mine, other = (typical(table.frame, "sample_period_ns") for table in (recorded, simulated))
     if abs(np.log(mine / other)) > SAME_PERIOD:
         raise BenchError(
-            f"{simulated.source}: sample_period_ns is {other:.4g}, but {mine:.4g} in "
-            f"{recorded.source}: waveforms are compared at one period only: resample the "
+            f"{simulated.at}: sample_period_ns is {other:.4g}, but {mine:.4g} in "
+            f"{recorded.at}: waveforms are compared at one period only: resample the "
             "simulated ones, or leave their column 'cir' out to compare ranges"
         )
 
@@ -120,7 +120,7 @@ def check_recorded(recorded: Recordings) -> None:
     Looks for: no rows, no truth, no link column, units off by 1000, a range that never changes,
     figures beyond any instrument, time going backwards.
     """
-    frame, source = recorded.frame, recorded.source
+    frame, source = recorded.frame, recorded.at
     if not len(frame):
         raise BenchError(f"{source}: the table has no rows")
     check_positive(recorded)

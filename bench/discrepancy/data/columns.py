@@ -23,21 +23,6 @@ def numeric(frame: pd.DataFrame, name: str) -> Floats:
     return np.asarray(pd.to_numeric(frame[name], errors="coerce"), np.float64)
 
 
-def text_instead(frame: pd.DataFrame) -> dict[str, str]:
-    """Return what is said of columns that are named by a unit (`time_s`) but hold text, by name.
-
-    Such a column is of no use: a moment as text is no time, and a category with too many values.
-    """
-    words = {}
-    for name in map(str, frame.columns):
-        if not UNIT_AT_END.search(name) or pd.api.types.is_numeric_dtype(frame[name]):
-            continue
-        text = [value for value in frame[name] if isinstance(value, str)]
-        if text:
-            words[f"column {name}"] = f"text such as {text[0][:30]!r}, expected numbers; not used"
-    return words
-
-
 def hidden(frame: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
     """Return the table without some columns, so that the diagnosis cannot see them."""
     return frame.drop(columns=[c for c in columns if c in frame])

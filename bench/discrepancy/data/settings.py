@@ -51,6 +51,11 @@ MOST_NEGATIVE: Final = 0.05  # of the rows with a negative true range: more are 
 # [convention]
 STUCK_APART_M: Final = 2.0  # that true ranges differ by then: no rounding is so coarse [convention]
 
+# --- Columns that cannot be used (unread) ---------------------------------------------------------
+MOSTLY_NUMBERS: Final = 0.9  # of the cells of a text, to be numbers that were written so
+# [convention]
+SHOWN_CELL: Final = 30  # characters of a cell in a line about its column [convention]
+
 # --- Gaps (gaps) ----------------------------------------------------------------------------------
 GAP_KNOWN: Final = (
     0.5  # of the rows, whose temperature is known, to fill in the others [convention]

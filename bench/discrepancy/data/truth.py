@@ -29,7 +29,7 @@ def check_positive(recorded: Recordings) -> None:
     rows = len(recorded.frame) + sum(recorded.dropped.values())
     if below > MOST_NEGATIVE * rows:
         raise BenchError(
-            f"{recorded.source}: true_range_m is negative in {below} of {rows} rows: expected "
+            f"{recorded.at}: true_range_m is negative in {below} of {rows} rows: expected "
             "distances (differences of distances, TDoA, cannot be compared)"
         )
 

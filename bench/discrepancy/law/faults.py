@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +22,9 @@ from bench.discrepancy.law.settings import (
     LAW_SAME_PLACE_M,
 )
 from bench.discrepancy.law.structures import Fitted, Structure
+from bench.discrepancy.law.swaps import FAR_END, Swap, swaps
 
 Floats = NDArray[np.float64]
-_FAR_END = {"tx": "rx", "rx": "tx"}
 UNDETERMINED = "an undetermined length"
 
 
@@ -71,7 +70,7 @@ class Position:
 
     def _at(self, end: str) -> str:
         """Return the expression of the rows with the device at one end."""
-        gaps = [f"{end}_{a}_m - {_FAR_END[end]}_{a}_m" for a in self.known]
+        gaps = [f"{end}_{a}_m - {FAR_END[end]}_{a}_m" for a in self.known]
         gaps = [f"{g} + d{'xyz'[i]}" if i in self.axes else g for i, g in enumerate(gaps)]
         far = " + ".join(f"({gap}) ** 2" for gap in gaps)
         moved = f"(sqrt({far}) - true_range_m)"
@@ -99,7 +98,7 @@ class Position:
         total = np.zeros(len(given.residual_m))
         slopes = np.zeros((len(total), len(self.axes)))
         for end in self.ends:
-            gap = given.ends[end] - given.ends[_FAR_END[end]]
+            gap = given.ends[end] - given.ends[FAR_END[end]]
             gap[:, self.axes] += shift
             far = np.maximum(np.linalg.norm(gap, axis=1), 1e-9)
             here = given.devices[end] == self.device if self.device else np.ones(len(far), bool)
@@ -152,82 +151,6 @@ def _stands(given: Material, device: str, ends: tuple[str, ...]) -> bool:
 def _rows_of(given: Material, device: str, ends: tuple[str, ...]) -> NDArray[np.bool_]:
     """Return the rows [n] that a device takes part in."""
     return np.asarray(np.any([given.devices[end] == device for end in ends], axis=0))
-
-
-@dataclass(frozen=True)
-class Swap:
-    """Two devices that stand still have each other's name; `places` are their positions."""
-
-    pair: tuple[str, str]
-    end: str
-    places: tuple[tuple[float, ...], tuple[float, ...]]
-    known: str
-    choices: int
-    free: int = 0
-    form: str = "swap"
-    fault: str = "swap"
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The names' column."""
-        return (self.end,)
-
-    @property
-    def where(self) -> str:
-        """Both devices."""
-        return " and ".join(self.pair)
-
-    @property
-    def expression(self) -> str:
-        """The distance to the other's place, minus that to the own."""
-        return " + ".join(self._of(one, k) for one, k in zip(self.pair, "qp", strict=True))
-
-    def _of(self, device: str, place: str) -> str:
-        """Return the expression of one device's rows; `place` is where it really stands."""
-        far = " + ".join(f"({_FAR_END[self.end]}_{a}_m - {place}{a}) ** 2" for a in self.known)
-        return f"({self.end} == {json.dumps(device)}) * (sqrt({far}) - true_range_m)"
-
-    def fitted(self, given: Material) -> Fitted:
-        """Return it; there is nothing to fit."""
-        constants = [
-            (f"{k}{axis}", value, "m")
-            for k, place in zip("pq", self.places, strict=True)
-            for axis, value in zip("xyz", place, strict=True)
-            if axis in self.known
-        ]
-        return Fitted(tuple(constants), fixed(self.shift_m(given, ()), given.residual_m))
-
-    def shift_m(self, given: Material, constants: tuple[Named, ...]) -> Floats:
-        """Return what it says of rows."""
-        total = np.zeros(len(given.residual_m))
-        for one, place in zip(self.pair, reversed(self.places), strict=True):
-            far = np.linalg.norm(given.ends[_FAR_END[self.end]] - np.array(place), axis=1)
-            total = np.where(given.devices[self.end] == one, far - given.true_range_m, total)
-        return total
-
-    def words(self, shown: dict[str, str]) -> str:
-        """Return it for people."""
-        return f"devices {self.pair[0]} and {self.pair[1]} ({self.end}) are swapped"
-
-
-def swaps(given: Material) -> Iterator[Swap]:
-    """Yield a swap for every two devices at one end that stand still."""
-    for end in sorted(given.devices):
-        still = _still(given, end)
-        pairs = list(combinations(sorted(still), 2))
-        for one, two in pairs:
-            yield Swap((one, two), end, (still[one], still[two]), given.axes, len(pairs))
-
-
-def _still(given: Material, end: str) -> dict[str, tuple[float, ...]]:
-    """Return the positions of the devices at one end that have just one."""
-    found = {}
-    for name in np.unique(given.devices[end].astype(str)):
-        places = given.ends[end][given.devices[end] == name]
-        middle = np.median(places, axis=0)
-        if np.abs(places - middle).max() < LAW_SAME_PLACE_M:
-            found[str(name)] = tuple(middle.tolist())
-    return found
 
 
 @dataclass(frozen=True)

@@ -192,7 +192,7 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
         likely = axes.twiny() if scored else axes
         _gains(likely, steps, judged, RECORDED)
         likely.set_xlabel("evidence of links, grey (nats of likelihood)")
-    axes.set_ylim(len(steps) - 0.5, -0.5)
+    axes.set_ylim(max(len(steps), 1) - 0.5, -0.5)  # an empty ladder has the height of one step
     axes.set_yticks(range(len(steps)), [step[0].name for step in steps])
     if not steps:
         axes.text(0.5, 0.5, "nothing was added", ha="center", transform=axes.transAxes)

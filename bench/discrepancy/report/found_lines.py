@@ -9,6 +9,7 @@ from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
+from bench.discrepancy.locate.hypotheses import Cell
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.parameters import detectable_line, parameter_lines
@@ -25,6 +26,7 @@ from bench.discrepancy.settings import SURE_P
 
 SHOWN_LEFT = 3
 UNTRIED = "it could not be tried"
+_LISTED = "It is seen in differences that are listed above, too."
 
 
 def found_lines(diagnosis: Diagnosis) -> list[list[str]]:
@@ -32,9 +34,9 @@ def found_lines(diagnosis: Diagnosis) -> list[list[str]]:
     does, every = doings(diagnosis), diagnosis.selection.verdicts
     names = [describe(verdict, does) for verdict in every if not isinstance(verdict, Unknown)]
     rest = [verdict for verdict in every if isinstance(verdict, Unknown)]
-    told = describe if diagnosis.law is None else _explained
-    law = [] if diagnosis.law is None else [law_lines(diagnosis.law)]
-    return [*names, *law, *_once(list(map(told, rest)))]
+    if diagnosis.law is None:
+        return [*names, *_once(list(map(describe, rest)))]
+    return [*names, law_lines(diagnosis.law), *([_explained(rest)] if rest else [])]
 
 
 def _once(told: list[list[str]]) -> list[list[str]]:
@@ -43,15 +45,19 @@ def _once(told: list[list[str]]) -> list[list[str]]:
     for lines in told:
         known = {line for earlier in out for line in earlier if line.startswith("- ")}
         new = [line for line in lines if line not in known]
-        out.append(new if len(new) == len(lines) else [*new, "Of the differences listed above."])
+        out.append(new if len(new) == len(lines) else [*new, _LISTED])
     return out
 
 
-def _explained(verdict: Unknown) -> list[str]:
-    """Return what differed where a law or a fault of the set-up explains it."""
+def _explained(verdicts: Sequence[Unknown]) -> list[str]:
+    """Return what differed where a law or a fault of the set-up explains it: once, in one list."""
+    notes = "; ".join(dict.fromkeys(one.note for one in verdicts if one.note))
+    first: dict[Cell, Finding] = {}
+    for finding in (one for verdict in verdicts for one in verdict.findings):
+        first.setdefault(finding.cell, finding)
     return [
-        f"Without it, no known effect explains what differs ({verdict.note}):",
-        *finding_lines(verdict.findings, 5),
+        f"Without it, no known effect explains what differs ({notes}):",
+        *finding_lines(list(first.values()), 5),
     ]
 
 

@@ -211,8 +211,8 @@ def test_a_report_that_could_not_be_written_fails_before_the_search(call, tmp_pa
 
 
 def test_radio_settings_and_links_that_cannot_be_name_the_table(call):
-    one_line(call(recorded().assign(channel=99)), "bench: test: base: channel = 99")
-    one_line(call(recorded().head(8)), "bench: test: 1 link(s)")
+    one_line(call(recorded().assign(channel=99)), "r.parquet: base: channel = 99")
+    one_line(call(recorded().head(8)), "r.parquet: 1 link(s)")
 
 
 def test_an_environment_that_is_not_there_names_those_that_are(call):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,6 +13,8 @@ from bench.discrepancy.data.observables import shared_window
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.simulator import Simulator
+from bench.recordings.io import write_recordings
+from bench.recordings.open import read
 from bench.recordings.table import Recordings
 
 
@@ -164,3 +168,20 @@ def test_ranges_that_differ_by_arithmetic_alone_are_a_copy() -> None:
     with pytest.raises(BenchError, match=r"c\.parquet: its ranges are those of r\.parquet"):
         check_tables(ours, Recordings(rows, "c.parquet"))
     check_tables(ours, Recordings(rows.assign(range_m=rows["range_m"] + 0.001), "c.parquet"))
+
+
+@pytest.mark.parametrize("wrong", ["ours", "theirs"])
+def test_a_mistake_is_said_with_the_file_it_is_in(tmp_path: Path, wrong: str) -> None:
+    """Two files of one name in two folders: "rec" said neither which nor where."""
+    tables = {}
+    for folder in ("ours", "theirs"):
+        made = table("rec", 1.0 if folder == "ours" else 1.01)
+        load = np.where(np.arange(len(made.frame)) == 7, 1e308 if folder == wrong else 2.0, 1.0)
+        (tmp_path / folder).mkdir()
+        path = tmp_path / folder / "rec.parquet"
+        write_recordings(Recordings(made.frame.assign(load_t=load), "rec"), path)
+        tables[folder] = read(path)
+    with pytest.raises(BenchError) as told:
+        check_tables(tables["ours"], tables["theirs"])
+    file = tmp_path / wrong / "rec.parquet"
+    assert str(told.value) == f"{file}: load_t is 1e+308 at row 7: no measurement"

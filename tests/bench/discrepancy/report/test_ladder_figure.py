@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from types import SimpleNamespace
 from typing import Any
 
@@ -41,3 +42,13 @@ def test_one_unit_has_one_axis() -> None:
 def test_the_first_step_stands_on_top() -> None:
     low, high = _axes(_turn("first", 0.9, "nats"), _turn("second", 0.4, "nats"))[0].get_ylim()
     assert low > high
+
+
+def test_a_ladder_without_steps_is_drawn_without_a_warning() -> None:
+    """A law or a fault alone adds no effect: matplotlib warned of an axis without height."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        (axes,) = _axes()
+    low, high = axes.get_ylim()
+    assert low > high
+    assert [text.get_text() for text in axes.texts] == ["nothing was added"]

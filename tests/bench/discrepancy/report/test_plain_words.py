@@ -9,9 +9,11 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.headline import headline
 from bench.discrepancy.law.found import LawConstant
-from bench.discrepancy.report.found_lines import _once
+from bench.discrepancy.locate.hypotheses import Cell, Place
+from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.report.found_lines import _explained, _once
 from bench.discrepancy.select.adequacy import Adequacy
-from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.power_bias import PowerBias
@@ -60,7 +62,29 @@ def test_what_leaves_as_much_as_it_changes_is_no_likeness(left: float, said: str
 
 def test_differences_are_listed_under_one_heading_alone() -> None:
     first, again = ["Something:", "- a", "- b"], ["Something more:", "- a", "- b"]
-    assert _once([first, again]) == [first, ["Something more:", "Of the differences listed above."]]
+    listed = "It is seen in differences that are listed above, too."
+    assert _once([first, again]) == [first, ["Something more:", listed]]
+
+
+def test_what_a_law_explains_is_said_once() -> None:
+    """Two searches saw the same places, a little otherwise: a sentence and a list, not two."""
+    everywhere, high = Place(), Place("rx_z_m", 6.1, 6.4)
+    seen = [(0.8, everywhere), (1.9, high)]
+    again = [(0.7, everywhere), (1.8, high), (-0.5, Place("rx=B1"))]
+    unknown = [
+        Unknown(
+            tuple(
+                Finding(Cell("error_m", "mean", at), Estimate(size, size - 0.1, size + 0.1, "m"),
+                        9.0, 0.002, 90, 30)
+                for size, at in some
+            ), GAIN, note=note,
+        )
+        for some, note in zip((seen, again), ("like none", "too little"), strict=True)
+    ]  # fmt: skip
+    heading, *lines = _explained(unknown)
+    assert heading == "Without it, no known effect explains what differs (like none; too little):"
+    assert len(lines) == 3
+    assert [line.partition("= ")[2].partition(" m")[0] for line in lines] == ["0.8", "1.9", "-0.5"]
 
 
 def test_a_class_among_other_names_stands_in_brackets() -> None:

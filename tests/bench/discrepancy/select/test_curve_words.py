@@ -1,10 +1,7 @@
-"""What has no name is said in words, and so is a column that could not be read."""
+"""What has no name is said in words."""
 
 from __future__ import annotations
 
-import pandas as pd
-
-from bench.discrepancy.data.columns import text_instead
 from bench.discrepancy.select.unnamed import curve_words
 from bench.physics.effects.fitted.unnamed import Unnamed
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -18,12 +15,3 @@ def test_a_curve_without_a_name_is_said() -> None:
     near = Unnamed("rx_z_m", (1.0, 2.0), (0.095, 0.109))
     assert "constant 0.102 m; no" in curve_words((near,))
     assert curve_words((AntennaDelay(delay_ns=1.0),)) == ""
-
-
-def test_text_where_a_number_is_named_is_said() -> None:
-    frame = pd.DataFrame(
-        {"time_s": ["12:30:01", "12:30:02"], "range_m": [1.0, 2.0], "rx": ["a", "b"]}
-    )
-    assert text_instead(frame) == {
-        "column time_s": "text such as '12:30:01', expected numbers; not used"
-    }
