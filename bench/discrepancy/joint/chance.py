@@ -52,10 +52,12 @@ def near(misfit: Floats) -> float:
 def by_chance(given: Statistics, fit: Fit, rest: Fit) -> float:
     """Return what a set may bring over the `rest` of it on simulated links, in nats.
 
-    These have the rest in them, and not what the set has beside it; 0 where it brings nothing.
+    These have the rest in them, and not what the set has beside it: without the rest, a level
+    control say, they would scatter otherwise than the rest has it, whatever more there is. 0 where
+    it brings nothing.
     """
     more = (rest.moments.mean - fit.moments.mean)[given.code]
-    every = given.others_rows(())
+    every = given.others_rows(rest.effects)
     brought = [_of(given, fit, one + more) - _of(given, rest, one) for one in every]
     return max(0.0, highest(brought))
 

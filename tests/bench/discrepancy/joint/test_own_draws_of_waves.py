@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.typing import NDArray
 
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
@@ -91,6 +92,27 @@ def test_what_an_effect_brings_on_simulated_links_does_not_count() -> None:
     assert bare is not None
     assert ringing is not None
     assert ringing.nats - bare.nats - by_chance(given, ringing, bare) < NAME_NATS
+
+
+def test_simulated_links_that_lack_nothing_have_the_rest_of_a_set(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Links without the noise of the rest scatter less: beside the rest that would bring much."""
+    comparison, rows = compared(())
+    given, noise = Statistics(comparison, rows), NoiseFloor(level_db=10.0)
+    rest, whole = fitted(given, (noise,)), fitted(given, (noise, PulseRinging(ring_db=-30.0)))
+    assert rest is not None
+    assert whole is not None
+    asked: list[Added] = []
+    plain = given.others_rows
+
+    def seen(added: Added) -> NDArray[np.float64]:
+        asked.append(added)
+        return plain(added)
+
+    monkeypatch.setattr(given, "others_rows", seen)
+    by_chance(given, whole, rest)
+    assert asked == [(noise,)]
 
 
 def test_a_bound_for_one_more_holds_that_often() -> None:
