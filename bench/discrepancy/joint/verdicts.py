@@ -32,8 +32,8 @@ from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.select.undetermined import untold
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
-from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.sets.choice import MERE
+from bench.discrepancy.sets.set_up import is_fault
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss

@@ -20,8 +20,9 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.range_part import receiver_forms
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import ranges_left
-from bench.discrepancy.sets.blocks import Blocks, deformed, of_laws, of_setup, off_by
+from bench.discrepancy.sets.blocks import Blocks, deformed, of_laws, off_by
 from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.set_up import of_setup
 from bench.discrepancy.sets.settings import LAW_NATS, LAW_SIZE, LEFT_SHARE
 from bench.discrepancy.sets.shifted import Shifted
 from bench.discrepancy.settings import RESIDUAL_MEMBERS, SCORE_FIRST, SCORE_MEMBERS

@@ -36,13 +36,13 @@ from bench.discrepancy.sets.blocks import (
     named_kinds,
     of_laws,
     of_library,
-    of_setup,
 )
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import judged_by_sets
 from bench.discrepancy.sets.install import installed
 from bench.discrepancy.sets.mere_constant import as_mere
 from bench.discrepancy.sets.mistaken import mistaken
+from bench.discrepancy.sets.set_up import of_setup
 from bench.discrepancy.sets.settings import LAW_SIZE
 from bench.discrepancy.sets.sure import beyond_doubt
 from bench.discrepancy.settings import PATHS_ONLY_RICHER, RESIDUAL_MEMBERS

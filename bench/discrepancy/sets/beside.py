@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
-from bench.discrepancy.sets.blocks import PLACE, is_fault
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
+from bench.discrepancy.sets.set_up import PLACE, is_fault
 from bench.discrepancy.sets.settings import (
     CONSTANT_M,
     LAW_M,

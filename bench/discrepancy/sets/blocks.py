@@ -1,15 +1,13 @@
-"""What takes part: effects of the library, laws over covariates, faults of the set-up.
+"""What takes part beside faults of the set-up: effects of the library, laws over covariates.
 
-Laws and faults have no name to be given; they are there so that no name is given for them.
+Laws have no name to be given; they are there so that no name is given for them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from itertools import combinations
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -21,10 +19,8 @@ from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.sets.settings import (
     DEFORMED,
-    DEVICE_ROWS,
     FEWEST_ROWS,
     LAW_M,
-    LAW_SCALE,
     LEAST_LEVEL_DB,
     LEVEL_PASSES,
     LEVELS,
@@ -45,8 +41,6 @@ from bench.recordings.motion import SPEED
 Floats = NDArray[np.float64]
 Blocks = dict[str, tuple[Floats, ...]]
 OF_RANGE = "a law of true_range_m"
-PLACE, UNIT, PLACES = "the position of ", "the unit of ", "the places of "
-SETUP = (PLACE, UNIT, PLACES)
 # What changes clocks and delays, and no pulse on its way.
 OF_CLOCKS = ("temperature_c", "time_s", "reply_time_s", SPEED)
 OF_DELAYS = ("time_s", "reply_time_s", SPEED)  # one that follows the temperature is a drift
@@ -134,51 +128,6 @@ def _own_columns(kinds: Collection[type[Effect]], known: Collection[str]) -> set
     """Return the columns that effects are about, where these are known."""
     ways = [way for kind in kinds for way in kind.needs if set(way) <= set(known)]
     return {column for way in ways for column in way}
-
-
-def of_setup(rows: View) -> Blocks:
-    """Return devices that stand elsewhere, are swapped, or have a unit of their own."""
-    ends = {"tx", "rx"} | {f"{end}_{axis}_m" for end in ("tx", "rx") for axis in "xyz"}
-    if not ends <= set(rows.frame):
-        return {}
-    out: Blocks = {}
-    for end, other in (("tx", "rx"), ("rx", "tx")):
-        out |= _faults(rows.frame, end, other, rows.scene.true_range_m)
-    return out
-
-
-def is_fault(cause: str) -> bool:
-    """Return whether a cause is a fault of the set-up (see `of_setup`)."""
-    return cause.startswith(SETUP)
-
-
-def _faults(frame: pd.DataFrame, end: str, other: str, true_m: Floats) -> Blocks:
-    here, there = (
-        np.stack([np.nan_to_num(numeric(frame, f"{one}_{axis}_m")) for axis in "xyz"], axis=1)
-        for one in (end, other)
-    )
-    names = frame[end].astype(str).to_numpy(dtype=object)
-    line = (here - there) / np.maximum(true_m, 1e-3)[:, None]
-    out: Blocks = {}
-    stands: dict[str, Floats] = {}
-    often, counts = np.unique(names, return_counts=True)
-    for name in often[np.argsort(-counts, kind="stable")][:MOST_DEVICES]:
-        mine = names == name
-        if mine.sum() < DEVICE_ROWS or np.ptp(here[mine], axis=0).max() > LAW_SAME_PLACE_M:
-            continue
-        stands[str(name)] = here[mine][0]
-        out[f"{PLACE}{name}"] = (LAW_M * line * mine[:, None],)
-        out[f"{UNIT}{name}"] = (LAW_SCALE * (true_m * mine)[:, None],)
-    if len(stands) > 1:  # a plan that is stretched, turned or old moves all of them at once
-        every = np.hstack([out[f"{PLACE}{name}"][0] for name in stands])
-        out[f"{PLACE}every {end}"] = (every,)
-    for one, two in combinations(stands, 2):
-        shift = np.zeros(len(true_m))
-        for name, really in ((one, stands[two]), (two, stands[one])):
-            mine = names == name
-            shift[mine] = np.linalg.norm(there[mine] - really, axis=1) - true_m[mine]
-        out[f"{PLACES}{one} and {two}"] = (shift[:, None],)
-    return out
 
 
 def usual_levels(rows: View, made: Ensemble | None = None) -> NDArray[np.bool_]:

@@ -27,7 +27,6 @@ from bench.discrepancy.sets.blocks import (
     of_laws,
     of_library,
     of_one_device,
-    of_setup,
     usual_levels,
 )
 from bench.discrepancy.sets.calibrated import without_calibration
@@ -42,6 +41,7 @@ from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, 
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
 from bench.discrepancy.sets.own_weights import likeliest
 from bench.discrepancy.sets.rivals import beside_a_constant, clear_levels, delays_and_more, rivals
+from bench.discrepancy.sets.set_up import of_setup
 from bench.discrepancy.sets.settings import (
     BEAM,
     EXPLAINED_STRAYS,

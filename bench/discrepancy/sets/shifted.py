@@ -11,8 +11,8 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.sets.blocks import is_fault
 from bench.discrepancy.sets.calibrated import TAKEN_OFF
+from bench.discrepancy.sets.set_up import is_fault
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import pytest
 
 from bench.discrepancy.law.between import constants_of_devices
 from bench.discrepancy.sets.beside import misplaced
-from bench.discrepancy.sets.blocks import of_setup
 from bench.discrepancy.sets.evidence import Evidence
+from bench.discrepancy.sets.set_up import of_setup
 
 EVERY, DELAY = "the position of every rx", "antenna-delay"
 LAMPS_M = np.array([[2, 3, 4], [12, 2, 4], [22, 3, 4], [3, 16, 4], [13, 17, 4], [23, 16, 4.0]])
