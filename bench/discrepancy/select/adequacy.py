@@ -29,6 +29,7 @@ from bench.discrepancy.select.predictive_cells import (
     place_weight,
     predictive_places,
     response_cells,
+    told_by_places,
     typical_size,
 )
 from bench.discrepancy.select.settings import LIKE_NONE, OF_LINKS_DB, OF_LINKS_SHARE
@@ -234,8 +235,9 @@ def judged(
     acts = own > ADEQUACY_TOUCHED * own.max(initial=0.0)
     beyond = norm.isf(ADEQUACY_ALPHA / 2 / max(left[:, acts].size, 1))
     seen = (left > beyond) & (left > ADEQUACY_CUT * before) & acts
+    told = told_by_places(whole, rest, weights) > beyond
     return (
-        _elsewhere(whole.names, places, cells, seen)
+        _elsewhere(whole.names, places, cells, seen & told)
         or _most(whole.names, places, cells, seen, acts)
         or _needless(whole.names, cells, acts)
         or Adequacy(True)
@@ -248,6 +250,7 @@ def _elsewhere(
     """Return what is left over a covariate that no channel knows, None where that is little.
 
     Another form of the effect may leave a trend over distance or level, none over a temperature.
+    What is `seen` there goes with the covariate by more than links differ anyway.
     """
     response, left, _ = cells
     acts = seen.any(axis=0)

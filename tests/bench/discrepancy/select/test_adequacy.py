@@ -19,6 +19,7 @@ from bench.discrepancy.select import refute
 from bench.discrepancy.select.adequacy import Adequacy, brought, judged
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.deformation import within
+from bench.discrepancy.select.predictive_cells import told_by_places
 from bench.discrepancy.select.state import Round
 from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
@@ -80,6 +81,21 @@ def test_a_trend_over_what_the_effect_does_not_know_is_not_left_unsaid() -> None
     found = _judged([0, 0, 0, -3], [0, 0, 0, -3], warming=-2.0)
     assert not found.adequate
     assert "as a trend over temperature_c" in found.where
+
+
+def test_what_links_differ_by_anyway_is_told_by_no_covariate() -> None:
+    """More than simulated ones do: in some interval of some number they are farther off."""
+
+    def told(warming: float, seed: int) -> float:
+        rows, rng = LINKS * ROWS, np.random.default_rng(seed)
+        trend, none = np.linspace(-1.7, 1.7, rows), np.zeros((rows, len(NAMES)))
+        truth = none.copy()
+        truth[:, -1] = warming * trend + np.repeat(rng.normal(0, 4, LINKS), ROWS)
+        whole = _ensemble(truth, none, seed)
+        return float(told_by_places(whole, whole, trend[:, None])[0, -1, 0])
+
+    assert sum(told(0, seed) > 2.58 for seed in range(200)) <= 6  # of 200 at 1 %: P(more) = 0.005
+    assert min(told(8, seed) for seed in range(20)) > 5
 
 
 def test_what_the_effect_does_not_act_on_is_no_matter_of_its_own() -> None:
