@@ -34,6 +34,7 @@ class SmallScaleFading(Effect):
     essential_with_cir = ("direct_m",)  # reflections that fade alone are another form of these
     essential_on_paths = ("direct_m",)  # what is weaker and does not scatter has not faded
     by_rows = True
+    jumps = True  # a weak pulse crosses a threshold later, or not at all
     on_tables = False  # fading sample by sample would tear a recorded pulse apart
 
     direct_m: float = parameter(100, "1", 0.5, 1000, "Nakagami m of the straight path", null=1000)

@@ -22,6 +22,7 @@ from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.fading import SmallScaleFading
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -125,8 +126,9 @@ def test_fewer_rows_are_of_all_links():
     assert fewer(rows, 300) is rows
 
 
-def test_what_scatters_beside_late_detection_is_no_scatter_of_its_own():
-    state = SimpleNamespace(search=None, added=(PathLoss(), LateDetection(rise_db=6.0)))
+@pytest.mark.parametrize("jumpy", [LateDetection(rise_db=6.0), SmallScaleFading(direct_m=2.0)])
+def test_what_scatters_beside_first_paths_that_jump_is_no_scatter_of_its_own(jumpy):
+    state = SimpleNamespace(search=None, added=(PathLoss(), jumpy))
     assert turn.with_scatter(state, None, WaveChoice()) is state
     assert not PathLoss.jumps
 
