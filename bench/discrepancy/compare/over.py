@@ -6,16 +6,17 @@ takes it out (bias-corrected matching: Abadie and Imbens 2011).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.compare.known_blocks import known_blocks
+from bench.discrepancy.compare.known_blocks import Block, known_blocks
 from bench.discrepancy.compare.over_distance import Walk, nearer, walks
 from bench.discrepancy.compare.over_kinds import OverKinds, beside_walk, over_kinds
 from bench.discrepancy.compare.over_known import OverKnown, over_known
+from bench.discrepancy.compare.settings import OVER_PASSES
 from bench.discrepancy.compare.shared import alike, kinds
 from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
@@ -44,10 +45,33 @@ def found_over(
     links: Rows,
 ) -> Over:  # fmt: skip
     """Return what `observed` rows of `links` [k] do, and what is known of recorded ones."""
-    rows = range_m, links
-    over = walks(observed, *rows, kinds(recorded, simulated))
-    of_kinds = over_kinds(observed, over, *rows, alike(recorded, simulated))
+    ways = kinds(recorded, simulated), alike(recorded, simulated)
+    blocks = tuple(known_blocks(recorded, simulated))
+    made = _beside(OverKnown(observed.names, ()), observed, range_m, links, ways, blocks)
+    for _ in range(OVER_PASSES):
+        if not made.known.taken:
+            break
+        made = _beside(made.known, observed, range_m, links, ways, blocks)
+    return made
+
+
+def _beside(
+    known: OverKnown,
+    observed: Observables,
+    range_m: Floats,
+    links: Rows,
+    ways: tuple[Rows, Sequence[tuple[Rows, Rows]]],
+    blocks: tuple[Block, ...],
+) -> Over:
+    """Return what distance and kinds do beside what is `known` already, and that beside them anew.
+
+    By turns (backfitting: Buja, Hastie and Tibshirani 1989): devices that stand far away, or are
+    heard from one side there, would else be taken for the distance in part.
+    """
+    every, alone = ways
+    free = replace(observed, values=observed.values - known.done())
+    over = walks(free, range_m, links, every)
+    of_kinds = over_kinds(free, over, range_m, links, alone)
     steps = np.stack([of_kinds.steps(at) for at in range(len(observed.names))], axis=1)
     left = replace(observed, values=beside_walk(observed, over, range_m) - steps)
-    blocks = tuple(known_blocks(recorded, simulated))
     return Over(range_m, over, of_kinds, over_known(left, links, blocks))

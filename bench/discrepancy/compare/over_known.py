@@ -22,6 +22,7 @@ from bench.discrepancy.compare.settings import (
     KNOWN_PASSES,
     LEAST_SPREAD,
     LEAST_VARIANCE,
+    MOST_LEVER,
     UNKNOWN_SHARE,
     WALK_CLIP,
 )
@@ -44,18 +45,29 @@ class Taken:
 
 @dataclass(frozen=True)
 class OverKnown:
-    """What blocks do to `names` [p], each beside those before it."""
+    """What blocks do to `names` [p], each beside those before it.
+
+    `led` [k, p]: by how much less would be taken off simulated rows had their links no part in it,
+    as recorded ones have none; None where nothing is taken off.
+    """
 
     names: tuple[str, ...]
     taken: tuple[Taken, ...]
+    led: Floats | None = None
 
     def change(self, names: tuple[str, ...], pick: Rows) -> Floats:
         """Return by how much observables [n, q] change from simulated rows `pick` [n] to ours."""
         made = np.zeros((len(pick), len(self.names)))
         for one in self.taken:
             made += (one.block.ours - one.block.theirs[pick]) @ one.size
+        if self.led is not None:
+            made += self.led[pick]
         at = [self.names.index(name) if name in self.names else -1 for name in names]
         return np.where(np.array(at) >= 0, made[:, at], 0.0)
+
+    def done(self) -> Floats | float:
+        """Return what blocks do to the simulated rows themselves [k, p], 0 where nothing plain."""
+        return sum((one.block.theirs @ one.size for one in self.taken), start=0.0)
 
 
 def over_known(observed: Observables, links: Rows, blocks: Sequence[Block]) -> OverKnown:
@@ -73,7 +85,24 @@ def over_known(observed: Observables, links: Rows, blocks: Sequence[Block]) -> O
             beside = left + fit.block.theirs @ taken[at].size
             taken[at] = fit.taken(beside)
             left = beside - fit.block.theirs @ taken[at].size
-    return OverKnown(observed.names, tuple(one for one in taken if one.told.any()))
+    plain = tuple(one for one in taken if one.told.any())
+    if not plain:
+        return OverKnown(observed.names, ())
+    lever = sum(f.leverage()[:, None] * one.told for f, one in zip(fits, taken, strict=True))
+    return OverKnown(observed.names, plain, _led(left, links, np.asarray(lever)))
+
+
+def _led(left: Floats, links: Rows, lever: Floats) -> Floats:
+    """Return how far rows [k, p] lead a fit towards what they are `left` with.
+
+    A link whose `lever` on it is h leaves 1 - h of what it would leave a fit without it (Allen
+    1974): that is what a recorded link leaves. Of the mean of its rows.
+    """
+    code = of_links(links, links)[0]
+    order, counts = np.argsort(code, kind="stable"), np.bincount(code)
+    mean = _means(_filled(left), order, np.cumsum(counts) - counts, counts)
+    share = np.clip(lever, 0.0, MOST_LEVER)
+    return np.asarray((mean - mean.mean(axis=0))[code] * share / (1 - share))
 
 
 @dataclass(frozen=True)
@@ -92,6 +121,12 @@ class _Fit:
     basis: Floats
     back: Floats
     free: int
+
+    def leverage(self) -> Floats:
+        """Return the lever of rows' cells on their own fit [k]: the diagonal of the hat matrix."""
+        out = np.empty(len(self.order))
+        out[self.order] = np.repeat((self.basis**2).sum(axis=1), self.counts)
+        return out
 
     def taken(self, values: Floats) -> Taken:
         """Return what the block does to values [k, p], as far as that is plain."""

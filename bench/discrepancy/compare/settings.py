@@ -21,6 +21,8 @@ KNOWN_LINKS: Final = 16  # at least, to tell what devices, temperatures or headi
 KNOWN_P: Final = 1e-3  # that they do nothing, below which what they do is taken off: what is not
 # plain would but add to the scatter [convention]
 KNOWN_PASSES: Final = 4  # over all of them, until each stands beside the others [cost]
+OVER_PASSES: Final = 2  # of distance and kinds beside that, and of that beside them [cost]
+MOST_LEVER: Final = 0.9  # of a link on its own fit: more, and it tells nothing [convention]
 LEAST_SPREAD: Final = 1e-9  # of the widest direction of columns: one below says nothing [derived]
 UNKNOWN_SHARE: Final = 0.1  # of rows without an observable, to tell what is done to it [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
