@@ -10,6 +10,7 @@ import pytest
 
 import bench
 from bench.discrepancy.compare.known_blocks import known_blocks
+from bench.discrepancy.compare.over import found_over
 from bench.discrepancy.compare.over_known import OverKnown, over_known
 from bench.discrepancy.data.observables import Observables
 from bench.physics.units import Floats
@@ -77,6 +78,49 @@ def test_a_matched_row_is_made_one_of_ours(law: Law) -> None:
     left = apart + found(ours, theirs).change(("error_m",), pick)[:, 0]
     assert np.std(left) < 0.065  # two scatters of 0.03 m, and what the fit is off
     assert np.std(left) < 0.75 * np.std(apart)
+
+
+def of_links(left: Floats, frame: pd.DataFrame) -> float:
+    """Return the variance of links' means of what rows leave [n]."""
+    return float(pd.Series(left).groupby(frame["link"].to_numpy()).mean().var())
+
+
+def test_simulated_links_are_told_by_others_as_recorded_ones_are() -> None:
+    """Each keeps an offset; a fit that it takes part in would leave it less of that."""
+    inside, outside = [], []
+    for seed in range(0, 40, 2):
+        rng = np.random.default_rng([seed, 1])
+        ours, theirs = (
+            frame.assign(range_m=frame["range_m"] + np.repeat(rng.normal(0, 0.05, LINKS), 4))
+            for frame in (table(seed, delays), table(seed + 1, delays))
+        )
+        known = found(ours, theirs)
+        assert known.taken
+        own = known.change(("error_m",), np.arange(len(theirs)))[:, 0]
+        done = sum((one.block.ours @ one.size)[:, 0] for one in known.taken)
+        inside.append(of_links(errors(theirs) + own - done, theirs))
+        outside.append(of_links(errors(ours) - done, ours))
+    assert np.mean(inside) == pytest.approx(np.mean(outside), rel=0.1)
+
+
+def test_what_goes_with_the_distance_is_told_beside_it() -> None:
+    """Anchors that are far away: neither is taken for the other, in part."""
+
+    def far(seed: int) -> pd.DataFrame:
+        frame = table(seed, nothing)
+        noise_m = errors(frame)
+        late = 0.12 * (frame["rx"] == "a1") - 0.12 * (frame["rx"] == "a4")
+        near = np.where(frame["rx"] == "a1", 0.7, np.where(frame["rx"] == "a4", 1.4, 1.0))
+        frame["true_range_m"] *= near
+        return frame.assign(range_m=frame["true_range_m"] + late + noise_m)
+
+    ours, theirs = far(1), far(2)
+    seen = Observables(("error_m",), ("m",), errors(theirs)[:, None])
+    links = np.asarray(pd.factorize(theirs["link"])[0], np.intp)
+    over = found_over(ours, theirs, seen, theirs["true_range_m"].to_numpy(np.float64), links)
+    done = np.asarray(over.known.done())[:, 0]
+    late_m = done[theirs["rx"] == "a1"].mean() - done[theirs["rx"] == "a4"].mean()
+    assert late_m == pytest.approx(0.24, abs=0.03)
 
 
 def test_what_nothing_plainly_does_is_left() -> None:
