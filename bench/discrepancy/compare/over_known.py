@@ -26,6 +26,7 @@ from bench.discrepancy.compare.settings import (
     UNKNOWN_SHARE,
     WALK_CLIP,
 )
+from bench.discrepancy.data.grouped import group_sums
 from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
 from bench.physics.units import Floats
@@ -99,8 +100,8 @@ def _led(left: Floats, links: Rows, lever: Floats) -> Floats:
     1974): that is what a recorded link leaves. Of the mean of its rows.
     """
     code = of_links(links, links)[0]
-    order, counts = np.argsort(code, kind="stable"), np.bincount(code)
-    mean = _means(_filled(left), order, np.cumsum(counts) - counts, counts)
+    counts = np.bincount(code)
+    mean = group_sums(_filled(left), code, len(counts)) / counts[:, None]
     share = np.clip(lever, 0.0, MOST_LEVER)
     return np.asarray((mean - mean.mean(axis=0))[code] * share / (1 - share))
 

@@ -69,17 +69,12 @@ def told_by_places(whole: Ensemble, rest: Ensemble, weights: Floats) -> Floats:
     way = weights - weights.mean(axis=0)
     size = np.maximum((way**2).sum(axis=0), TIE)[:, None, None]
     slope = np.tensordot(way, left, axes=(0, 0)) / size
-    sums = _link_sums(left, way, whole.links) - slope * _squares(way, whole.links)
+    squares = _link_sums(np.ones((len(way), 1, 1)), way**2, whole.links)
+    sums = _link_sums(left, way, whole.links) - slope * squares
     links = len(sums)
     error = np.sqrt((sums**2).sum(axis=0) * links / max(links - 2, 1)) / size
     score = np.abs(slope) / np.maximum(error, TIE)
     return np.asarray(norm.isf(student.sf(score, max(links - 2, 1))))
-
-
-def _squares(way: Floats, links: Codes) -> Floats:
-    """Return the squares of weights [n, C], summed over the rows of each link [L, C, 1, 1]."""
-    made = _link_sums(np.ones((len(way), 1, 1)), way**2, links)
-    return np.asarray(made)
 
 
 def _moments(ensemble: Ensemble, scale: Floats) -> Floats:

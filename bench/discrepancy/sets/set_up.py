@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
+from bench.discrepancy.law.swaps import FAR_END
 from bench.discrepancy.sets.blocks import Blocks
 from bench.discrepancy.sets.settings import DEVICE_ROWS, LAW_M, LAW_SCALE, MOST_DEVICES
 
 Floats = NDArray[np.float64]
 PLACE, UNIT, PLACES = "the position of ", "the unit of ", "the places of "
 SETUP = (PLACE, UNIT, PLACES)
-FAR_END = {"tx": "rx", "rx": "tx"}
 
 
 def of_setup(rows: View) -> Blocks:
@@ -44,18 +44,21 @@ class _Plan:
         self.names = {end: frame[end].astype(str).to_numpy(dtype=object) for end in FAR_END}
         self.at = {end: _positions(frame, end) for end in FAR_END}
         self.stands = {end: _standing(self.names[end], self.at[end]) for end in FAR_END}
+        way = (self.at["tx"] - self.at["rx"]) / np.maximum(true_m, 1e-3)[:, None]
+        self.line = {"tx": way, "rx": -way}
 
     def faults(self) -> Blocks:
         """Return the blocks: a device that is at both ends in turn is off in all its rows."""
         out: Blocks = {}
         for end, stands in self.stands.items():
-            moved = {name: self._moved(end, name) for name in stands}
-            for name, columns in moved.items():
-                mine = self.names[end] == name
-                grown = LAW_SCALE * (self.true_m * mine)[:, None]
-                both = self._is_one(name) and f"{PLACE}{name}" in out
-                out[f"{PLACE}{name}"] = (columns + (out[f"{PLACE}{name}"][0] if both else 0.0),)
-                out[f"{UNIT}{name}"] = (grown + (out[f"{UNIT}{name}"][0] if both else 0.0),)
+            moved = {}
+            for name in stands:
+                mine = (self.names[end] == name)[:, None]
+                moved[name] = LAW_M * self.line[end] * mine
+                grown = LAW_SCALE * self.true_m[:, None] * mine
+                for key, columns in ((f"{PLACE}{name}", moved[name]), (f"{UNIT}{name}", grown)):
+                    before = out[key][0] if key in out and self._is_one(name) else 0.0
+                    out[key] = (columns + before,)
             if len(stands) > 1:  # a plan that is stretched, turned or old moves all of them at once
                 out[f"{PLACE}every {end}"] = (np.hstack(list(moved.values())),)
             for pair in combinations(stands, 2):
@@ -67,12 +70,6 @@ class _Plan:
         places = [stands[name] for stands in self.stands.values() if name in stands]
         return bool(np.ptp(np.stack(places), axis=0).max() <= LAW_SAME_PLACE_M)
 
-    def _moved(self, end: str, name: str) -> Floats:
-        """Return how rows [n, 3] change with the position of a device at an end, as `LAW_M`."""
-        way = self.at[end] - self.at[FAR_END[end]]
-        line = way / np.maximum(self.true_m, 1e-3)[:, None]
-        return np.asarray(LAW_M * line * (self.names[end] == name)[:, None])
-
     def _swapped(self, end: str, one: str, two: str) -> Floats:
         """Return what two devices at an end do to rows [n] where each is the other.
 
@@ -83,7 +80,7 @@ class _Plan:
             really = self.stands[end][other]
             for side in FAR_END if self._is_one(name) else (end,):
                 far = FAR_END[side]
-                mine = (self.names[side] == name) & (name in self.stands[side] or side == end)
+                mine = (self.names[side] == name) & (name in self.stands[side])
                 mine &= ~((self.names[far] == other) & self._is_one(other))
                 away = np.linalg.norm(self.at[far][mine] - really, axis=1)
                 shift[mine] = away - self.true_m[mine]
