@@ -50,7 +50,7 @@ def bars() -> tuple[Classes, list[Bar]]:
 
 
 def points(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.rglob("points/*")}
+    return {path.name: path.read_bytes() for path in folder.rglob("points/[!.]*")}  # no half ones
 
 
 def swept(out: Path, how: Spread, work: Any, made: tuple[Any, list[Any]]) -> dict[str, bytes]:
