@@ -35,7 +35,7 @@ from bench.physics.own_detector import Crossing, crossing
 from bench.physics.own_noise import unit_noise, with_own_noise
 from bench.physics.passed_over import begins
 from bench.physics.pipeline import Change, Pipeline
-from bench.physics.pulse import peak
+from bench.physics.pulse import lobe_phases, peak
 from bench.physics.randomness import BLOCK, Draws
 from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.sampling import sampled
@@ -45,7 +45,6 @@ from bench.physics.units import (
     C_M_PER_NS,
     Complexes,
     Floats,
-    Reals,
     absolute,
     amplitude,
 )
@@ -57,13 +56,15 @@ class ForeignTable:
 
     `frame` needs `true_range_m` (or positions) and `range_m` or `error_m`; `base` gives what the
     table does not tell (pulse width, threshold, noise). All rows must have CIRs of one length.
-    `memory` holds random numbers that are drawn again.
+    `memory` holds random numbers that are drawn again; `like` is a table of the same simulator that
+    tells how edges are timed, else these rows do.
     """
 
     frame: pd.DataFrame
     base: Base = field(default_factory=Base)
     source: str = "simulated table"
     memory: DrawMemory = field(default_factory=lambda: DrawMemory(0), compare=False)
+    like: ForeignTable | None = field(default=None, compare=False)
 
     @cached_property
     def rows(self) -> Scene:
@@ -146,7 +147,7 @@ class ForeignTable:
         """Return what receives rows of which this arrives without effects."""
         given = arriving.rows.number("rx_power_dbm", np.nan) - arriving.path_power_dbm()
         offset_db = np.where(np.isfinite(given), given, 0.0)
-        peaks, edge, begin = self._peaks[part], arriving.free_gain, self._detector[0][part]
+        peaks, edge, begin = self._peaks[part], arriving.free_gain, self._begin[part]
         return partial(
             self._received, part=part, offset_db=offset_db, edge=edge, peaks=peaks, begin=begin
         )
@@ -196,17 +197,28 @@ class ForeignTable:
         return noise_times(absolute(self.cir), self._index(self.rows), stated)
 
     @cached_property
-    def _detector(self) -> tuple[Floats, Crossing | None]:
-        """Before which sample of every CIR [n] no path is found; where edges are timed if told."""
-        if self.cir is None:
-            return np.zeros(len(self.rows)), None
+    def timing(self) -> Crossing | None:
+        """Where edges are timed, None where the table does not tell another way than the base's."""
+        if self.like is not None or self.cir is None:
+            return self.like.timing if self.like else None
+        noise, limit = self._quiet
+        seen, index = absolute(self.cir), self._index(self.rows)
+        usual = first_path(seen, limit, begin=begins(seen, limit, index))
+        return crossing(seen, noise * np.sqrt(self._noise_times), index, usual)
+
+    @cached_property
+    def _begin(self) -> Floats:
+        """Before which sample of every CIR no path is found [n]."""
+        if self.cir is None or self.timing is not None:
+            return np.zeros(len(self.rows))
+        return begins(absolute(self.cir), self._quiet[1], self._index(self.rows))
+
+    @cached_property
+    def _quiet(self) -> tuple[Floats, Floats]:
+        """What magnitudes of the noise that is told scatter, and the base's threshold [n each]."""
         batch = self.own.counted(self.own.paths(self.rows))
         noise = RAYLEIGH_STD * np.sqrt(_noise_power(batch) / 2)
-        seen, index, limit = absolute(self.cir), self._index(self.rows), there(batch.threshold)
-        begin = begins(seen, limit * noise, index)
-        usual = first_path(seen, limit * noise, begin=begin)
-        own = crossing(seen, noise * np.sqrt(self._noise_times), index, usual)
-        return begin if own is None else np.zeros(len(begin)), own
+        return noise, there(batch.threshold) * noise
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
         """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
@@ -264,7 +276,7 @@ class ForeignTable:
 
     def _timed(self, batch: Batch) -> Batch:
         """Return the batch with first paths timed as in the table, where that tells how."""
-        own = self._detector[1]
+        own = self.timing
         if own is None:
             return batch
         threshold = np.full(len(batch), own.of_noise)
@@ -328,18 +340,6 @@ def _louder_by(batch: Batch, edge: Complexes | None) -> Floats:
         return np.ones(len(batch))
     before, after = absolute(edge).astype(np.float64), absolute(batch.free_gain)
     return np.asarray(np.divide(after, before, out=np.ones(len(batch)), where=before > 0))
-
-
-def lobe_phases(size: Reals) -> Complexes:
-    """Return a random phase for every lobe of magnitudes [n, K], alike within it, as e^(j phase).
-
-    A lobe reaches from one local minimum to the next: a pulse is one.
-    """
-    begins = np.zeros(size.shape, bool)
-    begins[:, 1:-1] = (size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
-    drawn = np.random.default_rng(0).random(size.shape)
-    turns = np.take_along_axis(drawn, np.cumsum(begins, axis=1), axis=1)
-    return np.asarray(np.exp(2j * np.pi * turns), np.complex64)
 
 
 def _stacked(column: pd.Series, source: str) -> Floats:

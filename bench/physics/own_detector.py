@@ -9,8 +9,8 @@ the level.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -20,7 +20,10 @@ from bench.physics.units import Floats, Reals
 
 OF_NOISE = tuple(np.geomspace(3.0, 40.0, 24).tolist())  # standard deviations of magnitudes
 OF_PEAK = tuple(np.linspace(0.1, 0.9, 17).tolist())
+FINER = (0.025, 0.0125, 0.00625)  # steps of the same about the best: edges of 2 ns move by 0.01 ns
 LEAST = OF_NOISE[0]  # times the noise: less is noise in every row
+QUIET = 6.5  # times the noise, that one sample of noise in 10 000 reaches: no detector that works
+# asks for less of its own accord
 BETTER = 0.6  # of what is left of the base's detector, at most: else it is that one [convention]
 FARTHEST = 3.0  # samples, that an edge counts as far: another one [convention]
 MOST_ROWS = 2000  # of a table that tell [cost]
@@ -47,14 +50,37 @@ def crossing(magnitude: Reals, noise: Floats, index: Floats, usual: Floats) -> C
     """
     told = np.unique(np.linspace(0, len(index) - 1, MOST_ROWS).astype(np.intp))
     size, own, quiet = magnitude[told], index[told], noise[told]
-    off = {one: _off(one.found(size, quiet) - own) for one in _tries()}
-    best = min(off, key=lambda one: off[one])
-    return best if off[best] < BETTER * _off(usual[told] - own) else None
+
+    def off(one: Crossing) -> float:
+        return _off(one.found(size, quiet) - own)
+
+    best = _as_deaf(_finer(min(_tries(), key=off), off), off)
+    return best if off(best) < BETTER * _off(usual[told] - own) else None
 
 
 def _tries() -> Iterator[Crossing]:
     """Yield the levels at which an edge may be timed."""
     return chain((Crossing(k, 0.0) for k in OF_NOISE), (Crossing(LEAST, p) for p in OF_PEAK))
+
+
+def _finer(best: Crossing, off: Callable[[Crossing], float]) -> Crossing:
+    """Return the best part of the highest sample about the best that was tried."""
+    for step in FINER if best.of_peak else ():
+        parts = (best.of_peak, best.of_peak - step, best.of_peak + step)
+        best = min((replace(best, of_peak=part) for part in parts), key=off)
+    return best
+
+
+def _as_deaf(best: Crossing, off: Callable[[Crossing], float]) -> Crossing:
+    """Return a detector of a part of the highest sample with what it asks for beside the noise.
+
+    Rows that are louder do not tell that: then it is no more than what noise hardly reaches.
+    """
+    if not best.of_peak:
+        return best
+    usual = [times for times in reversed(OF_NOISE) if times <= QUIET]
+    deafer = [times for times in OF_NOISE if times > QUIET]
+    return min((replace(best, of_noise=times) for times in (*usual, *deafer)), key=off)
 
 
 def _off(apart: Floats) -> float:

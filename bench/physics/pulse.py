@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from bench.physics.units import Floats, Reals
+from bench.physics.units import Complexes, Floats, Reals
 
 HALF_WIDTH = 4  # samples on either side of the centre; beyond, the pulse is under 0.1 %
 STEPS = 64  # positions between two samples, the resolution of the chip's first-path index
@@ -40,3 +40,15 @@ def table(fwhm_samples: float) -> Reals:
 def peak(fwhm_samples: float) -> float:
     """Return the peak magnitude of the pulse of unit energy."""
     return float(table(fwhm_samples)[0, HALF_WIDTH])
+
+
+def lobe_phases(size: Reals) -> Complexes:
+    """Return a random phase for every lobe of magnitudes [n, K], alike within it, as e^(j phase).
+
+    A lobe reaches from one local minimum to the next: a pulse is one.
+    """
+    begins = np.zeros(size.shape, bool)
+    begins[:, 1:-1] = (size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
+    drawn = np.random.default_rng(0).random(size.shape)
+    turns = np.take_along_axis(drawn, np.cumsum(begins, axis=1), axis=1)
+    return np.asarray(np.exp(2j * np.pi * turns), np.complex64)

@@ -48,6 +48,7 @@ class TableWaveforms:
     ) -> None:
         self.frame, self.error_m, self.window, self.seed = frame, error_m, window, seed
         self._drawn = DrawMemory(KEPT_NOISE)
+        self._whole = ForeignTable(frame)
         self._tables: Memory[ForeignTable] = Memory(KEPT_TABLES)
         self._stacks: Memory[StackedTables] = Memory(KEPT_TABLES)
         self._shapes: Memory[Shape] = Memory(KEPT_SHAPES)
@@ -110,7 +111,8 @@ class TableWaveforms:
         """Return matched rows, ready for effects to act on."""
 
         def made() -> ForeignTable:
-            return ForeignTable(self._rows_at(view, pick), memory=self._drawn)
+            rows = self._rows_at(view, pick)
+            return ForeignTable(rows, memory=self._drawn, like=self._whole)
 
         return self._tables.get((view.number, pick.tobytes()), made)
 

@@ -157,6 +157,8 @@ EDGE_OF_PEAK: Final = 0.12  # of the highest sample, the same: over side lobes [
 EDGE_AT: Final = 0.5  # of the first maximum, where an edge is timed: steepest there [derived]
 EDGE_PARTS: Final = tuple(0.1 * step for step in range(1, 10))
 # of a maximum, where detectors are tried to time an edge [cost]
+CROSSED_NOISE: Final = tuple(2.5 * 1.25**step for step in range(10))
+# times the noise of a component, where thresholds that edges are timed at are tried [cost]
 CENTRE_SAMPLES: Final = 2  # on both sides of a top: so long a pulse of 2 ns is [derived]
 DEAF_TIMES: Final = tuple(1.25**step for step in range(1, 10))  # deafer, that is tried [cost]
 EDGE_WRONG_NS: Final = 3.0  # from where on an edge is another path: a pulse lasts 2 ns [derived]

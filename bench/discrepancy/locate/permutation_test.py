@@ -118,13 +118,16 @@ def locate(
     crowding: float = 1.0,
     reused: Reused | None = None,
     scatter: Floats | None = None,
+    copied: bool = False,
 ) -> Located:
     """Search every cell. `covariates` describe the ensemble's rows.
 
     Deterministic from `seed`. `wider_only`: a spread counts only where the recorded is wider (see
     `Ensemble.beside`). `crowding`: how much wider than permutations the null is (see
     `TableComparison.crowding`), or cell by cell from what links share, `reused` (see `reuse`),
-    where that is more. `scatter`: see `link_sums`. At most `top` findings of p <= `alpha`.
+    where that is more. `scatter`: see `link_sums`. `copied`: simulated rows stand for several of a
+    link, which have more in common by that: then offsets count where recorded links keep more. At
+    most `top` findings of p <= `alpha`.
     """
     rng = np.random.default_rng(seed)
     clusters = _clusters(len(np.unique(ensemble.links)), rng)
@@ -132,6 +135,7 @@ def locate(
     z, null = _permuted(sums, rng, permutations)
     wider = np.maximum(_wider(cells, ensemble, covariates, reused) / crowding, 1.0)
     z = z / (crowding * np.sqrt(1 + (wider**2 - 1) * simulated_share(sums)))
+    z = np.where([copied and cell.moment == "link" for cell in cells], np.maximum(z, 0.0), z)
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]

@@ -50,6 +50,12 @@ def rows_of_their_own(comparison: Comparison, view: View) -> bool:
     return comparison.paired(view) and all(len(np.unique(p)) == len(p) for p in picks)
 
 
+def copied(comparison: Comparison, view: View) -> bool:
+    """Return whether simulated rows stand for several rows of a link, as where these are fewer."""
+    first = once(comparison, view, 1)
+    return first is not None and not bool(first.all())
+
+
 def once(comparison: Comparison, view: View, members: int) -> NDArray[np.bool_] | None:
     """Return which simulated rows [members, n] are the first to stand for any row of their link.
 

@@ -19,7 +19,12 @@ from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
 from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
-from bench.discrepancy.select.own_draws import beside_similar, beyond_own_draws, within_links
+from bench.discrepancy.select.own_draws import (
+    beside_similar,
+    beyond_own_draws,
+    copied,
+    within_links,
+)
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.settings import FEWEST_SEVERAL
 from bench.discrepancy.select.state import Round, Search
@@ -73,6 +78,7 @@ def located_in(
     located = locate(
         ensemble.first(own), seen.covariates, number, level, crowding=alone,
         reused=reuse(search.comparison, seen), scatter=scatter,
+        copied=copied(search.comparison, seen),
     )  # fmt: skip
     if located.significant and own > 1 and len(ensemble.simulated) >= own + FEW_VERSIONS:
         return beyond_own_draws(

@@ -14,6 +14,7 @@ from bench.physics.own_detector import Crossing, crossing
 from bench.physics.units import C_M_PER_NS
 
 TIMES, PART = 9.0, 0.3
+LOUD = 30.0
 
 
 def timed(by: Crossing, weaker_db: float = 0.0) -> pd.DataFrame:
@@ -30,7 +31,7 @@ def timed(by: Crossing, weaker_db: float = 0.0) -> pd.DataFrame:
 
 @pytest.mark.parametrize("by", [Crossing(TIMES, 0.0), Crossing(3.0, PART)], ids=["noise", "peak"])
 def test_where_a_detector_times_edges_is_learned(by: Crossing) -> None:
-    found = ForeignTable(timed(by))._detector[1]
+    found = ForeignTable(timed(by)).timing
     assert found is not None
     if by.of_peak:
         assert found.of_peak == pytest.approx(PART, abs=0.06)
@@ -38,8 +39,21 @@ def test_where_a_detector_times_edges_is_learned(by: Crossing) -> None:
         assert found.of_noise == pytest.approx(TIMES, rel=0.15)
 
 
+def test_what_it_asks_for_beside_a_part_of_the_highest_is_learned_where_rows_tell() -> None:
+    both = ForeignTable(timed(Crossing(LOUD, 0.12))).timing
+    assert both is not None
+    assert both.of_noise == pytest.approx(LOUD, rel=0.15)
+    assert both.of_peak == pytest.approx(0.12, abs=0.01)
+
+
+def test_a_table_tells_other_rows_of_its_simulator_how_edges_are_timed() -> None:
+    whole = ForeignTable(timed(Crossing(TIMES, 0.0)))
+    few = ForeignTable(whole.frame.iloc[:2], like=whole)
+    assert few.timing == whole.timing
+
+
 def test_a_detector_like_the_base_is_not_another_one() -> None:
-    assert ForeignTable(Simulator().simulate(line(400, far_m=30.0)).frame)._detector[1] is None
+    assert ForeignTable(Simulator().simulate(line(400, far_m=30.0)).frame).timing is None
 
 
 def test_weaker_rows_are_later_where_edges_are_timed_by_the_noise() -> None:

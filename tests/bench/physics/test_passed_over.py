@@ -35,7 +35,7 @@ def test_a_side_lobe_that_sinks_below_the_threshold_moves_no_path() -> None:
 
 def test_a_detector_that_agrees_looks_at_all_samples() -> None:
     frame = Simulator().simulate(line(300, far_m=8.0, los=True)).frame
-    assert not ForeignTable(frame)._detector[0].any()
+    assert not ForeignTable(frame)._begin.any()
 
 
 def test_an_index_that_scatters_makes_nothing_be_passed_over() -> None:

@@ -70,6 +70,32 @@ def test_no_detector_is_deafer_than_recorded_indices_show() -> None:
     assert all(abs(np.median(one.edges_ns(heard))) < 1 for one in deaf)
 
 
+def test_a_threshold_that_goes_with_the_noise_is_crossed_later_where_there_is_more() -> None:
+    plain, loud = (crossed(noise) for noise in (1.0, 5.0))
+    assert np.median(USUAL.edges_ns(plain) - USUAL.edges_ns(loud)) > 0.2
+    told = learned([plain])
+    assert told.crossed
+    assert told.of_noise == pytest.approx(4.0, rel=0.15)
+    assert np.median(told.edges_ns(plain) - told.edges_ns(loud)) == pytest.approx(0, abs=0.02)
+
+
+def test_a_threshold_that_simulated_noise_does_not_reach_is_tried() -> None:
+    plain, loud = (crossed(noise, part=0.2) for noise in (1.0, 7.5))
+    told = learned([plain])
+    assert not told.crossed
+    assert np.median(told.edges_ns(plain) - told.edges_ns(loud)) > 0.15
+    deaf = as_deaf(told, [plain], loud)
+    assert any(abs(np.median(one.edges_ns(plain) - one.edges_ns(loud))) < 0.1 for one in deaf)
+
+
+def crossed(noise: float, part: float = 0.0) -> Heard:
+    """Return records whose indices are where a threshold of 4 times the noise is crossed."""
+    made = pulses(0.6)[0]
+    way = Detector(of_noise=3.9, of_peak=0.0, at=part, of_highest=True, crossed=True)
+    flat = Heard((made, np.tile(DELAY, (len(made), 1))), np.full(len(made), noise))
+    return Heard((made, DELAY - way.edges_ns(flat)[:, None]), flat.noise)
+
+
 def hard_of_hearing() -> Detector:
     """Return a detector that passes over what is below a third of the highest sample."""
     return Detector(of_peak=0.33)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.discrepancy.compare.table import TableComparison
@@ -10,7 +11,7 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.locate.permutation_test import locate
-from bench.discrepancy.select.own_draws import beyond_own_draws, common
+from bench.discrepancy.select.own_draws import beyond_own_draws, common, copied
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import locate_left
 from bench.physics.units import Floats
@@ -177,3 +178,27 @@ def test_levels_that_both_sides_share_make_no_place_of_their_own(replicas: int) 
         found = Search(TableComparison(theirs, Window()), rows, rows, {}, 0, work=rows)
         alarms += locate_left(found, (), 0).significant
     assert alarms <= 1
+
+
+@pytest.mark.parametrize(("kept_db", "there"), [(0.0, False), (0.5, False), (3.0, True)])
+def test_one_simulated_row_of_each_link_does_not_say_what_links_keep(
+    kept_db: float, there: bool
+) -> None:
+    """It stands for all rows of a recorded link, which so seem to have less in common."""
+    rng = np.random.default_rng(5)
+    levels = np.repeat(rng.normal(0, kept_db, 40), 15) + rng.normal(0, 1.0, 600)
+    recorded, simulated = placed(rng, 40, 15, levels), placed(rng, 600, 1, rng.normal(0, 1.0, 600))
+    codes = link_codes(recorded)
+    rows = view(recorded, codes, np.arange(600), Window(), ("rx_power_dbm",), False)
+    comparison = TableComparison(simulated, Window())
+    assert copied(comparison, rows)
+    search = Search(comparison, rows, rows, {}, 0, work=rows)
+    assert locate_left(search, (), 0).significant == there
+
+
+def placed(rng: np.random.Generator, links: int, rows: int, level_db: Floats) -> pd.DataFrame:
+    """Return rows of links between 4 and 9 m with levels [links x rows]."""
+    range_m = np.repeat(rng.uniform(4.0, 9.0, links), rows)
+    names = [f"{links}-{link}" for link in np.repeat(np.arange(links), rows)]
+    known = {"link": names, "true_range_m": range_m, "range_m": range_m, "error_m": 0.0}
+    return pd.DataFrame({**known, "rx_power_dbm": level_db - 60})
