@@ -41,13 +41,7 @@ from bench.physics.remembered import DrawMemory, RememberedDraws
 from bench.physics.sampling import sampled
 from bench.physics.scaled_peaks import ScaledPeaks
 from bench.physics.scene import Scene, scene
-from bench.physics.units import (
-    C_M_PER_NS,
-    Complexes,
-    Floats,
-    absolute,
-    amplitude,
-)
+from bench.physics.units import C_M_PER_NS, Complexes, Floats, absolute, amplitude
 
 
 @dataclass(frozen=True)
@@ -203,13 +197,18 @@ class ForeignTable:
             return self.like.timing if self.like else None
         noise, limit = self._quiet
         seen, index = absolute(self.cir), self._index(self.rows)
-        usual = first_path(seen, limit, begin=begins(seen, limit, index))
+        usual = first_path(seen, limit, begin=self._passed_over)
         return crossing(seen, noise * np.sqrt(self._noise_times), index, usual)
 
-    @cached_property
+    @property
     def _begin(self) -> Floats:
         """Before which sample of every CIR no path is found [n]."""
-        if self.cir is None or self.timing is not None:
+        return self._passed_over if self.timing is None else np.zeros(len(self.rows))
+
+    @cached_property
+    def _passed_over(self) -> Floats:
+        """The same of a detector like the base's [n]."""
+        if self.cir is None:
             return np.zeros(len(self.rows))
         return begins(absolute(self.cir), self._quiet[1], self._index(self.rows))
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.physics.detection import crossed_level, first_path
 from bench.physics.units import Floats, Reals
@@ -48,7 +49,7 @@ def crossing(magnitude: Reals, noise: Floats, index: Floats, usual: Floats) -> C
     `magnitude` [n, K] and `index` [n] as in the table, `noise` [n] the standard deviation of
     magnitudes of noise alone, `usual` [n] the first paths that the base's detector finds there.
     """
-    told = np.unique(np.linspace(0, len(index) - 1, MOST_ROWS).astype(np.intp))
+    told = telling(len(index))
     size, own, quiet = magnitude[told], index[told], noise[told]
 
     def off(one: Crossing) -> float:
@@ -56,6 +57,11 @@ def crossing(magnitude: Reals, noise: Floats, index: Floats, usual: Floats) -> C
 
     best = _as_deaf(_finer(min(_tries(), key=off), off), off)
     return best if off(best) < BETTER * _off(usual[told] - own) else None
+
+
+def telling(rows: int) -> NDArray[np.intp]:
+    """Return which of so many rows of a table tell how edges are timed."""
+    return np.unique(np.linspace(0, rows - 1, MOST_ROWS).astype(np.intp))
 
 
 def _tries() -> Iterator[Crossing]:

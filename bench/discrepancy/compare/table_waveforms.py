@@ -28,6 +28,7 @@ from bench.physics.foreign import ForeignTable
 from bench.physics.foreign_stack import StackedTables
 from bench.physics.memory import Memory
 from bench.physics.outcome import Outcome
+from bench.physics.own_detector import telling
 from bench.physics.remembered import DrawMemory
 
 Shape = dict[str, Floats]
@@ -48,7 +49,7 @@ class TableWaveforms:
     ) -> None:
         self.frame, self.error_m, self.window, self.seed = frame, error_m, window, seed
         self._drawn = DrawMemory(KEPT_NOISE)
-        self._whole = ForeignTable(frame)
+        self._told_by = ForeignTable(frame.iloc[telling(len(frame))])
         self._tables: Memory[ForeignTable] = Memory(KEPT_TABLES)
         self._stacks: Memory[StackedTables] = Memory(KEPT_TABLES)
         self._shapes: Memory[Shape] = Memory(KEPT_SHAPES)
@@ -112,7 +113,7 @@ class TableWaveforms:
 
         def made() -> ForeignTable:
             rows = self._rows_at(view, pick)
-            return ForeignTable(rows, memory=self._drawn, like=self._whole)
+            return ForeignTable(rows, memory=self._drawn, like=self._told_by)
 
         return self._tables.get((view.number, pick.tobytes()), made)
 

@@ -2,9 +2,9 @@
 
 Receivers time a leading edge at a part of its first maximum or of the highest one, where it rises
 through their threshold, which goes with the noise, or the centre of weight of the pulse (Falsi et
-al. 2006; Guvenc and Sahinoglu 2005). Which of these, simulated
-indices tell: with the right one they lie at one place in all rows. Recorded records that are asked
-with it show what this detector makes of them, whatever happened to the pulse.
+al. 2006; Guvenc and Sahinoglu 2005). Which of these, simulated indices tell: with the right one
+they lie at one place in all rows. Recorded records that are asked with it show what this detector
+makes of them, whatever happened to the pulse.
 """
 
 from __future__ import annotations
