@@ -153,13 +153,21 @@ def measured_lines(diagnosis: Diagnosis) -> list[str]:
     return out
 
 
+def _untouched(told: tuple[str, ...]) -> str:
+    """Return what sealed links were used for before this table: to tell some names, or nothing."""
+    if not told:
+        return "Nothing was searched, fitted or chosen on these links."
+    which = f"which of {' or '.join(told)} is added: other links do not tell them apart"
+    return f"Nothing was searched or fitted on these links. They told {which}."
+
+
 def _confirm_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the before and after table of the confirm links."""
     seen = diagnosis.confirmed
     return [
         f"## Before and after, on {seen.links} confirm links ({seen.rows} rows)",
         "",
-        "Nothing was searched, fitted or chosen on these links.",
+        _untouched(diagnosis.selection.sealed_choice),
         "",
         "| | before | after |",
         "| --- | --- | --- |",

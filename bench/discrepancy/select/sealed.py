@@ -1,7 +1,8 @@
 """Sealed links may refuse an effect: what makes ranges worse there has no business in a simulator.
 
 They can only refuse. What stays was chosen on working links, and nothing comes in the place of what
-goes: its name is taken back, and something is there that has none.
+goes but another of a class that these left open (see `sealed_class`): else its name is taken back,
+and something is there that has none.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from bench.discrepancy.headline import WITHHELD
 from bench.discrepancy.joint.held_out import likelier_with
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
+from bench.discrepancy.select.sealed_class import Change, borne_out_of_class
 from bench.discrepancy.select.state import Selection
 from bench.discrepancy.select.struck_sealed import struck_nats
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
@@ -29,7 +31,6 @@ from bench.physics.effect import Effect
 
 STRUCK = Guard().safely("offsets of sealed links", struck_nats, None)
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
-Change = Callable[[Added], Served | None]  # what effects do to sealed links
 Borne = Callable[[Strike], bool]  # whether offsets of sealed links may be those of a strike
 Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
 
@@ -47,7 +48,6 @@ def unrefused(
     `likelier_with`). And so does what has nothing to act on there (no metal stands in any sealed
     link), of which they tell nothing.
     """
-    added = (*found.added, *more)
     step = Guard().safely("sealed links", served, None)
     judged: dict[tuple[str, ...], Served | None] = {}
 
@@ -56,6 +56,9 @@ def unrefused(
         if key not in judged:
             judged[key] = step(comparison, sealed, some, seed)
         return judged[key]
+
+    found = borne_out_of_class(found, more, change)
+    added = (*found.added, *more)
 
     @cache
     def likelier(effect: Effect) -> bool:
@@ -79,7 +82,7 @@ def unrefused(
     words = {e.physics: f"{_how(e, apart)}: {_why(change((e,)))}{left}" for e in stay}
     back = {e.name for e in said.added} | {e.name for e in stay if e.physics in apart}
     held_on = tuple(e for e in found.added if e.name in back)
-    said = replace(said, added=held_on, withheld=words, untimed=apart)
+    said = replace(said, added=held_on, withheld={**found.withheld, **words}, untimed=apart)
     return said, tuple(e for e in more if e.name in names)
 
 

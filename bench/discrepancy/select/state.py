@@ -132,7 +132,8 @@ class Selection:
     not whole, and why; `untimed`: those that leave ranges as they are. `logged`: effects that logs
     of the receiver show. `tied`: names that do as well as a fault of the set-up that is said in
     their place; `elsewhere`: devices of which one may stand elsewhere instead of antenna delays.
-    `mean`: what names leave that is the mean of what goes up and down.
+    `mean`: what names leave that is the mean of what goes up and down. `sealed_choice`: names of a
+    class of which sealed links told which is added.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -147,6 +148,7 @@ class Selection:
     untimed: tuple[str, ...] = ()
     elsewhere: tuple[str, ...] = ()
     mean: tuple[Finding, ...] = ()
+    sealed_choice: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:

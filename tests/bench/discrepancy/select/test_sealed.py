@@ -76,10 +76,11 @@ def kept(monkeypatch: pytest.MonkeyPatch, wrong: tuple[object, ...]) -> Selectio
 
 
 def test_what_makes_sealed_links_worse_loses_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = kept(monkeypatch, (DELAY,))
+    found = kept(monkeypatch, (DELAY, SCALE))
     assert found.names == (("time-lag",),)
     assert found.added == (LAG,)
     assert "antenna-delay or range-scale" in found.verdicts[-1].note
+    assert not found.sealed_choice
     assert kept(monkeypatch, ()).added == (DELAY, LAG)
     assert len(kept(monkeypatch, ()).verdicts) == 2
     nothing = kept(monkeypatch, (DELAY, LAG))
