@@ -86,7 +86,8 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
     unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
     told = f" ({more})" if more else ""
     if not unknown:
-        return f"Left out: {names}{told}" if names else ""
+        own = f", in a form of its own beside the library's{told}" if more else ""
+        return f"Left out: {names}{own}" if names else ""
     if more.startswith(TOLD):
         return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.settings import WAVES_SHARE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import located_in
-from bench.discrepancy.settings import FAMILY_WISE, SEARCH_FIRST, SEARCH_MEMBERS
+from bench.discrepancy.settings import FAMILY_WISE, RESOLUTION, SEARCH_FIRST, SEARCH_MEMBERS
 
 
 def with_ranges(search: Search, found: Located) -> Located:
@@ -32,11 +33,18 @@ def with_levels(search: Search, found: Located) -> Located:
     """Return what was found, or, where that is nothing, what levels of all working rows show.
 
     A weak antenna at one device of six is seen by these, and one finding among hundreds by chance.
+    Less than readings of levels tell (`RESOLUTION`) is nothing, however surely it is seen.
     """
     levels = None if found.significant else _of_all_rows(search, LEVEL)
-    if levels is None or not levels.significant:
+    large = tuple(o for o in levels.findings if _readable(o.told.effect)) if levels else ()
+    if levels is None or not large:
         return found
-    return replace(levels, detectable=found.detectable)
+    return replace(levels, findings=large, detectable=found.detectable)
+
+
+def _readable(effect: Estimate) -> bool:
+    """Return whether a reading of levels could tell so much of a difference in dB."""
+    return max(abs(effect.low), abs(effect.high)) >= RESOLUTION["dB"]
 
 
 def _of_all_rows(search: Search, name: str) -> Located | None:

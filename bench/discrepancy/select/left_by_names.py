@@ -23,10 +23,10 @@ from bench.discrepancy.sets.shifted import Shifted
 
 def left_by_names(search: Search, added: Added, last: Round) -> bool:
     """Return whether all that a last round finds is what named causes do themselves."""
-    return left_by_causes(search, added, last.located.findings) or _of_form(search, added, last)
+    return left_by_causes(search, added, last.located.findings) or of_form(search, added, last)
 
 
-def _of_form(search: Search, added: Added, last: Round) -> bool:
+def of_form(search: Search, added: Added, last: Round) -> bool:
     """Return whether nothing is found in ranges beside a set of causes, all of which are named.
 
     Asked where ranges alone were found.

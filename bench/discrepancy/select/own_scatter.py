@@ -5,8 +5,9 @@ with the square root of noise over signal (Kay 1993, section 3.11). A truth that
 equally late in every row (a tracker has frames, a host a queue), and a device moves as far
 meanwhile as it is fast: what that leaves goes with the speed. A crystal's offset wanders, with its
 warmth or by itself, and what that makes goes with the reply time, as what it makes in the mean
-does. Time stamps scatter every range alike. Where a receiver logs a noise that is louder than
-simulated, motion or clocks are named, these are put to ranges.
+does. Paths that are named move what is detected from row to row, and most what they move most. Time
+stamps scatter every range alike. Where a receiver logs a noise that is louder than simulated,
+motion, clocks or, of waveforms, paths are named, these are put to ranges.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.in_turn import apart_in_turn
 from bench.discrepancy.select.receiver_logs import logs
-from bench.discrepancy.select.settings import EXTRA_SCATTER_M, REPLY_RATIO
+from bench.discrepancy.select.settings import EXTRA_SCATTER_M, PATHS_TIMES, REPLY_RATIO
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.select.within_links import within
@@ -40,7 +41,8 @@ REPLY = "reply_time_s"
 OF_NOISE = "it scatters as the noise does that is logged"
 OF_MOTION = "it scatters as devices move"
 OF_CLOCKS = "it scatters as clocks wander"
-OWN = (OF_NOISE, OF_MOTION, OF_CLOCKS)
+OF_PATHS = "it scatters as paths move what is detected"
+OWN = (OF_NOISE, OF_MOTION, OF_CLOCKS, OF_PATHS)
 OF_SCATTER = ("spread", "rows")  # moments that say how far ranges scatter
 ENDS = ("tx", "rx")
 FARTHER = "it scatters the more, the farther devices are apart"
@@ -64,6 +66,7 @@ def beyond_causes(search: Search, added: Added, effect: Effect) -> Adequacy:
     if RANGE not in made.names:
         return Adequacy(True)
     own = _own_notes(made, _own_scatter(search, search.work, rest))
+    own += of_paths(search, search.work, rest, made)
     if notes := [*own, *uneven(made, search.work), *of_one_device(made, search.work)]:
         return Adequacy(False, 1.0, note=notes[0])
     return apart_in_turn(made, numeric(search.work.frame, "time_s"), search.seed)
@@ -90,6 +93,27 @@ def _own_notes(made: Ensemble, own: dict[str, Floats]) -> list[str]:
     left, simulated = _beside(made)
     spread = max(float(np.nanmean(simulated**2)), LEAST_SCATTER_M**2)
     return [note for note, goes in own.items() if not _even(left, spread, goes)]
+
+
+def of_paths(search: Search, rows: View, rest: Added, made: Ensemble) -> list[str]:
+    """Return that ranges may scatter as named paths move them, by what to say, or nothing.
+
+    By how far waveform effects move the range of each row, in the root mean square of versions:
+    their form is not a recording's, so how far its rows are moved by it goes with that. Time stamps
+    must be likelier by 3 nats, unless rows scatter by far more than paths move them.
+    """
+    paths = tuple(effect for effect in rest if type(effect).stage != "ranging")
+    if not (paths and search.fit.waveform):
+        return []
+    beside = tuple(effect for effect in rest if effect not in paths)
+    with_them, without_them = (versions(search.comparison, rows, some) for some in (rest, beside))
+    moved_m = with_them.simulated_of(RANGE) - without_them.simulated_of(RANGE)
+    left, simulated = _beside(made)
+    goes = np.mean(moved_m**2, axis=0)
+    more_m2 = float(np.nanmean(left**2) - np.nanmean(simulated**2))
+    if more_m2 > PATHS_TIMES**2 * float(np.nanmean(goes)):
+        return []
+    return [OF_PATHS] * _grows(left, simulated, goes, -2 * LEAD_NATS)
 
 
 def uneven(made: Ensemble, rows: View) -> list[str]:

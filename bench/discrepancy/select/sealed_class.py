@@ -23,7 +23,8 @@ def borne_out_of_class(found: Selection, more: Added, change: Change) -> Selecti
     """Return the selection with that of a class in place which sealed links bear out.
 
     Asked where they refuse the effects that were added, a class's first among them. Another of it
-    must make them better beyond chance, by the score and not by farther ranges, in its place.
+    must make them better beyond chance, by the score and not by farther ranges, in its place. What
+    could not be tried stays in the class, as open as it was.
     """
     for verdict in found.verdicts:
         now = change((*found.added, *more))
@@ -40,26 +41,25 @@ def _in_its_place(
     """Return the selection with the best other of a class that sealed links bear out, if any."""
     first, *others = verdict.options
     rest = without(found.added, first.effect)
-    judged = [(one, change((*rest, one.effect, *more))) for one in others]
-    able = [(one, got) for one, got in judged if got and got.serves and got.gain.above_zero]
+    tried = [one for one in others if not one.note]
+    judged = {one.names: change((*rest, one.effect, *more)) for one in tried}
+    able = {name: got for name, got in judged.items() if got and got.serves and got.gain.above_zero}
     if not able:
         return found
-    best, got = max(able, key=lambda one: one[1].rank)
-    clear = now.gain.high < got.gain.low
-    said = _said(verdict, best, [o for o, _ in able if o is not best], [first] * (not clear))
-    verdicts = tuple(said if one is verdict else one for one in found.verdicts)
+    best = max((one for one in tried if one.names in able), key=lambda one: able[one.names].rank)
+    doubtful = (first,) * (now.gain.high >= able[best.names].gain.low)
+    open_yet = (o for o in others if o is not best and (o.note or o.names in able))
+    said = _said((best, *open_yet, *doubtful))
     words = f"{WITHHELD}: {now}; {best.names[0]}, which other links do not tell from it, is better"
-    withheld = {**found.withheld, first.names[0]: words}
-    told = (*found.sealed_choice, *verdict.names)
-    added = (*rest, best.effect)
-    return replace(found, verdicts=verdicts, added=added, withheld=withheld, sealed_choice=told)
+    return replace(
+        found,
+        verdicts=tuple(said if one is verdict else one for one in found.verdicts),
+        added=(*rest, best.effect),
+        withheld={**found.withheld, first.names[0]: words},
+        sealed_choice=(*found.sealed_choice, *verdict.names),
+    )
 
 
-def _said(
-    verdict: Ambiguous, best: LeftOut, able: list[LeftOut], doubtful: list[LeftOut]
-) -> Verdict:
-    """Return what is left of a class; the first of it stays where chance may have refused it."""
-    options = (best, *able, *doubtful)
-    if len(options) == 1:
-        return best
-    return replace(verdict, options=options, separate=separating(options))
+def _said(options: tuple[LeftOut, ...]) -> Verdict:
+    """Return what is left of a class: a name, or some of which each would do."""
+    return options[0] if len(options) == 1 else Ambiguous(options, separating(options))

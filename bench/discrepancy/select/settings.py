@@ -107,6 +107,7 @@ CONTROL_RATIO: Final = 3.2  # dB that a level falls by for each dB of the count,
 # 5.6 dB at -60 dBm [manual of the DW1000, figure 22, and recorded counts]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
 EXTRA_SCATTER_M: Final = (1e-3, 1.0, 61)  # tried beside the simulated: from, to, how many [cost]
+PATHS_TIMES: Final = 2.0  # of what named paths move ranges by, that another form may [convention]
 REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell what goes with it:
 # four times the variance [convention]
 ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]

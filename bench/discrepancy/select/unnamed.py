@@ -8,7 +8,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.confirm import improves
 from bench.discrepancy.fit.residual_curve import unnamed_effects
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.left_by_names import pulled
+from bench.discrepancy.select.left_by_names import of_form, pulled
 from bench.discrepancy.select.settings import HARDLY_BENT, SMALLEST_BEND_M
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Unknown
@@ -35,16 +35,19 @@ def unnamed(search: Search, found: Selection) -> Added:
 
 
 def with_mean(search: Search, found: Selection) -> Selection:
-    """Return the selection with what names leave where that is the mean of one (see `pulled`).
+    """Return the selection with what names leave where that is theirs (see `left_by_names`).
 
-    A constant of a set, beside names that hold, of which the simulator must not lose it.
+    The mean of one, a constant of a set beside names that hold, or another form of them: the
+    simulator must not lose it.
     """
     choice, last = search.choice, found.rounds[-1]
     sure = not any(isinstance(verdict, Unknown) for verdict in found.verdicts)
     said = {name for names in found.names for name in names} & set(choice.names)
-    if not (sure and said and MERE in choice.others and search.work):
+    if not (sure and said and search.work and last.located.findings):
         return found
-    return replace(found, mean=last.located.findings) if pulled(search, search.work) else found
+    constant = MERE in choice.others and pulled(search, search.work)
+    theirs = constant or of_form(search, found.added, last)
+    return replace(found, mean=last.located.findings) if theirs else found
 
 
 def curve_words(added: Added) -> str:

@@ -32,6 +32,14 @@ def test_antenna_delays_of_devices_separate_into_pairs() -> None:
     assert abs(ac - bc) > 1e-3
 
 
+def test_a_drift_over_temperature_may_be_a_cubic_as_that_of_crystals() -> None:
+    warm_c = np.linspace(-10.0, 50.0, 60)
+    (ways,) = TemperatureDrift.ways(scene(line(60, temperature_c=warm_c))) or ()
+    cubic_m = 0.08 * ((warm_c - 20) / 30) ** 3
+    left_m = cubic_m - ways @ np.linalg.lstsq(ways, cubic_m, rcond=None)[0]
+    assert np.abs(left_m).max() < 1e-9 < np.abs(cubic_m).max()
+
+
 def test_power_bias_is_the_published_curve() -> None:
     points = {-61: -11.0, -69: -8.2, -77: 0.0, -79: 2.1, -85: 4.9, -93: 8.1}
     for level, cm in points.items():

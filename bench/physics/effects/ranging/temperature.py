@@ -46,12 +46,15 @@ class TemperatureDrift(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return a constant, a slope and a bow over temperature; relaxations over time without."""
+        """Return a cubic over temperature, as crystals have it; relaxations over time without.
+
+        Crystals of AT and SC cuts follow a cubic of the temperature (arXiv 1804.07432).
+        """
         warm = known_mostly(rows.number("temperature_c", np.nan))
         time_s = known_mostly(rows.number("time_s", np.nan))
         if warm is not None:
             warm = (warm - REFERENCE_C) / SPAN_C
-            parts = [np.ones(len(rows)), warm, warm**2]
+            parts = [np.ones(len(rows)), warm, warm**2, warm**3]
         elif time_s is not None:
             parts = [np.exp(-np.maximum(time_s, 0) / tau) for tau in (*WARM_UP_S, np.inf)]
         else:

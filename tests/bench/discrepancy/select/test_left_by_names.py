@@ -63,6 +63,24 @@ def test_what_goes_up_and_down_has_a_mean(name: str, constant_m: float, theirs: 
     waves = 0.03 * np.sin(np.linspace(0, 20, 200))
     choice = Choice((name,), (MERE,), shifts_m={name: waves, MERE: np.full(200, constant_m)})
     search = SimpleNamespace(choice=choice, work=SimpleNamespace(rows=np.arange(200)))
-    located = SimpleNamespace(findings=("the mean",))
+    seen = SimpleNamespace(cell=SimpleNamespace(observable="error_m"))
+    located = SimpleNamespace(findings=(seen,))
     found = Selection((SimpleNamespace(names=(name,)),), (), (SimpleNamespace(located=located),))  # type: ignore[arg-type]
-    assert with_mean(search, found).mean == (("the mean",) if theirs else ())  # type: ignore[arg-type]
+    assert with_mean(search, found).mean == ((seen,) if theirs else ())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("found", "theirs"), [(False, True), (True, False)])
+def test_what_another_form_of_a_name_leaves_is_modelled_too(
+    monkeypatch: pytest.MonkeyPatch, found: bool, theirs: bool
+) -> None:
+    """A drift of crystals that is a cubic of the temperature, of which the library has the line."""
+    monkeypatch.setattr(module, "ranges_left", lambda *_: SimpleNamespace(significant=found))
+    monkeypatch.setattr(module, "replace", lambda search, **_: search)
+    choice = Choice(("range-scale",), shifts_m=SHIFT)
+    search = SimpleNamespace(
+        choice=choice, work=SimpleNamespace(rows=np.arange(6)), comparison=None, kinds={}
+    )
+    seen = SimpleNamespace(cell=SimpleNamespace(observable="error_m"))
+    turn = SimpleNamespace(located=SimpleNamespace(findings=(seen,)))
+    said = Selection((SimpleNamespace(names=("range-scale",)),), NAMED, (turn,))  # type: ignore[arg-type]
+    assert with_mean(search, said).mean == ((seen,) if theirs else ())  # type: ignore[arg-type]

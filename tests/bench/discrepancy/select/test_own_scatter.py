@@ -15,6 +15,7 @@ from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.state import Search
 from bench.physics.effect import Effect
+from bench.physics.effects.propagation.specular import SpecularReflections
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.time_lag import TimeLag
@@ -53,6 +54,39 @@ def test_scatter_of_a_logged_noise_is_no_jitter(
     search = SimpleNamespace(logged=logged, work=work, comparison=None, seed=0)
     jitter = TimestampJitter()
     assert beyond_causes(search, (jitter,), jitter).adequate is named  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("scatter_m", "as_moved", "waveform", "said"),
+    [
+        (0.06, True, True, True),  # the other form of a reflection moves rows so
+        (0.06, False, True, False),  # a jitter does not
+        (0.40, True, True, False),  # nor is so much of them
+        (0.06, True, False, False),  # ranges alone tell no paths
+        (0.00, False, True, True),  # nothing tells: no jitter is named for it
+    ],
+)
+def test_scatter_as_named_paths_move_ranges_is_no_jitter(
+    monkeypatch: pytest.MonkeyPatch, scatter_m: float, as_moved: bool, waveform: bool, said: bool
+) -> None:
+    rng, links = np.random.default_rng(3), np.repeat(np.arange(ROWS // 3), 3)
+    wide = rng.gamma(0.6, 1.0, ROWS)  # how far paths move the range of a row
+    wide = 0.06 * wide / np.sqrt(np.mean(wide**2))
+    bare = rng.normal(0, 0.02, (9, ROWS, 1))
+    moved = bare.copy()
+    moved[1:, :, 0] += wide * rng.normal(size=(8, ROWS))
+    moved[0, :, 0] += wide * rng.normal(size=ROWS)
+    moved[0, :, 0] += scatter_m * (wide / 0.06 if as_moved else 1.0) * rng.normal(size=ROWS)
+    echo = SpecularReflections()
+    made = {
+        bool(some): Ensemble(("error_m",), ("m",), one, links)
+        for some, one in (((echo,), moved), ((), bare))
+    }
+    monkeypatch.setattr(own_scatter, "versions", lambda _, __, added: made[echo in added])
+    search = SimpleNamespace(comparison=None, fit=SimpleNamespace(waveform=waveform))
+    rest = (SCALE, echo)
+    found = own_scatter.of_paths(search, SimpleNamespace(), rest, made[True])  # type: ignore[arg-type]
+    assert found == ([own_scatter.OF_PATHS] if said else [])
 
 
 @pytest.mark.parametrize(

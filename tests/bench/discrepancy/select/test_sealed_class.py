@@ -31,7 +31,9 @@ def named(effect: Effect) -> LeftOut:
     return LeftOut(effect, (), Estimate(1, 0.5, 1.5), 1.0, Control("", None))
 
 
-def found(monkeypatch: pytest.MonkeyPatch, gains: Gains, farther: str = "") -> Selection:
+def found(
+    monkeypatch: pytest.MonkeyPatch, gains: Gains, farther: str = "", untried: str = ""
+) -> Selection:
     """Return what stays of delay, scale or drift beside a lag, by what each gains beside it."""
 
     def judge(_: object, __: object, added: tuple[Effect, ...], ___: int) -> Served:
@@ -42,7 +44,9 @@ def found(monkeypatch: pytest.MonkeyPatch, gains: Gains, farther: str = "") -> S
     monkeypatch.setattr(sealed, "served", judge)
     turn = Round(Located((), 0.002, 9.0, 3.0, 1, {}), None, None)
     turn = replace(turn, explanation=SimpleNamespace(contenders=(), removable=Estimate(1, 0, 2)))  # type: ignore[arg-type]
-    said = Ambiguous(tuple(map(named, (DELAY, SCALE, DRIFT))), ""), named(LAG)
+    options = tuple(map(named, (DELAY, SCALE, DRIFT)))
+    options = tuple(replace(o, note="not tried") if o.names[0] == untried else o for o in options)
+    said = Ambiguous(options, ""), named(LAG)
     return unrefused(None, ROWS, Selection(said, (DELAY, LAG), (turn,)), (), 0)[0]  # type: ignore[arg-type]
 
 
@@ -64,6 +68,16 @@ def test_what_chance_may_have_refused_stays_in_the_class(monkeypatch: pytest.Mon
     gains = {"antenna-delay": (-0.3, -2, 1.4), "range-scale": (-1, -1.2, -0.8)}
     made = found(monkeypatch, gains | {"temperature-drift": (0.9, 0.5, 1.3)})
     assert made.names == (("temperature-drift", "antenna-delay"), ("time-lag",))
+    assert set(made.added) == {DRIFT, LAG}
+
+
+def test_what_could_not_be_tried_takes_no_place_and_stays_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    gains = {"antenna-delay": (-1, -1.2, -0.8), "range-scale": (9.0, 8.0, 10.0)}
+    gains["temperature-drift"] = (0.9, 0.5, 1.3)
+    made = found(monkeypatch, gains, untried="range-scale")
+    assert made.names == (("temperature-drift", "range-scale"), ("time-lag",))
     assert set(made.added) == {DRIFT, LAG}
 
 

@@ -29,14 +29,14 @@ from bench.physics.simulator import Simulator
 LINKS = 60
 
 
-def _search(weaker_db: float) -> Any:
+def _search(weaker_db: float, scatter_db: float = 1.5) -> Any:
     """Return a search over links of six devices, of which one reads weaker."""
     rng = np.random.default_rng(2)
     frame = pd.DataFrame({"link": [f"l{i}" for i in range(LINKS)], "tx": "t"})
     frame["rx"] = [f"a{i % 6}" for i in range(LINKS)]
     frame["true_range_m"] = rng.uniform(2, 15, LINKS)
     made = Simulator(Base(), (), 5, "test").observe(scene(frame), 5, 77).table(frame)
-    made[LEVEL] += rng.normal(0, 1.5, LINKS) - weaker_db * (made["rx"] == "a4")
+    made[LEVEL] += rng.normal(0, scatter_db, LINKS) - weaker_db * (made["rx"] == "a4")
     window = window_of(made)
     rows = view(made, link_codes(made), np.arange(LINKS), window)
     comparison = Resimulation(Simulator(Base(), (), 11, "test"), window)
@@ -52,6 +52,16 @@ def test_a_weak_antenna_is_seen_where_waveforms_show_nothing() -> None:
     assert found.significant
     assert found.findings[0].cell.observable == LEVEL
     assert found.detectable == {LEVEL: 2.0}  # as the search of waveforms says it
+
+
+@pytest.mark.parametrize(("weaker_db", "seen"), [(0.06, False), (0.6, True)])
+def test_less_than_readings_tell_is_nothing(weaker_db: float, seen: bool) -> None:
+    """However surely it is seen: both would be, where levels hardly scatter."""
+    search = _search(weaker_db, scatter_db=0.005)
+    every = all_rows._of_all_rows(search, LEVEL)
+    assert every is not None
+    assert every.significant
+    assert _found(search).significant is seen
 
 
 def test_what_was_found_stays() -> None:
