@@ -12,7 +12,7 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
-FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery")
+FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery", "granary")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -40,6 +40,7 @@ OWN = {
     "circus": "gusts-rack-their-poles",
     "velodrome": "riders-pressed-down-in-bends",
     "colliery": "tubs-hunt-on-their-rails",
+    "granary": "sacks-rub-in-chutes",
 }
 ALIKE = [
     (family, name)
@@ -108,6 +109,10 @@ OWN_PARTS = {
         "halves-of-late-words-swapped": (0.1, 0.6),
         "strong-late-sizes-by-the-weak-channel": (0.1, 0.6),
     },
+    "granary": {
+        "eights-left-in-order-of-size": (0.1, 0.6), "late-sizes-evened-by-rank": (0.1, 0.6),
+        "late-pairs-left-as-sums-and-differences": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -151,6 +156,10 @@ FAULTS = {
     "colliery": (
         "winding-rope-stretches", "tubs-hunt-on-their-rails", "haze-that-draught-clears",
         "drilling-shakes-booms", "traverse-turns-at-each-station", "prop-rammed-by-a-tub",
+    ),
+    "granary": (
+        "sacks-rub-in-chutes", "elevator-racked-aside", "damp-wheat-heats", "augers-bend-back",
+        "walls-bulge-when-filled", "spout-bent-by-a-lorry",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

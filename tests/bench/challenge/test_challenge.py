@@ -21,7 +21,7 @@ from bench.errors import BenchError
 from bench.parallel import Spread
 from bench.recordings.table import Recordings
 
-DEVELOPED = ("quay", "bakery")
+DEVELOPED = ("quay", "belfry")
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ from bench.challenge.families import (
     canal_staff,
     circus_lamp,
     colliery_geophone,
+    granary_sieve,
     laundry_meter,
     manege_handset,
     observatory_plate,
@@ -46,6 +47,7 @@ OF_ITS_OWN = {
     "circus": {"throw", "girth", "into_s"},
     "velodrome": {"lane", "pedal", "into_s"},
     "colliery": {"begins", "phase", "into_s"},
+    "granary": {"craft", "outset", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -72,6 +74,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (circus_lamp.applause, circus_lamp.OF_SIZES, -0.2),
         (velodrome_camera.humming, velodrome_camera.OF_SIZES, -0.2),
         (colliery_geophone.trickling, colliery_geophone.OF_SIZES, -0.2),
+        (granary_sieve.pouring, granary_sieve.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -103,6 +106,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (circus_lamp.flashes, circus_lamp.encored, 0.02),
         (velodrome_camera.bulges, velodrome_camera.dropped_back, 0.02),
         (colliery_geophone.booms, colliery_geophone.hauled_back, 0.02),
+        (granary_sieve.swells, granary_sieve.trickled_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
