@@ -20,6 +20,7 @@ NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 Findings = tuple[Finding, ...]
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 TOLD = (FAULT, LAW)
+OWN_FORM: Final = ", in a form of its own beside the library's"
 
 
 def headline(
@@ -86,8 +87,8 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
     unknown = [verdict for verdict in verdicts if isinstance(verdict, Unknown)]
     told = f" ({more})" if more else ""
     if not unknown:
-        own = f", in a form of its own beside the library's{told}" if more else ""
-        return f"Left out: {names}{own}" if names else ""
+        own = OWN_FORM if more and not more.startswith(TOLD) else ""
+        return f"Left out: {names}{own}{told}" if names else ""
     if more.startswith(TOLD):
         return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)

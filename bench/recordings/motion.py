@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from bench.recordings.slopes import LONGEST_GAP_S, slopes
 
 SPEED = "radial_speed_m_per_s"
-NEAREST_ROWS = 8
+NEAREST_ROWS = (8, 4, 2, 1)
 """Rows of a device before and after one, of which its velocity is taken: so many partners answer in
-one round."""
+one round. Fewer where a device turns."""
+FEWEST_PLACES = 3
+"""Rows, of which a line says whether they lie on it."""
 OFF_LINE_M = 0.1
 """Root mean square; where places of a device are farther from an even motion it turns, or its times
 belong to several of one name."""
@@ -84,28 +86,48 @@ def _velocity(
 ) -> NDArray[np.float64]:
     """Return the velocity [n, 3] of devices at [n, 3]: 0 where they never move, NaN where unknown.
 
-    The slope of a straight line through the nearest rows.
+    The slope of a straight line through the nearest rows, as many of these as are on one.
     """
     order = np.lexsort((time, device))
-    dt, by, known = _near(device[order], time[order], at[order])
+    sorted_ = device[order], time[order], at[order]
+    made = _along_line(*sorted_, NEAREST_ROWS[0], 1)
+    for reach in NEAREST_ROWS[1:]:
+        made = np.where(np.isfinite(made), made, _along_line(*sorted_, reach, FEWEST_PLACES))
+    out = np.empty_like(at)
+    out[order] = made
+    out[_still(device, at)] = 0.0
+    return out
+
+
+def _along_line(
+    device: NDArray[np.intp],
+    time: NDArray[np.float64],
+    at: NDArray[np.float64],
+    reach: int,
+    fewest: int,
+) -> NDArray[np.float64]:
+    """Return the velocity [n, 3] of a line through up to `reach` rows on either side of each.
+
+    Rows are in the order of devices and times. NaN where fewer than `fewest` are known, or where
+    these are off the line.
+    """
+    dt, by, known = _near(device, time, at, reach)
     count = np.maximum(known.sum(axis=0), 1)[:, None]
     dt = np.where(known, dt - (dt * known).sum(axis=0) / count[:, 0], 0.0)
     by = np.where(known[..., None], by - (by * known[..., None]).sum(axis=0) / count, 0.0)
     span = (dt**2).sum(axis=0)
     slope = (dt[..., None] * by).sum(axis=0) / np.where(span > 0, span, np.nan)[:, None]
     off = ((by - dt[..., None] * slope) ** 2).sum(axis=(0, 2)) / count[:, 0]
-    out = np.empty_like(at)
-    out[order] = np.where(off[:, None] < OFF_LINE_M**2, slope, np.nan)
-    out[_still(device, at)] = 0.0
-    return out
+    held = (off < OFF_LINE_M**2) & (count[:, 0] >= fewest)
+    return np.where(held[:, None], slope, np.nan)
 
 
 def _near(
-    device: NDArray[np.intp], time: NDArray[np.float64], at: NDArray[np.float64]
+    device: NDArray[np.intp], time: NDArray[np.float64], at: NDArray[np.float64], reach: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Return times [k, n] and places [k, n, 3] of the nearest rows beside each, and which count."""
     rows = np.arange(len(time))
-    away = rows + np.arange(-NEAREST_ROWS, NEAREST_ROWS + 1)[:, None]
+    away = rows + np.arange(-reach, reach + 1)[:, None]
     near = np.clip(away, 0, len(time) - 1)
     dt, by = time[near] - time, at[near] - at
     known = (near == away) & (device[near] == device) & (np.abs(dt) <= LONGEST_GAP_S)

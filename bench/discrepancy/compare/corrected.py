@@ -13,6 +13,7 @@ import numpy as np
 
 from bench.discrepancy.compare.over_distance import Walk, of_links
 from bench.discrepancy.compare.over_kinds import OfKinds
+from bench.discrepancy.compare.settings import LEAST_SINGULAR
 from bench.discrepancy.data.split import Rows
 from bench.physics.units import Floats
 
@@ -43,7 +44,7 @@ def told_by(
         mean = told[:, None] * (there / np.maximum(there.sum(axis=0), 1)).T
         parts.append(_beside(mean, theirs, parts))
     for there, told_of in zip(theirs[last:], known, strict=True):
-        apart = np.linalg.pinv(there - there.mean(axis=0))
+        apart = np.linalg.pinv(there - there.mean(axis=0), LEAST_SINGULAR)
         parts.append(_beside(np.sqrt(told_of) * apart, theirs, parts))
     return np.vstack(parts)
 
@@ -61,7 +62,7 @@ def _walked(far: Floats, of_kind: Floats, walk: Walk) -> Floats:
     tilt = float(inside[:, 0] @ inside[:, 1]) / max(float(inside[:, 0] @ inside[:, 0]), 1e-30)
     apart = np.array([[1.0, -tilt], [0.0, 1.0]])  # what the bend is beside the slope
     told = np.sqrt(walk.told)[:, None]
-    return np.asarray(apart @ (told * np.linalg.pinv(inside @ apart)))
+    return np.asarray(apart @ (told * np.linalg.pinv(inside @ apart, LEAST_SINGULAR)))
 
 
 def places(

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from bench.discrepancy.compare.settings import HEADING_WAVES, PARTS
+from bench.discrepancy.compare.settings import HEADING_WAVES, PARTS, RISE_M
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.split import Rows
 from bench.physics.effects.propagation.antenna_pattern import harmonics, heading_rad
 from bench.physics.scene import scene
-from bench.physics.units import Floats
+from bench.physics.units import C_M_PER_NS, CENTRE_GHZ, Floats
 
 AZIMUTH, REPLY, WARM = "azimuth_deg", "reply_time_s", "temperature_c"
 ENDS = ("tx", "rx")
@@ -33,7 +33,7 @@ class Block:
 
 
 def known_blocks(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Iterator[Block]:
-    """Yield what both tables know of all their rows: devices, clocks, temperature, heading."""
+    """Yield what both tables know of all their rows: devices, clocks, warmth, heading, ground."""
     devices = [_devices(recorded, simulated, end) for end in ENDS]
     for ours, theirs in devices:
         if ours.shape[1] > 1:
@@ -48,6 +48,26 @@ def known_blocks(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Iterator[Bl
     if _all_known(*headings) and (AZIMUTH in recorded) == (AZIMUTH in simulated):
         ours, theirs = (np.stack(harmonics(one, HEADING_WAVES), axis=1) for one in headings)
         yield Block(ours, theirs, _parts(headings[1] % (2 * np.pi)))
+    rays = [_two_rays(frame) for frame in (recorded, simulated)]
+    if all(np.isfinite(turn).all() for _, turn in rays):
+        yield Block(rays[0][0], rays[1][0], _parts(rays[1][1]))
+
+
+def _two_rays(frame: pd.DataFrame) -> tuple[Floats, Floats]:
+    """Return how two rays go up and down [n, 8], and the phase between them [n] in radians.
+
+    Of a mirror at height zero, to second order: levels in dB are not linear in what it returns.
+    Ranges are pulled by as much more as the second way is longer, up to a pulse's rise. Phases are
+    NaN where distances, heights or channels are not known.
+    """
+    far, up, down = (numeric(frame, name) for name in ("true_range_m", "tx_z_m", "rx_z_m"))
+    centre_ghz = pd.Series(numeric(frame, "channel")).map(CENTRE_GHZ).to_numpy(np.float64)
+    longer = np.sqrt(far**2 + 4 * np.maximum(up * down, 0.0))
+    turn = 2 * np.pi * (longer - far) * centre_ghz / C_M_PER_NS
+    share = far / np.maximum(longer, 1e-9)
+    waves = np.stack([share**k * of(k * turn) for k in (1, 2) for of in (np.cos, np.sin)], axis=1)
+    pulled = np.minimum(longer - far, RISE_M)[:, None] * waves
+    return np.hstack([waves, pulled]), turn % (2 * np.pi)
 
 
 def _of_number(ours: Floats, theirs: Floats) -> Block:

@@ -37,6 +37,7 @@ from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mere_constant import without_mere_constants
 from bench.discrepancy.sets.mistaken import beside_alike, mistaken
+from bench.discrepancy.sets.own_detours import beyond_detours
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
 from bench.discrepancy.sets.own_weights import likeliest
@@ -77,7 +78,7 @@ def judged_by_sets(search: Search) -> frozenset[str]:
 def chosen(search: Search, beside: Added) -> Choice:
     """Return the set of causes that the ranges of all working rows speak for.
 
-    `beside` are effects that are in place and no part of it.
+    Effects `beside` it are in place, and no part of it.
     """
     made = _contest(search, beside)
     if made is None:
@@ -106,10 +107,10 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
+    evidence.lie_behind(~rows.scene.clear()[known])
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     usual = usual_levels(rows, ensemble)[known]
-    crowding = crowded(search.comparison, rows)
-    contest = Contest(evidence, kinds, crowding, rows, known, usual)
+    contest = Contest(evidence, kinds, crowded(search.comparison, rows), rows, known, usual)
     contest.fading = fading_db(rows, ensemble)[known]
     return contest, ensemble
 
@@ -335,7 +336,7 @@ class Contest:
         return causes
 
     def _beyond_forms(self, causes: Set) -> Set:
-        """Return the set without names that a law of a definite form does as well as."""
+        """Return the set without names that laws of a definite form, or detours, do as well as."""
         while (held := beaten(self, causes) or faded(self, causes)) is not None:
             law = held.law
             self.evidence = self.evidence.with_blocks({**self.evidence.blocks, law.name: law.parts})
@@ -346,4 +347,4 @@ class Contest:
             self.able = tuple(one for one in able if one not in held.names)
             causes = self.physical(self.able)
             causes = self._at_usual_levels(self._beyond_deformed(causes))
-        return causes
+        return beyond_detours(self, causes)

@@ -21,9 +21,13 @@ from bench.discrepancy.sets.believed import Believed
 from bench.discrepancy.sets.likeliest import Form, Products, inverse_root, likeliest
 from bench.discrepancy.sets.settings import (
     ANY_MEAN,
+    FEWEST_BEHIND,
     FIRST_RATIO,
     LARGE_OFFSETS,
+    LEAST_VARIANCE_M2,
     LEAST_WEIGHT,
+    LEAST_WIDER,
+    MOST_WIDER,
     NAME_NATS,
     NOTHING,
     OFFSET_RATIOS,
@@ -64,7 +68,8 @@ class Evidence:
 
     `widest` maps causes to the largest variance of their factors, where it is not the usual.
     `offset_mean`: whether the mean of link offsets is unknown, which takes several rows of a link;
-    `scatter_m2`: variance of simulated ranges, that large offsets are measured by.
+    `scatter_m2`: variance of simulated ranges, that large offsets are measured by; `behind` [L]:
+    links with something in the way, whose offsets may be `wider` than the others', in variance.
     """
 
     def __init__(
@@ -85,6 +90,8 @@ class Evidence:
         self.widest = dict(widest or {})
         self.offset_mean = len(left_m) >= ROWS_PER_LINK * len(np.unique(links))
         self.scatter_m2 = np.inf
+        self.behind = np.zeros(self.links.max(initial=-1) + 1, np.bool_)
+        self.wider = np.ones(len(self.behind))
         self.mean_ratio = 0.0  # variance of that mean over the rows', as `reweigh` finds it
         self.weights = np.ones(len(left_m))
         self.nearby = FIRST_RATIO  # place of the ratio from which the best is sought
@@ -95,8 +102,12 @@ class Evidence:
         made = Evidence(self.left_m, self.links, blocks, self.widest)
         made.weights, made.nearby = self.weights, self.nearby
         made.offset_mean, made.mean_ratio = self.offset_mean, self.mean_ratio
-        made.scatter_m2 = self.scatter_m2
+        made.scatter_m2, made.behind, made.wider = self.scatter_m2, self.behind, self.wider
         return made
+
+    def lie_behind(self, rows: NDArray[np.bool_]) -> None:
+        """Say which rows [n] have something in the way: their links may keep larger offsets."""
+        self.behind = np.bincount(self.links, rows) > 0
 
     def among(self, rows: NDArray[np.bool_]) -> Evidence:
         """Return the evidence of some rows [n]: the others take no part."""
@@ -117,12 +128,13 @@ class Evidence:
         and it would stay so beside one that explains it. Returns how many links take no part.
         """
         self.mean_ratio, stray, self._products = 0.0, 0, {}
-        self.weights = np.ones(len(self.left_m))
+        self.weights, self.wider = np.ones(len(self.left_m)), np.ones(len(self.behind))
         for _ in range(REWEIGHINGS):
             best = self.of(causes)
             self.nearby = OFFSET_RATIOS.index(best.ratio)
             left = self.left_m - self.columns[:, best.places] @ best.factors
             far = self._stray(left)
+            self.wider = self._widths(left, far)
             near, stray = ~far[self.links], int(far.sum())
             left = left - self._offsets(left, best.ratio)[self.links]
             z2 = left**2 / best.variance_m2
@@ -147,15 +159,33 @@ class Evidence:
 
     def _stray(self, left_m: Floats) -> NDArray[np.bool_]:
         """Return which links [L] are struck by something of their own."""
-        middle = np.array([np.median(left_m[self.links == i]) for i in range(self.links.max() + 1)])
-        middle -= np.median(middle)
+        middle = self._middle(left_m)
         scale = float(np.median(np.abs(middle))) * MAD_TO_STD
         return np.asarray(np.abs(middle) > max(STRAY_LINK_M, STRAY_LINK_STD * scale))
 
+    def _middle(self, left_m: Floats) -> Floats:
+        """Return the median of every link [L], beside the median of links."""
+        middle = np.array([np.median(left_m[self.links == i]) for i in range(self.links.max() + 1)])
+        return np.asarray(middle - np.median(middle))
+
+    def _widths(self, left_m: Floats, far: NDArray[np.bool_]) -> Floats:
+        """Return how much wider offsets of links are [L], in variance: 1 in sight, more behind.
+
+        Walls, edges and detours are of every link's own; where both sides have them, they say
+        nothing of what devices or the distance do. Of links that are not `far` off [L].
+        """
+        some = self.behind & ~far, ~self.behind & ~far
+        if min(part.sum() for part in some) < FEWEST_BEHIND:
+            return np.ones(len(self.behind))
+        middle = self._middle(left_m)
+        behind, sight = (float(np.mean(middle[part] ** 2)) for part in some)
+        times = behind / max(sight, LEAST_VARIANCE_M2)
+        return np.where(self.behind, min(times, MOST_WIDER) if times > LEAST_WIDER else 1.0, 1.0)
+
     def _offsets(self, left_m: Floats, ratio: float) -> Floats:
         """Return the likeliest offset of every link [L]."""
-        weight = np.bincount(self.links, self.weights)
-        return np.bincount(self.links, self.weights * left_m) * ratio / (1 + ratio * weight)
+        weight, ratios = np.bincount(self.links, self.weights), ratio * self.wider
+        return np.bincount(self.links, self.weights * left_m) * ratios / (1 + ratios * weight)
 
     def of(self, causes: Sequence[str]) -> Weighed:
         """Return a set with its evidence, at its own best ratio of link offsets.
@@ -215,11 +245,12 @@ class Evidence:
             weighed = every * self.weights[:, None]
             weight = np.bincount(self.links, self.weights)
             sums = group_sums(weighed, self.links, len(weight))
-            shrink = ratio / (1 + ratio * weight)
+            ratios = ratio * self.wider
+            shrink = ratios / (1 + ratios * weight)
             product = every.T @ weighed - (sums * shrink[:, None]).T @ sums
             wide = self.mean_ratio
             of_mean, own = product[:-1, -1], wide / (1 + wide * product[-1, -1])
-            log = float(np.log1p(ratio * weight).sum() - np.log(self.weights).sum())
+            log = float(np.log1p(ratios * weight).sum() - np.log(self.weights).sum())
             log += float(np.log1p(wide * product[-1, -1]))
             self._products[ratio] = product[:-1, :-1] - own * np.outer(of_mean, of_mean), log
         return self._products[ratio]

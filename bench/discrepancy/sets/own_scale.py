@@ -4,7 +4,8 @@ Clocks differ, and so do the units of speed that firmware was built with: a scal
 in every device. What devices have of their own beside the common scale is nearly constant where
 their links are of much the same length, and delays per device take it up. So where delays are named
 they are held against a scale that differs by device: where that does as well, either may be there;
-and delays beside a scale must bring what a name must, beyond what its devices may differ by.
+and delays beside a scale must bring what a name must, beyond what its devices may differ by, in
+links in sight.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.discrepancy.sets.choice import Set, but
+from bench.discrepancy.sets.in_sight import telling
 from bench.discrepancy.sets.settings import NAME_NATS, OWN_SCALE, RIVAL_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import TYPICAL_SCALE, RangeScale
@@ -34,6 +36,7 @@ def without_scales(contest: Contest, causes: Set) -> Set:
     made = _by_device(contest)
     if made is None:
         return causes
+    made = made.among(telling(contest))
     alike = (*but(but(causes, AntennaDelay.name), RangeScale.name), BY_DEVICE)
     lead = made.of((*alike, AntennaDelay.name)).nats - made.of(alike).nats
     return but(causes, AntennaDelay.name) if lead < NAME_NATS * contest.crowding else causes

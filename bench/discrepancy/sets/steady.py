@@ -4,7 +4,8 @@ A cable is as long in every link. A clock that is set right now and then is earl
 some links than in others, and its mean over these passes for a delay. What links keep beside delays
 is usually of their own - walls, places, multipath - and as large for devices with little delay. So
 where links keep offsets, these are held against delays that each link has more or less of: where
-that does as well, the delays change from link to link, and nothing says that they are any.
+that does as well, the delays change from link to link, and nothing says that they are any. Links in
+sight tell, where there are several: behind what stands in the way some are off by far more.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Weighed
+from bench.discrepancy.sets.in_sight import telling
 from bench.discrepancy.sets.settings import DEFORMED, LAW_SIZE, NAME_NATS, RIVAL_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
@@ -51,7 +53,9 @@ def _changes(contest: Contest, causes: Set, made: Weighed) -> bool:
     by_link = delays[:, None] * (evidence.links[:, None] == np.arange(evidence.links.max() + 1))
     other = evidence.with_blocks({**{o: evidence.blocks[o] for o in causes}, BENT: (by_link,)})
     other.widest[BENT] = LAW_SIZE
+    asked = telling(contest)
+    plain, other = evidence.among(asked).of(causes), other.among(asked)
     bent = other.at([(*causes, BENT)], 0.0)[0]
-    more = other.response(bent, BENT)
-    large = float((more**2).sum()) >= DEFORMED**2 * float((delays**2).sum())
-    return large and bent.nats > made.nats - RIVAL_NATS * contest.crowding
+    more = other.response(bent, BENT)[asked]
+    large = float((more**2).sum()) >= DEFORMED**2 * float((delays[asked] ** 2).sum())
+    return large and bent.nats > plain.nats - RIVAL_NATS * contest.crowding

@@ -150,3 +150,28 @@ def test_rounded_ranges_are_multiples_within_half_a_step() -> None:
 def test_nothing_happens_at_rest(effect: TimeLag | ExchangeMotion) -> None:
     still = drive(speed=0.0).assign(reply_time_s=0.2)
     np.testing.assert_array_equal(seen(still, effect).range_m, seen(still).range_m)
+
+
+def round_and_round(rows: int, radius_m: float, speed: float) -> pd.DataFrame:
+    """Return a robot on a circle, heard by four masts in turn, every row in a link of its own."""
+    masts = np.array([[0.0, 5, 3], [12, -4, 3], [24, 5, 3], [36, -4, 3]])
+    which, time = np.arange(rows) % 4, 0.5 * np.arange(rows)
+    turn = speed / radius_m * time
+    at = radius_m * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1) + [8.0, 1.0, 0.5]
+    ends = {f"tx_{a}_m": at[:, i] for i, a in enumerate("xyz")}
+    ends |= {f"rx_{a}_m": masts[which, i] for i, a in enumerate("xyz")}
+    line = at - masts[which]
+    far = np.linalg.norm(line, axis=1)
+    way = speed * np.stack([-np.sin(turn), np.cos(turn), 0 * turn], axis=1)
+    true = (way * line).sum(axis=1) / far
+    frame = pd.DataFrame(ends | {"time_s": time, "tx": "robot", "true_range_m": far, "true": true})
+    return frame.assign(rx=[f"m{i}" for i in which], link=[f"cell {i}" for i in range(rows)])
+
+
+def test_a_robot_that_turns_has_a_speed_too() -> None:
+    """Eight rows on either side are no straight line, one on either side nearly is."""
+    frame = round_and_round(80, 2.5, 1.5)
+    speed = speed_by_places_m_per_s(frame)
+    assert np.isfinite(speed[1:-1]).all()
+    assert np.abs(speed - frame["true"])[1:-1].max() < 0.05 * 1.5 + 0.01
+    assert np.isnan(speed_by_places_m_per_s(round_and_round(80, 0.5, 3.0))).mean() > 0.9

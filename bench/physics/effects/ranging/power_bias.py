@@ -15,6 +15,7 @@ from bench.physics.ways import known_mostly, smooth_columns
 
 TYPICAL_M, LENGTH_DB = 0.08, 5.0  # of the published curve
 TENTHS = (0.1, 0.9)  # where weak and strong signals begin
+LEVELS_DBM = np.arange(-93.0, -60.0, 2.0)  # of the published curve
 LARGEST, LEVELS_OFF_DB, SLACK_M = 2.5, 4.0, 0.03  # of the published curve: other pulse rates have
 # 2.5 times its size, and budgets are known to some decibels [source: APS011]
 KNOTS_DBM = np.arange(-100.0, -40.0, 3.0)
@@ -72,8 +73,14 @@ class PowerBias(Effect):
 
 
 def _largest(level_dbm: float) -> float:
-    """Return the largest bias that any pulse rate has at a level."""
-    return LARGEST * float(published_bias_m(np.array([level_dbm]))[0])
+    """Return the largest bias that any pulse rate has at a level.
+
+    Of signals weaker than any that were published as they go on there at last: their edges rise no
+    faster.
+    """
+    end_dbm, last_m = LEVELS_DBM[0], published_bias_m(LEVELS_DBM[:2])
+    beyond_m = (last_m[0] - last_m[1]) / np.ptp(LEVELS_DBM[:2]) * max(end_dbm - level_dbm, 0.0)
+    return LARGEST * float(published_bias_m(np.array([level_dbm]))[0] + beyond_m)
 
 
 def published_bias_m(level_dbm: Floats) -> Floats:
@@ -81,7 +88,6 @@ def published_bias_m(level_dbm: Floats) -> Floats:
 
     Beyond the table (-61 to -93 dBm) the last value is kept.
     """
-    levels = np.arange(-93.0, -60.0, 2.0)
     bias_cm = [8.1, 7.6, 7.1, 6.2, 4.9, 4.2, 3.5, 2.1, 0, -2.7, -5.1, -6.9, -8.2, -9.3]
     bias_cm += [-10.0, -10.5, -11.0]
-    return np.asarray(np.interp(level_dbm, levels, np.array(bias_cm) / 100))
+    return np.asarray(np.interp(level_dbm, LEVELS_DBM, np.array(bias_cm) / 100))

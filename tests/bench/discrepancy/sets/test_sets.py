@@ -20,6 +20,7 @@ from bench.discrepancy.sets.blocks import usual_levels
 from bench.discrepancy.sets.choose import Contest, chosen
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.install import together
+from bench.discrepancy.sets.weigh import weighed
 from bench.physics.effects.ranging.clock_offset import ClockOffset
 from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.range_scale import RangeScale
@@ -204,6 +205,15 @@ def test_jitter_beside_walls_makes_no_constant_of_them(walls: bool, named: bool)
     assert (evidence.of(("a constant",)).nats > evidence.of(()).nats + 6) is named
 
 
+def test_signals_weaker_than_any_published_may_be_later_still() -> None:
+    """By the slope at the end of the curve: 0.29 m at -101.5 dBm, not half a metre."""
+    level = np.linspace(-101.5, -82.5, 60)
+    rows = scene(pd.DataFrame({"true_range_m": np.full(60, 5.0), "rx_power_dbm": level}))
+    late = np.clip(-(level + 86) / 15, 0, None)
+    assert PowerBias.possible(rows, 0.29 * late)
+    assert not PowerBias.possible(rows, 0.5 * late)
+
+
 def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
     """A clock has a part of the temperature behind those of its devices."""
     rng, every = np.random.default_rng(9), np.arange(80)
@@ -215,7 +225,22 @@ def test_one_device_alone_is_weighed_although_a_part_follows_it() -> None:
     contest = Contest(evidence, {name: ClockOffset}, 1.0, rows, every, every >= 0)
     alone = contest.evidence.of((f"{name} of device 1",)).nats - np.log(8)
     assert alone > contest.evidence.of((name,)).nats
-    assert contest.nats((name,)) == pytest.approx(alone)
+    assert contest.nats((name,)) == pytest.approx(alone, abs=1)  # a second one is of no size
+
+
+def test_two_devices_of_eight_are_delays_and_no_law_of_one_of_them() -> None:
+    """All eight pay for six that are as they should be; a law of one, beside a delay, for more."""
+    rng, every = np.random.default_rng(9), np.arange(80)
+    devices = (every[:, None] % 8 == np.arange(8)).astype(float)
+    left = 0.3 * devices[:, 1] - 0.25 * devices[:, 4] + rng.normal(0, 0.02, 80)
+    evidence = Evidence(left, every, {"delays": (devices,), "a law": (devices[:, [4]],)})
+    single = {"delays": {f"delay {i}": (devices[:, [i]],) for i in range(8)}}
+    evidence = evidence.with_blocks(evidence.blocks | single["delays"])
+    made = weighed(evidence, single, [("delays",), ("a law", "delays")])
+    two = evidence.of(("delay 1", "delay 4")).nats - np.log(28)
+    assert made["delays",] == pytest.approx(two)
+    assert two > evidence.of(("delays",)).nats
+    assert made["a law", "delays"] < made["delays",] + 3
 
 
 def test_rows_without_any_simulated_level_are_not_usual_and_warn_of_nothing(

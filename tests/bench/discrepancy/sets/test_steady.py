@@ -8,6 +8,7 @@ import pytest
 
 from bench.discrepancy.sets.choose import chosen
 from bench.discrepancy.sets.steady import CHANGING
+from bench.recordings.table import Recordings
 from tests.bench.discrepancy.sets.test_sets import search_of
 
 
@@ -46,3 +47,29 @@ def test_delays_that_change_from_link_to_link_are_none(
 ) -> None:
     found = chosen(search_of(hidden, 5), ())  # type: ignore[arg-type]
     assert (found.names, found.others) == (names, others)
+
+
+def with_detours(given: Recordings) -> Recordings:
+    """Return a table of which a third of the links, out of sight, are longer by ways of their own.
+
+    On either side of a comparison by another length.
+    """
+    codes = pd.factorize(given.frame["link"])[0]
+    cut = np.random.default_rng(1).random(codes.max() + 1) < 0.3
+    way = np.random.default_rng(len(given.frame)).exponential(0.3, len(cut))
+    longer = np.where(cut, way, 0.0)[codes]
+    frame = given.frame.assign(los=~cut[codes], error_m=given.frame["error_m"] + longer)
+    frame = frame.assign(range_m=frame["range_m"] + longer)
+    return Recordings(frame, given.source, simulator=given.simulator)
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_links_out_of_sight_do_not_say_that_delays_change(seed: int) -> None:
+    """Some happen to be off by as much more as their devices are late."""
+
+    def late(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+        return frame["rx"].map({"d5": 0.12, "d8": -0.08}).fillna(0.0).to_numpy(float)
+
+    found = chosen(search_of(late, seed, with_detours), ())
+    assert found.names == ("antenna-delay",)
+    assert CHANGING not in found.others
