@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -109,8 +110,7 @@ def setup_fault(proposal: Proposal) -> SetupFault | None:
     structure = proposal.best.structure
     speed_alone = structure.columns == ("radial_speed_m_per_s",) and not structure.where
     if structure.form == "linear" and speed_alone:
-        lag = str(proposal.constants[0])
-        words = f"ranges are later than their truth by {lag}"
+        words = _late(proposal.constants[0])
         return SetupFault("time shift", (), words, proposal.constants[:1])
     if not structure.fault:
         return _other_unit(proposal)
@@ -118,6 +118,14 @@ def setup_fault(proposal: Proposal) -> SetupFault | None:
     fitted = structure.fault in ("position", "unit")
     size = proposal.constants if fitted else ()
     return SetupFault(structure.fault, devices, structure.words(shown(proposal.constants)), size)
+
+
+def _late(lag: LawConstant) -> str:
+    """Return in words by how much ranges are later than their truth, or earlier."""
+    if lag.value >= 0:
+        return f"ranges are later than their truth by {lag}"
+    sooner = replace(lag, value=-lag.value, low=-lag.high, high=-lag.low)
+    return f"ranges are earlier than their truth by {sooner}"
 
 
 def _other_unit(proposal: Proposal) -> SetupFault | None:

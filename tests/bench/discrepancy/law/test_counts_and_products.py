@@ -11,6 +11,7 @@ import pytest
 
 from bench.discrepancy.law import forms, unexplained
 from bench.discrepancy.law.forms import _periods
+from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import Column, material
 from bench.discrepancy.law.screen import promising
@@ -44,6 +45,20 @@ def test_speed_times_the_reply_time_is_no_time_shift() -> None:
         best = SimpleNamespace(structure=structure)
         made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=constants)))
         assert (made.kind if made else None) == kind
+
+
+@pytest.mark.parametrize(
+    ("lag_s", "said"), [(0.1, "later than their truth by 0.1"), (-0.1, "earlier than their truth")]
+)
+def test_a_negative_lateness_is_said_to_be_early(lag_s: float, said: str) -> None:
+    speed = ("radial_speed_m_per_s",)
+    alone = SimpleNamespace(form="linear", columns=speed, where="", fault="")
+    lag = LawConstant("lag_s", lag_s, lag_s - 0.01, lag_s + 0.01, "s")
+    best = SimpleNamespace(structure=alone)
+    made = setup_fault(cast(Proposal, SimpleNamespace(best=best, constants=(lag,))))
+    assert made is not None
+    assert said in made.words
+    assert "-" not in made.words
 
 
 def test_places_a_metre_apart_show_no_period_of_a_metre() -> None:
