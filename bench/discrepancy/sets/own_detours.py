@@ -2,8 +2,8 @@
 
 Behind an obstacle a link is off by what its own way round is long, on either side of the comparison
 and by another length: of some tens of links chance makes a few long on one side alone, and a wall
-or an edge of the library may happen to stand in these. So such a name is asked again, at the width
-that offsets there have without it.
+or an edge of the library may happen to stand in these. So such a name is asked again beside offsets
+of these links, of a width of their own: only what they have in common is left to it.
 """
 
 from __future__ import annotations
@@ -12,24 +12,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.discrepancy.sets.beside import nats_with
 from bench.discrepancy.sets.choice import Set, but
-from bench.discrepancy.sets.own_weights import Beside
-from bench.discrepancy.sets.settings import CONSTANT_M, NAME_NATS
+from bench.discrepancy.sets.settings import CONSTANT_M, LAW_M, RIVAL_NATS
 
 if TYPE_CHECKING:
     from bench.discrepancy.sets.choose import Contest
 
+DETOURS = "offsets of the links it acts on"
+
 
 def beyond_detours(contest: Contest, causes: Set) -> Set:
-    """Return the set without names behind obstacles that links' own detours do nearly as well as.
+    """Return the set without names behind obstacles for which offsets of those links do.
 
-    They must be worth twice the price of a name more than the set without them, each at the weights
-    and the width of offsets that it has by itself.
+    Beside these they must bring what excludes a rival (`RIVAL_NATS`).
     """
     for name in [one for one in causes if one in contest.library and _only_behind(contest, one)]:
-        if Beside(contest, causes).lead(but(causes, name)) > -NAME_NATS:
+        if lead_of(contest, causes, name) < RIVAL_NATS:
             causes = but(causes, name)
     return causes
+
+
+def lead_of(contest: Contest, causes: Set, name: str) -> float:
+    """Return the nats that a name brings beside offsets of the links on which it acts."""
+    links = contest.evidence.links
+    acts = np.unique(links[np.abs(contest.bare(name)).max(axis=1) > CONSTANT_M])
+    own = {DETOURS: (contest.seen(LAW_M * (links[:, None] == acts)),)}
+    return nats_with(contest, causes, own) - nats_with(contest, but(causes, name), own)
 
 
 def _only_behind(contest: Contest, name: str) -> bool:

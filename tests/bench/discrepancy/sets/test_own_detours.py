@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.discrepancy.sets import own_detours
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.own_detours import beyond_detours
 
@@ -45,18 +44,33 @@ def test_offsets_that_are_no_wider_or_of_few_links_stay_as_they_are() -> None:
         assert (one.wider == 1.0).all()
 
 
-@pytest.mark.parametrize(("lead", "stays"), [(-7.0, True), (-5.0, False), (2.0, False)])
-@pytest.mark.parametrize("everywhere", [True, False])
-def test_a_name_behind_obstacles_must_be_worth_twice_its_price(
-    monkeypatch: pytest.MonkeyPatch, lead: float, stays: bool, everywhere: bool
+def contest(left_m: np.ndarray, acts: np.ndarray) -> SimpleNamespace:
+    """Return as much of a contest as is asked, with a wall that acts on some rows [n]."""
+    made = Evidence(left_m, LINKS, {"wall": (0.05 * acts[:, None],)})
+    made.lie_behind(BEHIND)
+    return SimpleNamespace(
+        library={"wall"}, evidence=made, crowding=1.0,
+        bare=lambda _: 0.05 * acts[:, None], seen=lambda columns: columns,
+    )  # fmt: skip
+
+
+FEW = np.isin(LINKS, (0, 3)).astype(float)
+MANY = BEHIND.astype(float)
+LONG_M = 0.5 * (LINKS == 0) + 0.16 * (LINKS == 3)
+
+
+@pytest.mark.parametrize(
+    ("left_m", "acts", "stays"),
+    [
+        (0.2 * MANY + NOISE_M, MANY, True),  # a wall that is as thick in every link
+        (LONG_M + NOISE_M, FEW, False),  # two links that happen to be long
+        (DETOURS_M + NOISE_M, MANY, True),  # twenty are not all long by chance
+        (0.05 * np.where(LINKS % 6 == 0, 1, -1) * MANY + NOISE_M, MANY, False),
+        (LONG_M + NOISE_M, FEW + (LINKS == 1), True),  # acts in sight, too: no detour's
+    ],
+)
+def test_a_name_behind_obstacles_must_beat_offsets_of_its_links(
+    left_m: np.ndarray, acts: np.ndarray, stays: bool
 ) -> None:
-    """One that acts in sight, too, is no detour's."""
-    monkeypatch.setattr(
-        own_detours, "Beside", lambda *_: SimpleNamespace(lead=lambda other: lead * (not other))
-    )
-    acts = np.ones(len(LINKS)) if everywhere else BEHIND.astype(float)
-    contest = SimpleNamespace(
-        library={"wall"}, evidence=evidence(NOISE_M), bare=lambda _: acts[:, None]
-    )
-    kept = beyond_detours(contest, ("wall",))  # type: ignore[arg-type]
-    assert kept == (("wall",) if stays or everywhere else ())
+    given = contest(left_m, acts)
+    assert beyond_detours(given, ("wall",)) == (("wall",) if stays else ())  # type: ignore[arg-type]
