@@ -76,10 +76,7 @@ def judged_by_sets(search: Search) -> frozenset[str]:
 
 
 def chosen(search: Search, beside: Added) -> Choice:
-    """Return the set of causes that the ranges of all working rows speak for.
-
-    Effects `beside` it are in place, and no part of it.
-    """
+    """Return the set of causes that ranges of all rows speak for, `beside` those in place."""
     made = _contest(search, beside)
     if made is None:
         return Choice()
@@ -111,7 +108,8 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     usual = usual_levels(rows, ensemble)[known]
     contest = Contest(evidence, kinds, crowded(search.comparison, rows), rows, known, usual)
-    contest.fading = fading_db(rows, ensemble)[known]
+    contest.fading, drawn_m = fading_db(rows, ensemble)[known], ensemble.simulated_of(RANGE)[0]
+    contest.drawn_m = np.nan_to_num(drawn_m[known])
     return contest, ensemble
 
 
@@ -149,7 +147,7 @@ class Contest:
         self._nats: dict[Set, float] = {}
         self.able: Set = ()
         self.weights = np.ones(len(known))  # of rows, in the evidence
-        self.fading = np.zeros(len(known))  # see `fading_db`
+        self.fading = self.drawn_m = np.zeros(len(known))  # see `fading_db`; a simulated version
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""

@@ -45,6 +45,7 @@ FEWEST_BEHIND: Final = (
 )
 LEAST_WIDER: Final = 4.0  # variances: of eight links each, less is chance (F, 5 %) [derived]
 MOST_WIDER: Final = 400.0  # twenty times as far off [convention]
+WIDER_P: Final = 0.01  # below which simulated links behind something differ by more than in sight
 FEWEST_IN_SIGHT: Final = 24  # links in sight that tell without others what is constant [convention]
 MOST_DEVICES: Final = 12  # at either end, those of most rows, whose faults take part [cost]
 OWN_SCALE: Final = 0.003  # typical share of the distance, by which a device differs from the common

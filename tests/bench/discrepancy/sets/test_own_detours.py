@@ -44,18 +44,19 @@ def test_offsets_that_are_no_wider_or_of_few_links_stay_as_they_are() -> None:
         assert (one.wider == 1.0).all()
 
 
-def contest(left_m: np.ndarray, acts: np.ndarray) -> SimpleNamespace:
+def contest(left_m: np.ndarray, acts: np.ndarray, drawn_m: np.ndarray) -> SimpleNamespace:
     """Return as much of a contest as is asked, with a wall that acts on some rows [n]."""
     made = Evidence(left_m, LINKS, {"wall": (0.05 * acts[:, None],)})
     made.lie_behind(BEHIND)
     return SimpleNamespace(
-        library={"wall"}, evidence=made, crowding=1.0,
+        library={"wall"}, evidence=made, crowding=1.0, drawn_m=drawn_m,
         bare=lambda _: 0.05 * acts[:, None], seen=lambda columns: columns,
     )  # fmt: skip
 
 
 FEW = np.isin(LINKS, (0, 3)).astype(float)
 MANY = BEHIND.astype(float)
+THEIRS_M = np.where(BEHIND, RNG.exponential(0.3, 60)[LINKS], 0.0) + NOISE_M[::-1]  # simulated
 LONG_M = 0.5 * (LINKS == 0) + 0.16 * (LINKS == 3)
 
 
@@ -72,5 +73,12 @@ LONG_M = 0.5 * (LINKS == 0) + 0.16 * (LINKS == 3)
 def test_a_name_behind_obstacles_must_beat_offsets_of_its_links(
     left_m: np.ndarray, acts: np.ndarray, stays: bool
 ) -> None:
-    given = contest(left_m, acts)
+    given = contest(left_m, acts, THEIRS_M)
     assert beyond_detours(given, ("wall",)) == (("wall",) if stays else ())  # type: ignore[arg-type]
+
+
+def test_where_simulated_links_have_no_detours_recorded_ones_have_a_cause() -> None:
+    for drawn_m, stays in ((THEIRS_M, False), (NOISE_M[::-1], True)):
+        left_m = 0.05 * np.where(LINKS % 6 == 0, 1, -1) * MANY + NOISE_M
+        given = contest(left_m, MANY, drawn_m)
+        assert beyond_detours(given, ("wall",)) == (("wall",) if stays else ())  # type: ignore[arg-type]
