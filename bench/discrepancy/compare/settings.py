@@ -53,9 +53,7 @@ SAME_M: Final = 1e-6  # by which they may be off: rounding [derived]
 
 # --- Constants (ensemble, locate/permutation_test) -----------------------------------------------
 ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off it [derived]
-RISE_M: Final = (
-    1.0  # of a pulse at 500 MHz, beyond which no second path pulls its edge [convention]
-)
+RISE_M: Final = 1.0  # of a pulse's edge, beyond which no second path pulls it [convention]
 LEAST_SINGULAR: Final = 1e-9  # of the largest: less is what other columns make [rounding]
 LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]
 UNSEEN_NAMED: Final = 3  # categories that are listed (changes nothing but words)

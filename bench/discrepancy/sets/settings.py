@@ -40,12 +40,10 @@ OFF_BY: Final = 0.15  # of what a response does over rows, that a constant or a 
 # distance may be off beside it: a half at 20 to 1 [convention]
 LAW_M: Final = 0.1  # typical size of a law, and of how far a device stands elsewhere [convention]
 LAW_SCALE: Final = 0.02  # typical error of one device's unit [convention]
-FEWEST_BEHIND: Final = (
-    8  # links behind something, and in sight, to say how far they are off [derived]
-)
+FEWEST_BEHIND: Final = 8  # links there, and in sight, to say how far these are off [derived]
 LEAST_WIDER: Final = 4.0  # variances: of eight links each, less is chance (F, 5 %) [derived]
 MOST_WIDER: Final = 400.0  # twenty times as far off [convention]
-WIDER_P: Final = 0.01  # below which simulated links behind something differ by more than in sight
+WIDER_P: Final = 0.01  # that simulated links behind something differ by no more [convention]
 FEWEST_IN_SIGHT: Final = 24  # links in sight that tell without others what is constant [convention]
 MOST_DEVICES: Final = 12  # at either end, those of most rows, whose faults take part [cost]
 OWN_SCALE: Final = 0.003  # typical share of the distance, by which a device differs from the common
