@@ -12,6 +12,7 @@ from bench.discrepancy.compare.settings import HEADING_WAVES, PARTS, RISE_M
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.split import Rows
 from bench.physics.effects.propagation.antenna_pattern import harmonics, heading_rad
+from bench.physics.effects.propagation.two_rays import rays
 from bench.physics.scene import scene
 from bench.physics.units import C_M_PER_NS, CENTRE_GHZ, Floats
 
@@ -60,13 +61,15 @@ def _two_rays(frame: pd.DataFrame) -> tuple[Floats, Floats]:
     Ranges are pulled by as much more as the second way is longer, up to a pulse's rise. Phases are
     NaN where distances, heights or channels are not known.
     """
-    far, up, down = (numeric(frame, name) for name in ("true_range_m", "tx_z_m", "rx_z_m"))
+    known = frame[[name for name in ("true_range_m", *PLACES) if name in frame]]
+    found = rays(scene(known, "table", moving=False))
+    if found is None:
+        return np.zeros((len(frame), 0)), np.full(len(frame), np.nan)
     centre_ghz = pd.Series(numeric(frame, "channel")).map(CENTRE_GHZ).to_numpy(np.float64)
-    longer = np.sqrt(far**2 + 4 * np.maximum(up * down, 0.0))
-    turn = 2 * np.pi * (longer - far) * centre_ghz / C_M_PER_NS
-    share = far / np.maximum(longer, 1e-9)
+    turn = 2 * np.pi * found.longer_m * centre_ghz / C_M_PER_NS
+    share = found.size
     waves = np.stack([share**k * of(k * turn) for k in (1, 2) for of in (np.cos, np.sin)], axis=1)
-    pulled = np.minimum(longer - far, RISE_M)[:, None] * waves
+    pulled = np.minimum(found.longer_m, RISE_M)[:, None] * waves
     return np.hstack([waves, pulled]), turn % (2 * np.pi)
 
 

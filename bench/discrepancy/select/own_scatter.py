@@ -100,14 +100,15 @@ def of_paths(search: Search, rows: View, rest: Added, made: Ensemble) -> list[st
 
     By how far waveform effects move the range of each row, in the root mean square of versions:
     their form is not a recording's, so how far its rows are moved by it goes with that. Time stamps
-    must be likelier by 3 nats, unless rows scatter by far more than paths move them.
+    must be likelier by 3 nats, unless rows scatter by far more than paths move them. `made` are the
+    versions of rows with the effects `rest`.
     """
     paths = tuple(effect for effect in rest if type(effect).stage != "ranging")
     if not (paths and search.fit.waveform):
         return []
     beside = tuple(effect for effect in rest if effect not in paths)
-    with_them, without_them = (versions(search.comparison, rows, some) for some in (rest, beside))
-    moved_m = with_them.simulated_of(RANGE) - without_them.simulated_of(RANGE)
+    without_them = versions(search.comparison, rows, beside)
+    moved_m = made.simulated_of(RANGE) - without_them.simulated_of(RANGE)
     left, simulated = _beside(made)
     goes = np.mean(moved_m**2, axis=0)
     more_m2 = float(np.nanmean(left**2) - np.nanmean(simulated**2))
