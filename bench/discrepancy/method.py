@@ -51,6 +51,7 @@ from bench.discrepancy.select.stepwise import (
 )
 from bench.discrepancy.select.uncounted import with_uncounted
 from bench.discrepancy.select.unnamed import unnamed, with_mean
+from bench.discrepancy.select.unseen import without_unseen
 from bench.discrepancy.sets import turn as sets
 from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import MARGIN_NATS, MOST_ROUNDS
@@ -98,6 +99,7 @@ def confirmed(ready: Prepared, search: Search, found: Selection) -> Diagnosis:
     found, kept_more = unrefused(comparison, sealed, found, more, seed)
     law = said.law if more == kept_more else None
     found = found if law else as_it_stands(search, found)
+    found = found if law or said.fault or kept_more else without_unseen(found)
     added = (*found.added, *kept_more)
     fits = confirm(untimed(comparison, found.untimed), sealed, added, seed)
     return replace(ready.diagnosis(found, added, fits), law=law, setup_fault=said.fault)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chisquare
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import gain_interval, tally
@@ -18,6 +20,8 @@ from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.settings import (
+    MIXED_P,
+    MIXED_TIMES,
     OWN_GRID_PLACES,
     ROUNDING_VARIANCE,
     USED_POINTS,
@@ -75,7 +79,12 @@ def beyond_marks(search: Search, added: Added, scatter: Effect) -> bool:
         return True
     rows, others = search.searched, [(e, without(added, e)) for e in marks]
     forms = [
-        max(_change(search, rest, e), own_grids_m(rows, e), _used_m(search, rest, e))
+        max(
+            _change(search, rest, e),
+            own_grids_m(rows, e),
+            mixed_m(rows, e),
+            _used_m(search, rest, e),
+        )
         for e, rest in others
     ]
     most = FORMS_OF_MARK * max(forms)
@@ -131,6 +140,27 @@ def own_grids_m(rows: View, effect: Effect) -> float:
             times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
     steps_m = np.nan_to_num(times * effect.step_at(range_m), nan=effect.step_m)
     return float(np.sqrt(np.mean(steps_m**2) * ROUNDING_VARIANCE))
+
+
+def mixed_m(rows: View, effect: Effect) -> float:
+    """Return how far rounding moves ranges where most are rounded to a multiple of its step, in m.
+
+    Most to the whole and some to its thirds, say: all lie on the finer grid, of which every third
+    point is used more often. Places of a link count once; 0 where points are used alike.
+    """
+    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+        return 0.0
+    place = effect.place(numeric(rows.frame, "range_m"))
+    known = np.isfinite(place)
+    once = np.unique(np.stack([rows.links[known], place[known].astype(int)]), axis=1)[1]
+    times = next((k for k in MIXED_TIMES if _unevenly(once, k)), 0)
+    return float(times * effect.step_m * np.sqrt(ROUNDING_VARIANCE))
+
+
+def _unevenly(places: NDArray[np.intp], times: int) -> bool:
+    """Return whether every so manieth place is used more often or less than the others."""
+    counts = np.bincount(places % times, minlength=times)
+    return bool(chisquare(counts).pvalue < MIXED_P) if len(places) >= times else False
 
 
 def _used_m(search: Search, rest: Added, effect: Effect) -> float:

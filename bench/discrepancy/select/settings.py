@@ -131,6 +131,11 @@ SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is no
 HARDLY_BENT: Final = 0.2  # of its mean, less of which a curve is called a constant [convention]
 OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coarser steps than all
 # ranges do: by chance one device in two thousand [derived]
+MIXED_TIMES: Final = range(
+    2, 11
+)  # of a step, that most ranges may be rounded to: decimals, halves,
+# thirds [convention]
+MIXED_P: Final = 1e-4  # of points that are used alike, for all of these at once 1e-3 [derived]
 USED_POINTS: Final = 0.7  # of as many points of a grid as simulated ranges have, fewer of which are
 # some of its points alone: by chance a few in a hundred are missing [convention]
 

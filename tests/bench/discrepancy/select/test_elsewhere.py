@@ -17,7 +17,13 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
-from bench.discrepancy.select.elsewhere import beyond_marks, elsewhere_too, own_grids_m, used_m
+from bench.discrepancy.select.elsewhere import (
+    beyond_marks,
+    elsewhere_too,
+    mixed_m,
+    own_grids_m,
+    used_m,
+)
 from bench.discrepancy.select.refute import _adequate_rival, idle
 from bench.discrepancy.select.state import Round
 from bench.physics.base import Base
@@ -146,6 +152,18 @@ def test_marks_that_are_some_points_of_a_grid_are_as_far_off_as_from_mark_to_mar
     assert 0.6 * off < few < 1.6 * off
     every = 0.03 * np.rint((true_m + noise_m[0]) / 0.03)
     assert used_m(grid, every, simulated) == 0
+
+
+@pytest.mark.parametrize(("share", "moves_m"), [(0.6, 0.15 / np.sqrt(12)), (0.0, 0.0)])
+def test_ranges_of_which_most_are_rounded_to_three_steps(share: float, moves_m: float) -> None:
+    """The others to their thirds: rows scatter as the coarse steps do, and that is no jitter."""
+    rng, links = np.random.default_rng(8), np.repeat(np.arange(100), 5)
+    true = rng.uniform(2, 30, 100)[links] + rng.normal(0, 0.02, len(links))
+    step = np.where(rng.random(len(links)) < share, 0.15, 0.05)
+    rows = SimpleNamespace(
+        frame=pd.DataFrame({"range_m": np.rint(true / step) * step}), links=links
+    )
+    assert mixed_m(rows, RangeRounding(0.05)) == pytest.approx(moves_m)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("more_m", "stays"), [(0.0, False), (0.12, True)])

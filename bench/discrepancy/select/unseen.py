@@ -1,0 +1,25 @@
+"""What no search saw and whose name does not stand is nothing: chance names something, too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bench.discrepancy.select.state import Selection
+from bench.discrepancy.select.verdict import NoMismatch, Unknown
+
+
+def without_unseen(found: Selection) -> Selection:
+    """Return the selection that says nothing where all it named is refused and no search saw more.
+
+    A set of causes is weighed even where no place stands out: it may have a shape that no interval
+    has. Where its names are then refused (sealed links are worse with it, or none of its values is
+    told from zero) nothing is left that speaks for anything. What a mark shows, or strikes, stays.
+    """
+    rounds = found.rounds
+    asked = any(turn.added for turn in rounds) and not found.added
+    quiet = all(not turn.located.significant and turn.strike is None for turn in rounds)
+    lone = all(isinstance(v, Unknown) and not (v.cause or v.findings) for v in found.verdicts)
+    if not (asked and quiet and lone and found.verdicts):
+        return found
+    first = rounds[0].located
+    return replace(found, verdicts=(NoMismatch(first.detectable, first.p),), withheld={})
