@@ -18,7 +18,7 @@ effects act on a single path.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -30,9 +30,9 @@ from bench.physics.batch import Batch, altered
 from bench.physics.detection import edge_offset, first_path
 from bench.physics.effect import Effect
 from bench.physics.outcome import Outcome, joined
-from bench.physics.own_base import noise_times, own_base
+from bench.physics.own_base import noise_times, own_base, with_pulse
 from bench.physics.own_detector import Crossing, crossing
-from bench.physics.own_noise import unit_noise, with_own_noise
+from bench.physics.own_noise import louder_by, unit_noise, with_own_noise
 from bench.physics.passed_over import begins
 from bench.physics.pipeline import Change, Pipeline
 from bench.physics.pulse import lobe_phases, peak
@@ -67,8 +67,14 @@ class ForeignTable:
 
     @cached_property
     def own(self) -> Base:
-        """The base at the table's own sample period."""
-        return own_base(self.base, self.rows)
+        """The base at the table's own sample period and with its own pulse."""
+        base = own_base(self.base, self.rows)
+        if self.like is not None:
+            return replace(base, pulse_fwhm=self.like.own.pulse_fwhm)
+        if self.cir is None:
+            return base
+        index = self.rows.number("first_path_index", float(base.cir_lead))
+        return with_pulse(base, absolute(self.cir), index)
 
     @cached_property
     def range_m(self) -> Floats:
@@ -267,7 +273,7 @@ class ForeignTable:
         waveform = sampled(batch, batch.tail_start_ns, batch.tail.shape[1], self.own.pulse_fwhm)
         waveform *= scale[:, None]
         if not self._scaled.held or self._scaled.with_noise:
-            louder, first = _louder_by(batch, edge), self._index(batch.rows)
+            louder, first = louder_by(batch, edge), self._index(batch.rows)
             waveform = with_own_noise(waveform, louder, power, self._drawn[part], first)
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
@@ -331,14 +337,6 @@ def check_on_tables(effects: Sequence[Effect]) -> None:
     for effect in effects:
         if not effect.on_tables:
             raise BenchError(f"effect {effect.name!r} needs the simulator, not its table")
-
-
-def _louder_by(batch: Batch, edge: Complexes | None) -> Floats:
-    """Return by how much effects scaled all of every row [n], from its edge before (0: one)."""
-    if edge is None or batch.free_gain is None:
-        return np.ones(len(batch))
-    before, after = absolute(edge).astype(np.float64), absolute(batch.free_gain)
-    return np.asarray(np.divide(after, before, out=np.ones(len(batch)), where=before > 0))
 
 
 def _stacked(column: pd.Series, source: str) -> Floats:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
+from bench.physics.batch import Batch
 from bench.physics.units import Complexes, Floats, Reals, absolute
 
 PULSE = 3  # samples that a pulse has at least
@@ -36,6 +37,14 @@ def with_own_noise(
     away = np.sqrt((1 - gain[weaker] ** 2) * noise_power[weaker]).astype(np.float32)
     out[weaker] += drawn[weaker] * away[:, None]
     return out
+
+
+def louder_by(batch: Batch, edge: Complexes | None) -> Floats:
+    """Return by how much effects scaled all of every row [n], from its edge before (0: one)."""
+    if edge is None or batch.free_gain is None:
+        return np.ones(len(batch))
+    before, after = absolute(edge).astype(np.float64), absolute(batch.free_gain)
+    return np.asarray(np.divide(after, before, out=np.ones(len(batch)), where=before > 0))
 
 
 def unit_noise(peaks: Floats, samples: int) -> Complexes:

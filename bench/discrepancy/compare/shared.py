@@ -21,6 +21,7 @@ from bench.discrepancy.compare.settings import (
     CATEGORY_STD,
     DEVICE_STD,
     FAR_STD,
+    FEWEST_BEHIND,
     LEAST_OVERLAP,
     LEAST_STD,
     SAME_HEIGHT_M,
@@ -107,6 +108,7 @@ def shared_with_categories(recorded: pd.DataFrame, simulated: pd.DataFrame) -> S
         names = (*names, name)
         if name not in DEVICES:
             unknown |= ~np.isin(ours, values)
+    unknown |= behind_more(recorded, simulated)
     ours, theirs = _more_of_a_kind(recorded, simulated)
     left, right = [*left, ours * CATEGORY_STD], [*right, theirs * CATEGORY_STD]
     return Shared(np.hstack(left), np.hstack(right), names, unknown)
@@ -146,7 +148,30 @@ def unseen(recorded: pd.DataFrame, simulated: pd.DataFrame) -> str:
             rows = int(np.isin(ours, lone).sum())
             what = ", ".join(value or "none" for value in lone[:UNSEEN_NAMED])
             words.append(f"{name} {what}{' ...' if lone[UNSEEN_NAMED:] else ''} ({rows} rows)")
+    more = behind_more(recorded, simulated)
+    if more.any():
+        least = _obstacles(recorded)[more].min()
+        words.append(f"{least:.0f} obstacles or more in two links ({more.sum()} rows)")
     return "; ".join(words)
+
+
+def behind_more(recorded: pd.DataFrame, simulated: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return which recorded rows [n] are behind more obstacles than hardly a simulated link is.
+
+    Of one link alone nobody knows how such links scatter, and what a wall does to those behind
+    fewer says nothing of a third one behind two.
+    """
+    if not all("obstacles" in one and "link" in one for one in (recorded, simulated)):
+        return np.zeros(len(recorded), np.bool_)
+    ours = _obstacles(recorded)
+    links = pd.Series(_obstacles(simulated)).groupby(simulated["link"].astype(str).to_numpy()).max()
+    as_many = len(links) - np.searchsorted(np.sort(links.to_numpy()), ours)
+    return np.asarray((ours > 1) & (as_many < FEWEST_BEHIND), np.bool_)
+
+
+def _obstacles(frame: pd.DataFrame) -> Floats:
+    """Return how many obstacles rows [n] list."""
+    return np.array([len(_listed(row)) for row in frame["obstacles"]], np.float64)
 
 
 def kinds(recorded: pd.DataFrame, simulated: pd.DataFrame) -> NDArray[np.intp]:

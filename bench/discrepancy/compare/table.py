@@ -175,7 +175,7 @@ class TableComparison:
     @cached_property
     def waveforms(self) -> TableWaveforms:
         """Changes the waveforms of matched rows."""
-        return TableWaveforms(self.frame, self._error_m, self.window, self.seed)
+        return TableWaveforms(self.frame, self._error_m, self.window, self.seed, self.base)
 
     def _change(self, seen: Observables, view: View, added: Added, numbers: range) -> list[Floats]:
         """Return what the effects change in replicates, [n, p]; 0 for what waveforms show."""

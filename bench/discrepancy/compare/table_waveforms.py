@@ -24,6 +24,7 @@ from bench.discrepancy.data.observables import (
 )
 from bench.discrepancy.data.split import Rows
 from bench.discrepancy.settings import KEPT_NOISE, KEPT_SHAPES, KEPT_TABLES, STACKED_ROWS
+from bench.physics.base import Base
 from bench.physics.foreign import ForeignTable
 from bench.physics.foreign_stack import StackedTables
 from bench.physics.memory import Memory
@@ -37,7 +38,8 @@ Shape = dict[str, Floats]
 class TableWaveforms:
     """Rows of a table, which effects change; remembers the latest.
 
-    `error_m` gives the errors [n] of the rows that stand for those of a view.
+    `error_m` gives the errors [n] of the rows that stand for those of a view; `base` the radio:
+    the channel turns what reflections add.
     """
 
     def __init__(
@@ -46,10 +48,11 @@ class TableWaveforms:
         error_m: Callable[[View, Rows], Floats],
         window: Window,
         seed: int,
+        base: Base,
     ) -> None:
         self.frame, self.error_m, self.window, self.seed = frame, error_m, window, seed
-        self._drawn = DrawMemory(KEPT_NOISE)
-        self._told_by = ForeignTable(frame.iloc[telling(len(frame))])
+        self.base, self._drawn = base, DrawMemory(KEPT_NOISE)
+        self._told_by = ForeignTable(frame.iloc[telling(len(frame))], base)
         self._tables: Memory[ForeignTable] = Memory(KEPT_TABLES)
         self._stacks: Memory[StackedTables] = Memory(KEPT_TABLES)
         self._shapes: Memory[Shape] = Memory(KEPT_SHAPES)
@@ -113,7 +116,7 @@ class TableWaveforms:
 
         def made() -> ForeignTable:
             rows = self._rows_at(view, pick)
-            return ForeignTable(rows, memory=self._drawn, like=self._told_by)
+            return ForeignTable(rows, self.base, memory=self._drawn, like=self._told_by)
 
         return self._tables.get((view.number, pick.tobytes()), made)
 

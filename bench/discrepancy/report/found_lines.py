@@ -56,7 +56,7 @@ def _explained(verdicts: Sequence[Unknown]) -> list[str]:
     for finding in (one for verdict in verdicts for one in verdict.findings):
         first.setdefault(finding.cell, finding)
     return [
-        f"Without it, no known effect explains what differs ({notes}):",
+        f"Without it this differs, which no known effect explains ({notes}):",
         *finding_lines(list(first.values()), 5),
     ]
 
@@ -157,6 +157,7 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
         out += [f"  - does to these recordings: {words}"]
     if option.note.startswith(UNTRIED):
         return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
+    out += [f"  - {option.note}"] if option.note else []
     out += parameter_lines(option.parameters)
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]

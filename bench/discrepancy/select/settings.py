@@ -131,6 +131,7 @@ SMALLEST_BEND_M: Final = 0.001  # of its shifts and scatter, less of which is no
 HARDLY_BENT: Final = 0.2  # of its mean, less of which a curve is called a constant [convention]
 OWN_GRID_PLACES: Final = 12  # of different ranges of a device, that lie on coarser steps than all
 # ranges do: by chance one device in two thousand [derived]
+STRUCK_LIST: Final = 20  # links that are held to be struck, listed by name [convention]
 MIXED_TIMES: Final = range(
     2, 11
 )  # of a step, that most ranges may be rounded to: decimals, halves,

@@ -8,7 +8,7 @@ from bench.physics import ForeignTable, Simulator
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
-from bench.physics.own_base import at_period
+from bench.physics.own_base import at_period, pulse_width
 
 
 def _table(period_ns: float, noise: float = 1.0) -> ForeignTable:
@@ -42,3 +42,20 @@ def test_noise_in_samples_stays_however_it_is_logged(logged: float) -> None:
 def test_a_period_that_cannot_be_simulated_is_left() -> None:
     assert at_period(Base(), 0.01) == Base()
     assert at_period(Base(), 0.5).sample_period_ns == 0.5
+
+
+@pytest.mark.parametrize("width", [1.5, 2.5, 4.0])
+def test_what_is_added_is_as_wide_as_the_pulses_of_the_table(width: float) -> None:
+    frame = Simulator(Base(pulse_fwhm=width)).simulate(line(100, far_m=8.0, los=True)).frame
+    table = ForeignTable(frame)
+    assert table.own.pulse_fwhm == pytest.approx(width, rel=0.08)
+    assert ForeignTable(frame.head(3), like=table).own.pulse_fwhm == table.own.pulse_fwhm
+
+
+def test_a_few_pulses_or_noise_tell_no_width() -> None:
+    rng = np.random.default_rng(3)
+    noise = np.abs(rng.normal(size=(100, 60)))
+    assert np.isnan(pulse_width(noise, np.full(100, 16.0)))
+    pulse = np.exp(-((np.arange(60) - 17.0) ** 2) / 2) * 1e3 + noise
+    assert pulse_width(pulse, np.full(100, 16.0)) == pytest.approx(2.355, rel=0.02)
+    assert np.isnan(pulse_width(pulse[:9], np.full(9, 16.0)))

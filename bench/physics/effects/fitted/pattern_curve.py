@@ -32,7 +32,10 @@ class PatternCurve(Effect):
     stage = "ranging"
     stackable = True
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); curve fitted to recordings"
-    signature = "periodic in the heading or the bearing from rx to tx, the same at all distances"
+    signature = (
+        "periodic in the heading or the bearing from rx to tx, the same at all distances; values "
+        "are beside their mean over all headings"
+    )
     needs = (("azimuth_deg",), ("tx_x_m", "tx_y_m", "rx_x_m", "rx_y_m"))
 
     headings_deg: tuple[float, ...] = (0.0,)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.discrepancy.compare.shared import far_apart, in_reach, no_overlap
+from bench.discrepancy.compare.shared import behind_more, far_apart, in_reach, no_overlap, unseen
 
 
 def test_only_what_keeps_links_apart_is_named() -> None:
@@ -30,3 +30,20 @@ def test_devices_that_all_hang_a_little_higher_have_counterparts(
     both = in_reach(ours, theirs)
     found = far_apart(both.names, both.left, both.right)
     assert bool(found.any()) is apart
+
+
+def _behind(*many: int) -> pd.DataFrame:
+    """Return one row of each link behind so many walls."""
+    walls = [["brick"] * count for count in many]
+    return pd.DataFrame({"link": [f"l{n}" for n in range(len(many))], "obstacles": walls})
+
+
+def test_behind_more_walls_than_two_simulated_links_are_there_is_no_counterpart() -> None:
+    """One simulated link behind three walls stood for four recorded ones, and they differed."""
+    recorded = _behind(0, 1, 2, 3, 3)
+    for simulated, lone in ((_behind(0, 1, 1, 2, 3), 2), (_behind(0, 1, 2, 3, 4), 0)):
+        assert behind_more(recorded, simulated).sum() == lone
+        assert ("3 obstacles or more in two links (2 rows)" in unseen(recorded, simulated)) == (
+            lone > 0
+        )
+    assert not behind_more(_behind(0, 1, 1), _behind(0, 0, 0)).any()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -17,6 +17,7 @@ from bench.physics.base import Base
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
+from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -100,3 +101,24 @@ def test_the_first_version_that_fails_says_why() -> None:
     assert len(comparison.ensemble(seen, (Unlikely(),), 2).simulated) == 2
     with pytest.raises(BenchError, match=r"unlikely.*not this one"):
         comparison.ensemble(seen, (Unlikely(),), 4)
+
+
+def test_a_reflection_turns_with_the_carrier_of_the_recordings_channel() -> None:
+    """Beside any other channel's carrier ranges of CIR tables went up and down elsewhere."""
+    rng = np.random.default_rng(6)
+    far = rng.uniform(4, 20, 150)
+    plan = pd.DataFrame({"true_range_m": far, "tx_z_m": 1.1, "rx_z_m": rng.uniform(0.6, 1.4, 150)})
+    plan = plan.assign(link=[f"l{n}" for n in range(150)], los=True, channel=5)
+    base = Base(channel=5, cir_samples=70)
+    frame = Simulator(base).simulate(plan).frame
+    seen = view(frame, link_codes(frame), np.arange(150), window_of(frame))
+    longer = np.sqrt(far**2 + 4 * 1.1 * plan["rx_z_m"]) - far
+    pull = -np.cos(2 * np.pi * longer * 6.4896 / 0.299792458) * longer * far / (far + longer)
+    near = longer < 0.45  # what comes later leaves the edge as it is
+    for radio, alike in ((base, True), (replace(base, channel=2), False)):
+        comparison = TableComparison(frame, window_of(frame), 0, radio)
+        bare, with_it = (
+            comparison.ensemble(seen, some, 1).simulated_of("error_m")[0]
+            for some in ((), (GroundBounce(upright=0.0),))
+        )
+        assert (np.corrcoef((with_it - bare)[near], pull[near])[0, 1] > 0.7) == alike

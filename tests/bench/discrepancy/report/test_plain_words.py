@@ -82,7 +82,10 @@ def test_what_a_law_explains_is_said_once() -> None:
         for some, note in zip((seen, again), ("like none", "too little"), strict=True)
     ]  # fmt: skip
     heading, *lines = _explained(unknown)
-    assert heading == "Without it, no known effect explains what differs (like none; too little):"
+    assert (
+        heading
+        == "Without it this differs, which no known effect explains (like none; too little):"
+    )
     assert len(lines) == 3
     assert [line.partition("= ")[2].partition(" m")[0] for line in lines] == ["0.8", "1.9", "-0.5"]
 
