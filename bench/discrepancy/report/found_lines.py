@@ -158,7 +158,7 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     if option.note.startswith(UNTRIED):
         return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
     out += [f"  - {option.note}"] if option.note else []
-    out += parameter_lines(option.parameters)
+    out += parameter_lines(option.parameters, type(effect))
     if not option.parameters:
         out += [f"  - {_short(vars(effect))}"]
     out += [f"  - {option.judged}: {option.gain}"]

@@ -13,14 +13,19 @@ from bench.discrepancy.data.observables import unit_of
 from bench.discrepancy.fit.estimate import PURE, ParameterEstimate
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Verdict
 from bench.discrepancy.settings import SHOWN_VALUES
+from bench.physics.effect import Effect
 
 KNOT = re.compile(r"\[-?[\d.]+(e[-+]?\d+)? \w+\]$")  # a value of a curve, at -80 dBm or 30 deg
 
 PER_OBSTACLE, OF_THICKNESS = "excess_m[", ("thickness_scale", "delay_scale")
 
 
-def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
+def parameter_lines(
+    parameters: Sequence[ParameterEstimate], kind: type[Effect] | None = None
+) -> list[str]:
     """Return the parameters with their intervals; of a long list those farthest from zero.
+
+    Each with what it means, as the `kind` of effect says.
 
     Those that may be zero are counted, those that are not determined share the last line. Factors
     of a thickness that no table has stand in the last table alone where metres per obstacle say
@@ -35,11 +40,17 @@ def parameter_lines(parameters: Sequence[ParameterEstimate]) -> list[str]:
         first = sorted(values, key=_distance, reverse=True)[:SHOWN_VALUES] if long else values
         first = _told(first) if long else first
         first = [one for one in values if one in first]  # levels and angles stay in order
-        out += [f"  - {one} (90 %)" for one in first if one.determined]
+        out += [f"  - {one} (90 %){_meaning(one, kind)}" for one in first if one.determined]
         open_ones += [one.name for one in first if not one.determined]
         out += [f"  - {_rest(name, values, first)}"] if long else []
     named = ", ".join(open_ones)
     return out + ([f"  - not determined by these recordings: {named}"] if open_ones else [])
+
+
+def _meaning(one: ParameterEstimate, kind: type[Effect] | None) -> str:
+    """Return what a parameter means, after a colon; "" for values per device and along curves."""
+    known = () if kind is None else kind.parameters()
+    return next((f": {item.meaning}" for item in known if item.name == one.name), "")
 
 
 def _told(first: list[ParameterEstimate]) -> list[ParameterEstimate]:
@@ -79,7 +90,11 @@ def value_table(verdicts: Sequence[Verdict], written: bool = False) -> list[str]
     """
     named = [one for one in verdicts if isinstance(one, LeftOut)]
     named += [option for one in verdicts if isinstance(one, Ambiguous) for option in one.options]
-    lines = [f"- {one.names[0]}: {parameter}" for one in named for parameter in one.parameters]
+    lines = [
+        f"- {one.names[0]}: {parameter}{_meaning(parameter, type(one.effect))}"
+        for one in named
+        for parameter in one.parameters
+    ]
     seen = [line for one in verdicts if isinstance(one, NoMismatch) for line in _shifts(one)]
     more = [AS_WRITTEN, ""] if written else []
     out = ["## Every value (90 % intervals)", "", *lines, "", *more] if lines else []

@@ -13,6 +13,7 @@ from bench.discrepancy.report.parameters import (
 )
 from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch
 from bench.discrepancy.settings import SHOWN_VALUES
+from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.ranging.range_scale import RangeScale
 
 
@@ -46,6 +47,15 @@ def test_what_is_not_determined_shares_the_last_line() -> None:
     unsure = [ParameterEstimate(name, 0, 0, 1, "dB", determined=False) for name in ("a", "b")]
     assert parameter_lines([*unsure, scale])[-1] == "  - not determined by these recordings: a, b"
     assert len(parameter_lines([*unsure, scale])) == 2
+
+
+def test_a_value_says_what_it_means_where_its_effect_does() -> None:
+    kept = ParameterEstimate("static", 0.3, 0.2, 0.4, "ratio")
+    lines = parameter_lines([kept, delay("a0", 1.2)], DiffuseTail)
+    assert lines[0].endswith("(90 %): of a tap's power that a link keeps")
+    assert lines[1].endswith("(90 %)")
+    said = LeftOut(DiffuseTail(), (kept,), Estimate(1, 0.5, 2), 1.0, Control("", None))
+    assert any(one.endswith(": of a tap's power that a link keeps") for one in value_table([said]))
 
 
 def test_effects_skipped_for_one_reason_share_a_line() -> None:
