@@ -73,8 +73,7 @@ class ForeignTable:
             return replace(base, pulse_fwhm=self.like.own.pulse_fwhm)
         if self.cir is None:
             return base
-        index = self.rows.number("first_path_index", float(base.cir_lead))
-        return with_pulse(base, absolute(self.cir), index)
+        return with_pulse(base, absolute(self.cir), self._index(self.rows))
 
     @cached_property
     def range_m(self) -> Floats:
@@ -246,7 +245,7 @@ class ForeignTable:
 
     def _index(self, rows: Scene) -> Floats:
         """Return the first path's index in the table's CIRs [n]."""
-        return rows.number("first_path_index", float(self.own.cir_lead))
+        return rows.number("first_path_index", float(self.base.cir_lead))
 
     def _received(
         self,

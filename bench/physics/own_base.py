@@ -17,9 +17,7 @@ from bench.physics.units import Floats, Reals
 
 BEFORE = 5.0  # samples ahead of the first path: twice as far as a pulse is wide [convention]
 FEWEST = 200  # such samples, by which a power is known to 7 % [derived]
-LOUD = (
-    30.0  # times the median sample, that a peak is, of which neighbours tell the width [convention]
-)
+LOUD = 30.0  # times the median sample, that a peak is whose neighbours tell a width [convention]
 FEWEST_PULSES = 20  # such rows, by which a width is known to a few percent [derived]
 SAME_WIDTH = 0.08  # of the base's width: what detection and noise leave of one [convention]
 FAR = 3.0  # times the median of rows, that one counts at most: another path may lie there
@@ -48,8 +46,7 @@ def with_pulse(base: Base, magnitude: Reals, index: Floats) -> Base:
     """
     width = pulse_width(magnitude, index)
     item = next(one for one in describe(Base) if one.name == "pulse_fwhm")
-    alike = not np.isfinite(width) or abs(width / base.pulse_fwhm - 1) < SAME_WIDTH
-    if alike:
+    if not np.isfinite(width) or abs(width / base.pulse_fwhm - 1) < SAME_WIDTH:
         return base
     return replace(base, pulse_fwhm=float(np.clip(width, item.low, item.high)))
 

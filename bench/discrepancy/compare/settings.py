@@ -56,5 +56,5 @@ ROUNDING: Final = 1e-9  # of the largest value, that means of a constant are off
 RISE_M: Final = 1.0  # of a pulse's edge, beyond which no second path pulls it [convention]
 LEAST_SINGULAR: Final = 1e-9  # of the largest: less is what other columns make [rounding]
 LEAST_SUM: Final = 1e-5  # of standardised values in float32, that is more than rounding [derived]
-FEWEST_BEHIND: Final = 2  # simulated links behind as many obstacles: one tells no scatter [derived]
+LINKS_BEHIND: Final = 2  # simulated links behind as many obstacles: one tells no scatter [derived]
 UNSEEN_NAMED: Final = 3  # categories that are listed (changes nothing but words)

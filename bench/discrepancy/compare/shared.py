@@ -21,9 +21,9 @@ from bench.discrepancy.compare.settings import (
     CATEGORY_STD,
     DEVICE_STD,
     FAR_STD,
-    FEWEST_BEHIND,
     LEAST_OVERLAP,
     LEAST_STD,
+    LINKS_BEHIND,
     SAME_HEIGHT_M,
     UNSEEN_NAMED,
 )
@@ -166,7 +166,7 @@ def behind_more(recorded: pd.DataFrame, simulated: pd.DataFrame) -> NDArray[np.b
     ours = _obstacles(recorded)
     links = pd.Series(_obstacles(simulated)).groupby(simulated["link"].astype(str).to_numpy()).max()
     as_many = len(links) - np.searchsorted(np.sort(links.to_numpy()), ours)
-    return np.asarray((ours > 1) & (as_many < FEWEST_BEHIND), np.bool_)
+    return np.asarray((ours > 1) & (as_many < LINKS_BEHIND), np.bool_)
 
 
 def _obstacles(frame: pd.DataFrame) -> Floats:

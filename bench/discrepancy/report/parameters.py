@@ -25,11 +25,9 @@ def parameter_lines(
 ) -> list[str]:
     """Return the parameters with their intervals; of a long list those farthest from zero.
 
-    Each with what it means, as the `kind` of effect says.
-
-    Those that may be zero are counted, those that are not determined share the last line. Factors
-    of a thickness that no table has stand in the last table alone where metres per obstacle say
-    the same.
+    Each with what it means, as the `kind` of effect says. Those that may be zero are counted, those
+    that are not determined share the last line. Factors of a thickness that no table has stand in
+    the last table alone where metres per obstacle say the same.
     """
     out, open_ones = [], []
     told = any(one.name.startswith(PER_OBSTACLE) for one in parameters)

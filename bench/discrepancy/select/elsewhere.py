@@ -123,22 +123,29 @@ def _missing_m2(search: Search, added: Added, bare: Added) -> float:
     return float(np.nanmean(recorded**2)) - noise_m2
 
 
+def _rounded(rows: View, effect: Effect) -> tuple[RangeRounding, Floats] | None:
+    """Return a rounding and the recorded ranges [n], in metres, that it acts on, else None."""
+    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+        return None
+    return effect, numeric(rows.frame, "range_m")
+
+
 def own_grids_m(rows: View, effect: Effect) -> float:
     """Return how far rounding moves ranges where devices have coarser steps of their own, in m.
 
     One grid holds all their ranges, that of the largest step that divides all of theirs. A step is
     a device's own where all its ranges lie on it, which chance hardly does; 0 for other effects.
     """
-    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+    if (found := _rounded(rows, effect)) is None:
         return 0.0
-    range_m = numeric(rows.frame, "range_m")
-    place = effect.place(range_m)
+    grid, range_m = found
+    place = grid.place(range_m)
     times = np.ones(len(place))
     for name, mine in rows.covariates.groups.items():
         some = place[mine][np.isfinite(place[mine])].astype(int)
         if name.startswith(DEVICES) and len(np.unique(some)) >= OWN_GRID_PLACES:
             times[mine] = np.maximum(times[mine], np.gcd.reduce(some - some[0]))
-    steps_m = np.nan_to_num(times * effect.step_at(range_m), nan=effect.step_m)
+    steps_m = np.nan_to_num(times * grid.step_at(range_m), nan=grid.step_m)
     return float(np.sqrt(np.mean(steps_m**2) * ROUNDING_VARIANCE))
 
 
@@ -148,13 +155,14 @@ def mixed_m(rows: View, effect: Effect) -> float:
     Most to the whole and some to its thirds, say: all lie on the finer grid, of which every third
     point is used more often. Places of a link count once; 0 where points are used alike.
     """
-    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+    if (found := _rounded(rows, effect)) is None:
         return 0.0
-    place = effect.place(numeric(rows.frame, "range_m"))
+    grid, range_m = found
+    place = grid.place(range_m)
     known = np.isfinite(place)
     once = np.unique(np.stack([rows.links[known], place[known].astype(int)]), axis=1)[1]
     times = next((k for k in MIXED_TIMES if _unevenly(once, k)), 0)
-    return float(times * effect.step_m * np.sqrt(ROUNDING_VARIANCE))
+    return float(times * grid.step_m * np.sqrt(ROUNDING_VARIANCE))
 
 
 def _unevenly(places: NDArray[np.intp], times: int) -> bool:
@@ -166,11 +174,11 @@ def _unevenly(places: NDArray[np.intp], times: int) -> bool:
 def _used_m(search: Search, rest: Added, effect: Effect) -> float:
     """Return how far rounding moves ranges where few points of its grid are used (`used_m`)."""
     rows = search.searched
-    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+    if (found := _rounded(rows, effect)) is None:
         return 0.0
     made = search.comparison.ensemble(rows, (*rest, effect), SCORE_MEMBERS, SCORE_FIRST)
     simulated_m = rows.scene.true_range_m + made.simulated_of(RANGE)
-    return used_m(effect, numeric(rows.frame, "range_m"), simulated_m)
+    return used_m(*found, simulated_m)
 
 
 def used_m(effect: RangeRounding, range_m: Floats, simulated_m: Floats) -> float:
