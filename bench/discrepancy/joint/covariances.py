@@ -22,7 +22,8 @@ class Covariances(Mapping[int, Floats]):
     """The covariance [p, p] of means over so many rows of a link, by that number: of `counts`.
 
     That of links, `link`, and of rows, `rows` [p, p], shrunk by `share` and made `wider`; `apart`
-    [p, p] and `floor` [p, p] are added.
+    [p, p] and `floor` [p, p] are added, and what effects change by chance: `changed_link` and
+    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p].
     """
 
     counts: tuple[int, ...]
@@ -32,12 +33,24 @@ class Covariances(Mapping[int, Floats]):
     wider: float
     apart: Floats
     floor: Floats
+    changed_link: Floats | None = None
+    changed_rows: Floats | None = None
+    scaled: Floats | None = None
 
     @cached_property
     def every(self) -> Floats:
         """All of them, in the order of `counts` [c, p, p]: at once, as the calls cost most."""
-        whole = np.stack([self.link + self.rows / count for count in self.counts])
-        return shrunk(whole, self.share) * self.wider + self.apart + self.floor
+        made = shrunk(self._over(self.link, self.rows), self.share) * self.wider
+        if self.changed_link is not None and self.changed_rows is not None:
+            made += shrunk(self._over(self.changed_link, self.changed_rows), 0.0) * self.wider
+        made = made + self.apart + self.floor
+        if self.scaled is None:
+            return made
+        return np.asarray(made * self.scaled[:, :, None] * self.scaled[:, None])
+
+    def _over(self, link: Floats, rows: Floats) -> Floats:
+        """Return covariances of means over so many rows of each number [c, p, p]."""
+        return np.stack([link + rows / count for count in self.counts])
 
     def __getitem__(self, count: int) -> Floats:
         if count not in self.counts:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +25,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.covariances import Covariances, shrunk
 from bench.discrepancy.joint.decades import decades
+from bench.discrepancy.joint.drawn import of_means, of_rows, with_drawn
 from bench.discrepancy.joint.row_likelihood import rows_nats
 from bench.discrepancy.joint.settings import (
     DECIBELS,
@@ -32,11 +33,13 @@ from bench.discrepancy.joint.settings import (
     FLOOR,
     KEPT,
     KNOWN_SHARE,
+    LEVELS,
     MEMBERS,
     NOISE_LEAST,
     OTHERS,
     OTHERS_KEPT,
 )
+from bench.discrepancy.joint.unknown import filled, numbers_of
 from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
 from bench.physics.effects.propagation.antenna_pattern import waves
@@ -123,7 +126,7 @@ class Statistics:
         """All numbers, waves of headings and groups known before, standardised, [L, q]."""
         every = self.rows.covariates
         known = (*every.numbers.values(), *waves(self.rows.scene))
-        numbers = [self.of_links(_filled(one)[:, None])[:, 0] for one in known]
+        numbers = [self.of_links(filled(one)[:, None])[:, 0] for one in known]
         groups = [
             self.of_links(one[:, None].astype(np.float64))[:, 0] for one in every.groups.values()
         ]
@@ -177,6 +180,7 @@ class Statistics:
         less.names, less.floor = tuple(self.names[i] for i in keep), self.floor[keep]
         less.apart = self.apart[np.ix_(keep, keep)]
         less._kept, less._others = Memory(KEPT), Memory(OTHERS_KEPT)
+        less.__dict__.pop("_bare", None)
         return less
 
     def worth(self, nats: float, effects: Added) -> float:
@@ -233,8 +237,7 @@ class Statistics:
             return self.apart
         plain = self._compared(self._values(bare)).covariances
         usual = np.mean([plain[int(n)] for n in self.count], axis=0) - np.diag(self.floor)
-        wide = np.einsum("vli,vlj->ij", others, others) / others[..., 0].size
-        sizes, ways = np.linalg.eigh(wide - usual)
+        sizes, ways = np.linalg.eigh(of_means(others) - usual)
         return np.asarray((ways * np.maximum(sizes, 0)) @ ways.T)
 
     def _made(self, added: Added, members: int) -> Ensemble | None:
@@ -246,7 +249,23 @@ class Statistics:
 
     def _moments(self, added: Added, members: int) -> Moments | None:
         made = self._made(added, members)
-        return None if made is None else self._compared(self._values(made))
+        found = None if made is None else self._compared(values := self._values(made))
+        plain = self.moments(()) if added and found else None
+        if found is None or plain is None:
+            return found
+        change = numbers_of(values[1:] - self._bare[1:])
+        whole = with_drawn(plain.covariances, found.covariances, change, self.code, self._level)
+        return replace(found, covariances=whole)
+
+    @property
+    def _level(self) -> int:
+        """The place of a level among the statistics, the first where there is none."""
+        return next((i for i, name in enumerate(self.names) if name in LEVELS), 0)
+
+    @cached_property
+    def _bare(self) -> Floats:
+        """The versions [1 + m, n, p] without effects."""
+        return self._values(self.comparison.ensemble(self.rows, self.beside, self.members))
 
     def _values(self, made: Ensemble) -> Floats:
         """Return the versions [1 + m, n, p] of the statistics of rows."""
@@ -259,17 +278,17 @@ class Statistics:
 
     def _compared(self, values: Floats) -> Moments:
         members = len(values) - 1
-        mean = _numbers(values[1:]).mean(axis=0)
-        left = _numbers(values[0] - mean)
-        own = _numbers(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
+        mean = numbers_of(values[1:]).mean(axis=0)
+        left = numbers_of(values[0] - mean)
+        own = numbers_of(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
         of_links = np.stack([self.of_links(one) for one in own])
-        between = np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size
+        between = of_means(of_links)
         scatter = np.maximum(np.diag(between + self.apart), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
         alike = own**2 / np.maximum(np.diag(between), 1e-9)
         usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
         about = own - of_links[:, self.code]
-        rows = self._of_rows(about, members)
+        rows = of_rows(about, self.links)
         return Moments(
             self.of_links(left),
             self.of_links(mean),
@@ -280,12 +299,6 @@ class Statistics:
             rows=rows,
             of_rows=left if self.told_within else None,
         )
-
-    def _of_rows(self, within: Floats, members: int) -> Floats:
-        """Return the covariance [p, p] of rows about the mean of their link."""
-        loose = len(self.code) - self.links
-        rows = np.einsum("mni,mnj->ij", within, within) / max(loose * members, 1)
-        return np.asarray(rows if loose else np.zeros_like(rows))
 
     def _rows_left(self, left: Floats, about: Floats, rows: Floats) -> Floats:
         """Return how much more rows scatter about their link's mean than simulated ones [L, p].
@@ -334,15 +347,3 @@ class Statistics:
     def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
         return group_sums(values, self.code, self.links) / self.count[:, None]
-
-
-def _numbers(values: Floats) -> Floats:
-    """Return values, 0 where one is not known; mostly all are, which takes a tenth to see."""
-    return values if np.isfinite(values).all() else np.nan_to_num(values)
-
-
-def _filled(values: Floats) -> Floats:
-    """Return values with what is not known at the mean."""
-    known = np.isfinite(values)
-    middle = float(values[known].mean()) if known.any() else 0.0
-    return np.asarray(np.where(known, values, middle), np.float64)
