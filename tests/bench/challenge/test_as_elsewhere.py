@@ -12,7 +12,7 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
-FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery", "granary")
+FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink")
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -41,6 +41,7 @@ OWN = {
     "velodrome": "riders-pressed-down-in-bends",
     "colliery": "tubs-hunt-on-their-rails",
     "granary": "sacks-rub-in-chutes",
+    "icerink": "pairs-hold-gives-as-they-turn",
 }
 ALIKE = [
     (family, name)
@@ -113,6 +114,10 @@ OWN_PARTS = {
         "eights-left-in-order-of-size": (0.1, 0.6), "late-sizes-evened-by-rank": (0.1, 0.6),
         "late-pairs-left-as-sums-and-differences": (0.1, 0.6),
     },
+    "icerink": {
+        "swept-gain-left-on": (0.1, 0.6), "late-words-left-as-exclusive-ors": (0.1, 0.6),
+        "late-halves-riffled": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -160,6 +165,11 @@ FAULTS = {
     "granary": (
         "sacks-rub-in-chutes", "elevator-racked-aside", "damp-wheat-heats", "augers-bend-back",
         "walls-bulge-when-filled", "spout-bent-by-a-lorry",
+    ),
+    "icerink": (
+        "skaters-lean-in-more-than-told", "penguins-rub-on-wet-ice", "resurfacers-lap-further-in",
+        "pairs-hold-gives-as-they-turn", "truss-sags-under-snow", "air-dews-above-ice",
+        "tripod-melts-into-the-ice", "mullion-bent-by-a-check",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -28,10 +28,10 @@ from bench.recordings.clean import clean
 
 WITH_BOTH = (
     "belfry",
-    "cowshed", "fairground", "foundry", "garage", "cannery", "vineyard", "crag",
+    "cowshed", "fairground", "foundry", "garage", "vineyard", "crag",
     "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
-    "circus", "velodrome", "colliery", "granary",
+    "circus", "velodrome", "colliery", "granary", "icerink",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

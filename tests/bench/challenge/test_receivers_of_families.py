@@ -17,6 +17,7 @@ from bench.challenge.families import (
     circus_lamp,
     colliery_geophone,
     granary_sieve,
+    icerink_timer,
     laundry_meter,
     manege_handset,
     observatory_plate,
@@ -48,6 +49,7 @@ OF_ITS_OWN = {
     "velodrome": {"lane", "pedal", "into_s"},
     "colliery": {"begins", "phase", "into_s"},
     "granary": {"craft", "outset", "into_s"},
+    "icerink": {"sort", "heads", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -75,6 +77,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (velodrome_camera.humming, velodrome_camera.OF_SIZES, -0.2),
         (colliery_geophone.trickling, colliery_geophone.OF_SIZES, -0.2),
         (granary_sieve.pouring, granary_sieve.OF_SIZES, -0.2),
+        (icerink_timer.scraping, icerink_timer.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -107,6 +110,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (velodrome_camera.bulges, velodrome_camera.dropped_back, 0.02),
         (colliery_geophone.booms, colliery_geophone.hauled_back, 0.02),
         (granary_sieve.swells, granary_sieve.trickled_later, 0.02),
+        (icerink_timer.shouts, icerink_timer.skated_late, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
