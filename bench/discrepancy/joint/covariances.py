@@ -23,7 +23,8 @@ class Covariances(Mapping[int, Floats]):
 
     That of links, `link`, and of rows, `rows` [p, p], shrunk by `share` and made `wider`; `apart`
     [p, p] and `floor` [p, p] are added, and what effects change by chance: `changed_link` and
-    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p].
+    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p]; of that a `sum_share`, the
+    rest `whole` [c, p, p].
     """
 
     counts: tuple[int, ...]
@@ -36,6 +37,8 @@ class Covariances(Mapping[int, Floats]):
     changed_link: Floats | None = None
     changed_rows: Floats | None = None
     scaled: Floats | None = None
+    sum_share: float = 1.0
+    whole: Floats | None = None
 
     @cached_property
     def every(self) -> Floats:
@@ -46,7 +49,10 @@ class Covariances(Mapping[int, Floats]):
         made = made + self.apart + self.floor
         if self.scaled is None:
             return made
-        return np.asarray(made * self.scaled[:, :, None] * self.scaled[:, None])
+        made = made * self.scaled[:, :, None] * self.scaled[:, None]
+        if self.whole is None:
+            return np.asarray(made)
+        return np.asarray(self.sum_share * made + (1 - self.sum_share) * self.whole)
 
     def _over(self, link: Floats, rows: Floats) -> Floats:
         """Return covariances of means over so many rows of each number [c, p, p]."""

@@ -30,15 +30,18 @@ def with_drawn(
     diagonal it would move each by itself, and a reflection of chance phase would ask for scatter
     that no link has. What goes with the statistic at place `level` is shrunk all the same: scatter
     of levels alone would stand for any form of a loss. How far each scatters `whole` says: an
-    effect may drown what is there. Where it takes much of that away, it is no sum.
+    effect may drown what is there. Where it takes much of that away, it is no
+    sum, and in between (see `SAME_SCATTER`) partly one: fits go by small steps.
     """
     if not (isinstance(plain, Covariances) and isinstance(whole, Covariances)) or len(change) < 2:
         return whole
     made = _with(plain, *_drawn(change, code), level)
     ratio = _sizes(whole.every) / np.maximum(_sizes(made.every), LEAST_VARIANCE)
-    if (np.abs(np.log(np.maximum(ratio, LEAST_VARIANCE))) > SAME_SCATTER).any():
+    off = float(np.abs(np.log(np.maximum(ratio, LEAST_VARIANCE))).max())
+    share = float(np.interp(off, SAME_SCATTER, (1.0, 0.0)))
+    if not share:
         return whole
-    return replace(made, scaled=np.sqrt(ratio))
+    return replace(made, scaled=np.sqrt(ratio), sum_share=share, whole=whole.every)
 
 
 def _with(plain: Covariances, link: Floats, rows: Floats, level: int) -> Covariances:

@@ -30,7 +30,8 @@ KEPT: Final = 500  # statistics of sets that are remembered (changes nothing but
 LEVELS: Final = ("rx_power_dbm", "energy_db", "max_amplitude_db")  # of a link, as far as known
 WEIGHED: Final = 4  # sets to weigh, from which on forks do it sooner (changes nothing but time)
 LEAST_VARIANCE: Final = 1e-12  # of a statistic, in its unit squared: nothing [rounding]
-SAME_SCATTER: Final = 0.7  # of the logarithm of a variance: a sum off by half [convention]
+SAME_SCATTER: Final = (0.2, 0.5)  # of the logarithm of a variance: so far off a sum is believed,
+# and from there on it is not [convention]
 LEAST_EIGENVALUE: Final = 0.02  # of the median one of a covariance [convention]
 TAIL: Final = 30.0  # degrees of freedom of a link's misfit: far ones count by their logarithm
 WEIGHINGS: Final = 4  # of links by how far they are off [cost]

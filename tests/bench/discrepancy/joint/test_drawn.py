@@ -53,10 +53,22 @@ def test_what_goes_with_levels_alone_is_shrunk() -> None:
 
 
 def test_what_takes_scatter_away_is_no_sum() -> None:
-    plain, whole = of_scatter(1.0), of_scatter(np.exp(-1.5 * SAME_SCATTER))
+    plain, whole = of_scatter(1.0), of_scatter(np.exp(-1.1 * SAME_SCATTER[1]))
     assert with_drawn(plain, whole, drawn(np.zeros((1, SIZE))), CODE, 0) is whole
 
 
 def test_one_version_tells_no_scatter() -> None:
     plain, whole = of_scatter(1.0), of_scatter(1.2)
     assert with_drawn(plain, whole, drawn(np.ones((1, SIZE)))[:1], CODE, 0) is whole
+
+
+def test_what_takes_some_scatter_away_is_partly_a_sum() -> None:
+    """Between a sum and none there is no step at which a fit would stick."""
+    plain, way = of_scatter(1.0), np.r_[0.0, np.full(SIZE - 1, 0.6)][None]
+    apart = []
+    for off in (0.0, np.mean(SAME_SCATTER), SAME_SCATTER[1]):
+        link = np.exp(-off) * (np.eye(SIZE) + way.T @ way)
+        whole = Covariances((ROWS,), link, plain.rows, SHARE, 1.0, plain.apart, plain.floor)
+        made = np.asarray(with_drawn(plain, whole, drawn(way), CODE, 0)[ROWS])
+        apart.append(np.median(made[1:, 1:][~np.eye(SIZE - 1, dtype=bool)]))
+    assert apart[0] > apart[1] > apart[2]
