@@ -23,8 +23,8 @@ class Covariances(Mapping[int, Floats]):
 
     That of links, `link`, and of rows, `rows` [p, p], shrunk by `share` and made `wider`; `apart`
     [p, p] and `floor` [p, p] are added, and what effects change by chance: `changed_link` and
-    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p]; of that a `sum_share`, the
-    rest `whole` [c, p, p].
+    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p]; of that a `sum_share`,
+    the rest `whole` [c, p, p].
     """
 
     counts: tuple[int, ...]

@@ -30,8 +30,8 @@ def with_drawn(
     diagonal it would move each by itself, and a reflection of chance phase would ask for scatter
     that no link has. What goes with the statistic at place `level` is shrunk all the same: scatter
     of levels alone would stand for any form of a loss. How far each scatters `whole` says: an
-    effect may drown what is there. Where it takes much of that away, it is no
-    sum, and in between (see `SAME_SCATTER`) partly one: fits go by small steps.
+    effect may drown what is there. Where it takes much of that away, it is no sum, and in between
+    (see `SAME_SCATTER`) partly one: fits go by small steps.
     """
     if not (isinstance(plain, Covariances) and isinstance(whole, Covariances)) or len(change) < 2:
         return whole
