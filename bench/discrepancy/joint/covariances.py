@@ -22,9 +22,7 @@ class Covariances(Mapping[int, Floats]):
     """The covariance [p, p] of means over so many rows of a link, by that number: of `counts`.
 
     That of links, `link`, and of rows, `rows` [p, p], shrunk by `share` and made `wider`; `apart`
-    [p, p] and `floor` [p, p] are added, and what effects change by chance: `changed_link` and
-    `changed_rows` [p, p], as they are, each statistic then `scaled` [c, p]; of that a `sum_share`,
-    the rest `whole` [c, p, p].
+    [p, p] and `floor` [p, p] are added.
     """
 
     counts: tuple[int, ...]
@@ -34,28 +32,23 @@ class Covariances(Mapping[int, Floats]):
     wider: float
     apart: Floats
     floor: Floats
-    changed_link: Floats | None = None
-    changed_rows: Floats | None = None
-    scaled: Floats | None = None
-    sum_share: float = 1.0
-    whole: Floats | None = None
 
     @cached_property
     def every(self) -> Floats:
         """All of them, in the order of `counts` [c, p, p]: at once, as the calls cost most."""
-        made = shrunk(self._over(self.link, self.rows), self.share) * self.wider
-        if self.changed_link is not None and self.changed_rows is not None:
-            made += shrunk(self._over(self.changed_link, self.changed_rows), 0.0) * self.wider
-        made = made + self.apart + self.floor
-        if self.scaled is None:
-            return made
-        made = made * self.scaled[:, :, None] * self.scaled[:, None]
-        if self.whole is None:
-            return np.asarray(made)
-        return np.asarray(self.sum_share * made + (1 - self.sum_share) * self.whole)
+        return self.made()
 
-    def _over(self, link: Floats, rows: Floats) -> Floats:
-        """Return covariances of means over so many rows of each number [c, p, p]."""
+    def made(self) -> Floats:
+        """Return `every`, made."""
+        return shrunk(self.over(self.link, self.rows), self.share) * self.wider + self.besides
+
+    @property
+    def besides(self) -> Floats:
+        """What is added [p, p]."""
+        return self.apart + self.floor
+
+    def over(self, link: Floats, rows: Floats) -> Floats:
+        """Return covariances of means over so many rows [c, p, p], of links and of rows."""
         return np.stack([link + rows / count for count in self.counts])
 
     def __getitem__(self, count: int) -> Floats:
