@@ -7,11 +7,16 @@ the working links were when the effect was chosen (the logarithmic score is a pr
 
 from __future__ import annotations
 
+import numpy as np
+
 from bench.discrepancy.compare.view import Added, Comparison, View, without
+from bench.discrepancy.fit.search import valued
 from bench.discrepancy.joint.likelihood import link_nats
+from bench.discrepancy.joint.mixture import SHARES, Mixture
 from bench.discrepancy.joint.polish import Fit, fitted
 from bench.discrepancy.joint.settings import CLASS_NATS
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.select.link_mixture import Strike
 from bench.physics.effect import Effect
 
 
@@ -21,12 +26,42 @@ def likelier_with(comparison: Comparison, held: View, added: Added, effect: Effe
     20 to 1; that links agree was asked of the others, which are more. Nothing was fitted to them,
     so parameters cost nothing. Raises BenchError where waveforms show nothing.
     """
-    given = Statistics(comparison, held)
-    among = tuple(one for one in added if type(one).stage != "ranging")
+    given, among = Statistics(comparison, held), _of_waveforms(added)
     whole, rest = fitted(given, among), fitted(given, without(among, effect))
     if whole is None or rest is None:
         return False
     return _nats(given, whole) - _nats(given, rest) >= CLASS_NATS
+
+
+def likelier_struck(comparison: Comparison, held: View, added: Added, strike: Strike) -> bool:
+    """Return whether held-out links are likelier if some are struck, beside effects `added`.
+
+    As the working links were when that was found: each is spared or struck, and nobody knows which
+    (see `Mixture`). The share is anywhere that these leave it (the mean likelihood over its
+    interval); 20 to 1. Raises BenchError where waveforms show nothing.
+    """
+    kind, told = type(strike.effect), {one.name: one for one in strike.parameters}
+    assert kind.strikes is not None
+    share = told[kind.strikes[0]]
+    struck = valued(kind, {kind.strikes[0]: 1.0, **_sizes(strike, share.name)})
+    given = Statistics(comparison, held).knowing((struck,))
+    mixture = Mixture(given, _of_waveforms(added), kind)
+    made = mixture.at(_sizes(strike, share.name))
+    near = (share.low <= SHARES) & (share.high >= SHARES)
+    if made is None or not near.any():
+        return False
+    mean = float(np.logaddexp.reduce(made.nats[near]) - np.log(near.sum()))
+    return (mean - float(mixture.spared.sum())) / given.crowding >= CLASS_NATS
+
+
+def _sizes(strike: Strike, share: str) -> dict[str, float]:
+    """Return the values of what strikes links, but for how many."""
+    return {one.name: one.value for one in strike.parameters if one.name != share}
+
+
+def _of_waveforms(added: Added) -> Added:
+    """Return the effects that change more than ranges."""
+    return tuple(one for one in added if type(one).stage != "ranging")
 
 
 def _nats(given: Statistics, fit: Fit) -> float:

@@ -78,14 +78,14 @@ class Mixture:
         self.bare = in_place(given, beside)
         self.spared = link_nats(given, self.bare, ())
         self.tried: list[Mixed] = []
-        self.begun = self._at({p.name: p.default for p in self.free})
+        self.begun = self.at({p.name: p.default for p in self.free})
 
     def fitted(self, begin: Values | None = None) -> Mixed | None:
         """Return the likeliest mixture of a search along its parameters, over and over.
 
         From values of these on; None where the effect, by default as it is, strikes no link.
         """
-        best = self._at(begin) if begin else self.begun
+        best = self.at(begin) if begin else self.begun
         if best is None or best.best < self.spared.sum():
             return None
         for _ in range(STRIKE_PASSES):
@@ -99,11 +99,11 @@ class Mixture:
         """Return the likeliest mixture along one parameter after the other."""
         for item, share in product(self.free, STRIKE_POINTS):
             value = between(item, item.low, item.high, share)
-            made = self._at({**best.values, item.name: value})
+            made = self.at({**best.values, item.name: value})
             best = made if made and made.best > best.best else best
         return best
 
-    def _at(self, values: Values) -> Mixed | None:
+    def at(self, values: Values) -> Mixed | None:
         """Return the mixture with these parameters of the effect, None where it has none."""
         moments = self.struck(values)
         if moments is None:

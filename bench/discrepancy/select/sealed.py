@@ -19,7 +19,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.confirm import Served, served
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.headline import WITHHELD
-from bench.discrepancy.joint.held_out import likelier_with
+from bench.discrepancy.joint.held_out import likelier_struck, likelier_with
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.sealed_class import Change, borne_out_of_class
@@ -30,8 +30,9 @@ from bench.discrepancy.settings import ALL_SPARED, LEAD_NATS
 from bench.physics.effect import Effect
 
 STRUCK = Guard().safely("offsets of sealed links", struck_nats, None)
+STRUCK_WAVES = Guard().safely("likelihood of struck sealed links", likelier_struck, False)
 LIKELIER = Guard().safely("likelihood of sealed links", likelier_with, False)
-Borne = Callable[[Strike], bool]  # whether offsets of sealed links may be those of a strike
+Borne = Callable[[Strike], bool]  # whether sealed links may be those that a strike leaves
 Likelier = Callable[[Effect], bool]  # whether sealed links are likelier with an effect
 
 
@@ -66,6 +67,8 @@ def unrefused(
 
     def borne(strike: Strike) -> bool:
         beside = without(found.added, strike.effect)
+        if sealed.waveform:
+            return STRUCK_WAVES(comparison, sealed, beside, strike)
         nats = STRUCK(comparison, sealed, beside, strike)
         return nats is not None and nats > -LEAD_NATS
 
