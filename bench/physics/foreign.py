@@ -27,8 +27,9 @@ import pandas as pd
 from bench.errors import BenchError
 from bench.physics.base import RAYLEIGH_STD, Base, power_of_noise, there
 from bench.physics.batch import Batch, altered
-from bench.physics.detection import edge_offset, first_path
+from bench.physics.detection import first_path
 from bench.physics.effect import Effect
+from bench.physics.first_top import first_top
 from bench.physics.outcome import Outcome, joined
 from bench.physics.own_base import noise_times, own_base, with_pulse
 from bench.physics.own_detector import Crossing, crossing
@@ -225,19 +226,17 @@ class ForeignTable:
         return noise, there(batch.threshold) * noise
 
     def _as_tail(self, batch: Batch, taps: Complexes) -> Batch:
-        """Return the batch with the CIR `taps` in place of its path; new paths relate to its edge.
+        """Return the batch with the CIR `taps` in place of its path; new paths relate to its top.
 
         The path stays as a mark of where the first one arrives, with no power of its own.
         """
         width = self.own.pulse_fwhm
-        centre = self._index(batch.rows) + edge_offset(width)
-        column = np.clip(np.rint(centre).astype(np.intp), 0, taps.shape[1] - 1)
-        edge = absolute(taps)[np.arange(len(taps)), column] / peak(width)
+        centre, top = first_top(taps, self._index(batch.rows), width)
         start = batch.excess_ns[:, 0] - centre * self.own.sample_period_ns
         return altered(
             batch,
             gain=np.zeros_like(batch.gain),
-            free_gain=edge.astype(np.complex64),
+            free_gain=(top / peak(width)).astype(np.complex64),
             tail=taps,
             tail_start_ns=start.astype(np.float32),
             tail_fwhm=width,

@@ -1,0 +1,47 @@
+"""Where the pulse of the first path has its top in CIRs of whatever receiver.
+
+Some report the edge of the first path, some its top, and some where a weak threshold is crossed. So
+the index alone tells neither how strong the first path is nor where its pulse lies; samples do.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.physics.units import Complexes, Floats, absolute
+
+SPAN_FWHM: Final = 1.5  # pulse widths behind the index, within which the top lies
+RIPPLE: Final = 0.5  # of the highest sample within, below which a top is the noise's
+LEAST_BEND: Final = 1e-6  # of the logarithm from sample to sample: less is flat
+
+
+def first_top(taps: Complexes, index: Floats, fwhm: float) -> tuple[Floats, Complexes]:
+    """Return the place of the first path's top [n], in samples, and the CIR's value there [n].
+
+    The first top of `taps` [n, K] from the first path's `index` [n] on, of pulses that are `fwhm`
+    samples wide; between samples as a parabola of the logarithm, which a Gaussian pulse is. The
+    highest sample where there is no top.
+    """
+    place = _highest(absolute(taps), index, ceil(SPAN_FWHM * fwhm) + 1)
+    rows, value = np.arange(len(taps)), taps[np.arange(len(taps)), place]
+    near = [np.abs(taps[rows, place + step]).astype(np.float64) for step in (-1, 0, 1)]
+    before, here, after = (np.log(np.maximum(one, np.finfo(np.float32).tiny)) for one in near)
+    bend = np.minimum(before - 2 * here + after, -LEAST_BEND)
+    off = np.clip((before - after) / (2 * bend), -0.5, 0.5)
+    return place + off, (value * np.exp((after - before) * off / 4)).astype(np.complex64)
+
+
+def _highest(size: NDArray[np.float32], index: Floats, span: int) -> NDArray[np.intp]:
+    """Return the sample of the first top [n] of magnitudes [n, K] within `span` of an index."""
+    last = size.shape[1] - 2
+    begin = np.clip(np.floor(np.nan_to_num(index)), 1, max(last, 1)).astype(np.intp)
+    places = np.minimum(begin[:, None] + np.arange(span), max(last, 1))
+    before, here, after = (np.take_along_axis(size, places + step, axis=1) for step in (-1, 0, 1))
+    most = here.max(axis=1, keepdims=True)
+    top = (here >= before) & (here >= after) & (here >= RIPPLE * most)
+    found = np.where(top.any(axis=1), top.argmax(axis=1), here.argmax(axis=1))
+    return np.asarray(places[np.arange(len(places)), found])
