@@ -34,6 +34,7 @@ from bench.discrepancy.select.refute import Checked, checked
 from bench.discrepancy.select.remainder import fitting_best
 from bench.discrepancy.select.scatter_size import with_sizes
 from bench.discrepancy.select.sealed import unrefused
+from bench.discrepancy.select.sealed_class import named_once
 from bench.discrepancy.select.second_level import beyond_geometry
 from bench.discrepancy.select.state import Progress, Round, Search, Selection, State, silent
 from bench.discrepancy.select.stepwise import (
@@ -101,7 +102,7 @@ def confirmed(ready: Prepared, search: Search, found: Selection) -> Diagnosis:
     law = said.law if more == kept_more else None
     found = found if law else as_it_stands(search, found)
     found = found if law or said.fault or kept_more else without_unseen(found)
-    found = with_struck_links(search, found)
+    found = with_struck_links(search, replace(found, verdicts=named_once(found.verdicts)))
     added = (*found.added, *kept_more)
     fits = confirm(untimed(comparison, found.untimed), sealed, added, seed)
     return replace(ready.diagnosis(found, added, fits), law=law, setup_fault=said.fault)

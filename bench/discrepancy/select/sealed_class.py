@@ -60,6 +60,23 @@ def _in_its_place(
     )
 
 
+def named_once(verdicts: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
+    """Return the verdicts, no class with a name that another verdict gives for sure.
+
+    What is there in any case is no alternative to the others of the class.
+    """
+    sure = {verdict.names[0] for verdict in verdicts if isinstance(verdict, LeftOut)}
+    return tuple(_but(verdict, sure) for verdict in verdicts)
+
+
+def _but(verdict: Verdict, sure: set[str]) -> Verdict:
+    """Return a verdict, of a class what is not among some names; as it is if nothing is left."""
+    if not isinstance(verdict, Ambiguous):
+        return verdict
+    left = tuple(option for option in verdict.options if option.names[0] not in sure)
+    return _said(left) if left and len(left) < len(verdict.options) else verdict
+
+
 def _said(options: tuple[LeftOut, ...]) -> Verdict:
     """Return what is left of a class: a name, or some of which each would do."""
     return options[0] if len(options) == 1 else Ambiguous(options, separating(options))

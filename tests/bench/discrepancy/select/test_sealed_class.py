@@ -14,6 +14,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.report.document import _untouched
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.sealed import unrefused
+from bench.discrepancy.select.sealed_class import named_once
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics.effect import Effect
@@ -108,3 +109,13 @@ def test_the_report_says_that_sealed_links_told_a_name() -> None:
     told = _untouched(("clock-offset", "temperature-drift"))
     assert "which of clock-offset or temperature-drift is added" in told
     assert "chosen" not in told
+
+
+def test_a_class_has_no_name_that_is_given_for_sure() -> None:
+    """The first line said "(A or B or C), B": what is there anyhow is no alternative to A."""
+    several = Ambiguous(tuple(map(named, (DELAY, SCALE, DRIFT))), "")
+    made = named_once((several, named(SCALE)))
+    assert [one.names for one in made] == [("antenna-delay", "temperature-drift"), ("range-scale",)]
+    assert named_once((several, named(LAG)))[0] is several
+    of_two = Ambiguous((named(DELAY), named(SCALE)), "")
+    assert isinstance(named_once((of_two, named(SCALE)))[0], LeftOut)
