@@ -23,6 +23,7 @@ from bench.discrepancy.select.verdict import (
     Verdict,
 )
 from bench.discrepancy.settings import SURE_P
+from bench.physics.effect import Effect
 
 SHOWN_LEFT = 3
 UNTRIED = "it could not be tried"
@@ -108,7 +109,7 @@ def nameless_lines(diagnosis: Diagnosis) -> list[str]:
     return [
         f"**In the {where}, but not stated as causes** (held-out links fit better with them, "
         "but they do not reproduce enough of what they act on, or remove too little):",
-        *(f"- {effect.name}: {_short(vars(effect))}" for effect in every),
+        *(f"- {effect.name}: {_short(effect)}" for effect in every),
     ]
 
 
@@ -160,7 +161,7 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     out += [f"  - {option.note}"] if option.note else []
     out += parameter_lines(option.parameters, type(effect))
     if not option.parameters:
-        out += [f"  - {_short(vars(effect))}"]
+        out += [f"  - {_short(effect)}"]
     out += [f"  - {option.judged}: {option.gain}"]
     if option.control.left is not None:
         out += [f"  - negative control ({option.control.words}): {_control(option.control)}"]
@@ -181,12 +182,17 @@ def _control(control: Control) -> str:
     return f"passed, left {left}"
 
 
-def _short(values: dict[str, Any]) -> str:
-    """Return the fields of an effect, long lists rounded."""
+def _short(effect: Effect) -> str:
+    """Return the fields of an effect with their units, long lists rounded."""
+    units = {one.name: one.unit for one in type(effect).parameters()}
 
     def shown(value: Any) -> str:
         if isinstance(value, tuple):
             return "[" + ", ".join(shown(item) for item in value) + "]"
         return f"{value:.4g}" if isinstance(value, float) else str(value)
 
-    return "; ".join(f"{name} = {shown(value)}" for name, value in values.items())
+    def told(name: str, value: Any) -> str:
+        unit = units.get(name, "")
+        return f"{name} = {shown(value)}{f' {unit}' if unit not in ('', 'ratio') else ''}"
+
+    return "; ".join(told(name, value) for name, value in vars(effect).items())

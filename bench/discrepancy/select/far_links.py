@@ -66,9 +66,9 @@ def links_in_the_way(search: Search, added: Added) -> str:
     found = far_links(offset_m)
     if not found.long:
         return ""
-    names = rows.frame["link"].astype(str).to_numpy()
+    names = rows.frame["link"].astype(str).to_numpy()[np.unique(codes, return_index=True)[1]]
     return (
-        f"{len(found.far)} of {len(offset_m)} links read far longer than the others "
-        f"({found.calm_m:+.2f} m): {found.worst(names[np.unique(codes, return_index=True)[1]])}; "
+        f"{len(found.far)} of {len(offset_m)} links read far longer than the others, "
+        f"whose offset is {found.calm_m:+.2f} m in the median: {found.worst(names)}; "
         "if something stands in their way, list it (`obstacles`, `los`)"
     )
