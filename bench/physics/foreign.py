@@ -257,8 +257,8 @@ class ForeignTable:
     ) -> Batch:
         """Return the batch at the receiver: its own samples, no noise but its own.
 
-        `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] its edge,
-        `peaks` [n] its highest magnitude, `begin` [n] where the first path is looked for.
+        `offset_db` [n] is the recorded receive level over that of the CIR; `edge` [n] the gain of
+        its first path, `peaks` [n] its highest magnitude, `begin` [n] where that is looked for.
         """
         batch = self.own.counted(batch)
         level = batch.level() + offset_db

@@ -40,7 +40,7 @@ def with_own_noise(
 
 
 def louder_by(batch: Batch, edge: Complexes | None) -> Floats:
-    """Return by how much effects scaled all of every row [n], from its edge before (0: one)."""
+    """Return by how much effects scaled all of every row [n], from its `edge` before (0: one)."""
     if edge is None or batch.free_gain is None:
         return np.ones(len(batch))
     before, after = absolute(edge).astype(np.float64), absolute(batch.free_gain)

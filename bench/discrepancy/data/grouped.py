@@ -19,6 +19,11 @@ def group_sums(values: Floats, code: NDArray[np.intp], groups: int) -> Floats:
     return np.asarray(sums, np.float64).reshape(groups, columns)
 
 
+def means_by_group(values: Floats, code: NDArray[np.intp], count: NDArray[np.intp]) -> Floats:
+    """Return the means [groups, p] of values [n, p] by their group `code`, of `count` rows each."""
+    return group_sums(values, code, len(count)) / count[:, None]
+
+
 def group_means(values: Floats, code: NDArray[np.intp]) -> Floats:
     """Return the mean over the group `code` [n] of each of values [n, p], of those that are known.
 

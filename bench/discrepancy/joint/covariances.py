@@ -12,9 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.joint.settings import LEAST_EIGENVALUE
 
 Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,34 @@ class Covariances(Mapping[int, Floats]):
 
     def __len__(self) -> int:
         return len(self.counts)
+
+
+def in_parts(own: Floats, code: Codes, count: Codes) -> tuple[Floats, Floats, Floats]:
+    """Return covariances [p, p] of links' means and of rows about them, and these rows [m, n, p].
+
+    Of what rows of versions have by chance [m, n, p], whose links, of `count` [L] rows each, `code`
+    [n] tells.
+    """
+    means = np.stack([means_by_group(one, code, count) for one in own])
+    about = own - means[:, code]
+    return of_means(means), _of_rows(about, len(count)), about
+
+
+def of_means(of_links: Floats) -> Floats:
+    """Return the covariance [p, p] of what means of links have by chance [m, L, p]."""
+    return np.asarray(np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size)
+
+
+def _of_rows(within: Floats, links: int) -> Floats:
+    """Return the covariance [p, p] of rows [m, n, p] about the mean of their link, of so many."""
+    loose = within.shape[1] - links
+    rows = np.einsum("mni,mnj->ij", within, within) / max(loose * len(within), 1)
+    return np.asarray(rows if loose else np.zeros_like(rows))
+
+
+def beyond_rows(between: Floats, rows: Floats, count: Codes) -> Floats:
+    """Return the covariance [p, p] of links alone: that of their means, less what rows make."""
+    return np.asarray(between - rows * float(np.mean(1 / count)))
 
 
 def shrunk(covariance: Floats, share: float) -> Floats:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.data.grouped import group_sums
-from bench.discrepancy.joint.covariances import Covariances, shrunk
+from bench.discrepancy.joint.covariances import Covariances, beyond_rows, in_parts, shrunk
 from bench.discrepancy.joint.settings import LEAST_VARIANCE, SAME_SCATTER
 
 Floats = NDArray[np.float64]
@@ -72,21 +71,8 @@ def drawn(change: Floats, code: Codes) -> tuple[Floats, Floats]:
     """Return the covariances [p, p] of what versions [m, n, p] draw for links, and for rows."""
     members, count = len(change), np.bincount(code)
     own = (change - change.mean(axis=0)) * np.sqrt(members / (members - 1))
-    of_links = np.stack([group_sums(one, code, len(count)) / count[:, None] for one in own])
-    rows = of_rows(own - of_links[:, code], len(count))
-    return of_means(of_links) - rows * float(np.mean(1 / count)), rows
-
-
-def of_means(of_links: Floats) -> Floats:
-    """Return the covariance [p, p] of what means of links have by chance [m, L, p]."""
-    return np.asarray(np.einsum("mli,mlj->ij", of_links, of_links) / of_links[..., 0].size)
-
-
-def of_rows(within: Floats, links: int) -> Floats:
-    """Return the covariance [p, p] of rows [m, n, p] about the mean of their link, of so many."""
-    loose = within.shape[1] - links
-    rows = np.einsum("mni,mnj->ij", within, within) / max(loose * len(within), 1)
-    return np.asarray(rows if loose else np.zeros_like(rows))
+    between, rows, _ = in_parts(own, code, count)
+    return beyond_rows(between, rows, count), rows
 
 
 def _going_with(covariance: Floats, place: int) -> Floats:

@@ -42,21 +42,17 @@ def likelier_struck(comparison: Comparison, held: View, added: Added, strike: St
     """
     kind, told = type(strike.effect), {one.name: one for one in strike.parameters}
     assert kind.strikes is not None
-    share = told[kind.strikes[0]]
-    struck = valued(kind, {kind.strikes[0]: 1.0, **_sizes(strike, share.name)})
+    share = told.pop(kind.strikes[0])
+    sizes = {name: one.value for name, one in told.items()}
+    struck = valued(kind, {**sizes, share.name: 1.0})
     given = Statistics(comparison, held).knowing((struck,))
     mixture = Mixture(given, _of_waveforms(added), kind)
-    made = mixture.at(_sizes(strike, share.name))
+    made = mixture.at(sizes)
     near = (share.low <= SHARES) & (share.high >= SHARES)
     if made is None or not near.any():
         return False
     mean = float(np.logaddexp.reduce(made.nats[near]) - np.log(near.sum()))
     return (mean - float(mixture.spared.sum())) / given.crowding >= CLASS_NATS
-
-
-def _sizes(strike: Strike, share: str) -> dict[str, float]:
-    """Return the values of what strikes links, but for how many."""
-    return {one.name: one.value for one in strike.parameters if one.name != share}
 
 
 def _of_waveforms(added: Added) -> Added:

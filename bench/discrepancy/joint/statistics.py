@@ -20,12 +20,12 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.covariates import DEVICES
-from bench.discrepancy.data.grouped import group_sums
+from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
-from bench.discrepancy.joint.covariances import Covariances, shrunk
+from bench.discrepancy.joint.covariances import Covariances, beyond_rows, in_parts, of_means, shrunk
 from bench.discrepancy.joint.decades import decades
-from bench.discrepancy.joint.drawn import of_means, of_rows, with_drawn
+from bench.discrepancy.joint.drawn import with_drawn
 from bench.discrepancy.joint.row_likelihood import rows_nats
 from bench.discrepancy.joint.settings import (
     DECIBELS,
@@ -281,14 +281,11 @@ class Statistics:
         mean = numbers_of(values[1:]).mean(axis=0)
         left = numbers_of(values[0] - mean)
         own = numbers_of(values[1:] - mean) * np.sqrt(members / max(members - 1, 1))
-        of_links = np.stack([self.of_links(one) for one in own])
-        between = of_means(of_links)
+        between, rows, about = in_parts(own, self.code, self.count)
         scatter = np.maximum(np.diag(between + self.apart), 1e-9)
         wide = np.log(NOISE_LEAST + left**2 / scatter)
         alike = own**2 / np.maximum(np.diag(between), 1e-9)
         usual = np.log(NOISE_LEAST + alike * (1 + 1 / members)).mean(axis=0)
-        about = own - of_links[:, self.code]
-        rows = of_rows(about, self.links)
         return Moments(
             self.of_links(left),
             self.of_links(mean),
@@ -338,7 +335,7 @@ class Statistics:
 
     def _covariances(self, rows: Floats, between: Floats, members: int) -> Covariances:
         """Return the covariance of means over so many rows of a link, by their number."""
-        link = between - rows * float(np.mean(1 / self.count))
+        link = beyond_rows(between, rows, self.count)
         share = min(len(self.names) / max(members * self.links, 1), 1.0)
         counts = tuple(int(n) for n in np.unique(self.count))
         wider = 1 + 1 / members
@@ -346,4 +343,4 @@ class Statistics:
 
     def of_links(self, values: Floats) -> Floats:
         """Return the means of values [n, p] over the rows of each link [L, p]."""
-        return group_sums(values, self.code, self.links) / self.count[:, None]
+        return means_by_group(values, self.code, self.count)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bench.discrepancy.diagnosis import Diagnosis
+from bench.discrepancy.fit.estimate import PURE
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
@@ -184,15 +185,14 @@ def _control(control: Control) -> str:
 
 def _short(effect: Effect) -> str:
     """Return the fields of an effect with their units, long lists rounded."""
-    units = {one.name: one.unit for one in type(effect).parameters()}
+    items = type(effect).parameters()
+    units = {one.name: f" {one.unit}" for one in items if one.unit not in PURE}
 
     def shown(value: Any) -> str:
         if isinstance(value, tuple):
             return "[" + ", ".join(shown(item) for item in value) + "]"
         return f"{value:.4g}" if isinstance(value, float) else str(value)
 
-    def told(name: str, value: Any) -> str:
-        unit = units.get(name, "")
-        return f"{name} = {shown(value)}{f' {unit}' if unit not in ('', 'ratio') else ''}"
-
-    return "; ".join(told(name, value) for name, value in vars(effect).items())
+    return "; ".join(
+        f"{name} = {shown(value)}{units.get(name, '')}" for name, value in vars(effect).items()
+    )

@@ -22,7 +22,7 @@ from bench.discrepancy.select.objections import objection
 from bench.discrepancy.select.one_device import left_at_device
 from bench.discrepancy.select.own_scatter import OF_SCATTER
 from bench.discrepancy.select.refute import Doubt
-from bench.discrepancy.select.separate import separating
+from bench.discrepancy.select.separate import one_of
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import bears_mark, versions
 from bench.discrepancy.select.told_by import told_otherwise
@@ -305,7 +305,7 @@ def of_class(turn: Round, options: tuple[LeftOut, ...], waveform: bool) -> Verdi
     if waveform and len(options) > MOST_ALTERNATIVES:
         words = ", ".join(option.names[0] for option in options)
         return _refuted(turn, f"looks like any of {words}, so like none of them")
-    return options[0] if len(options) == 1 else Ambiguous(options, separating(options))
+    return one_of(options)
 
 
 def _refuted(turn: Round, note: str) -> Unknown:

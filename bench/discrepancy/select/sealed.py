@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -65,13 +65,7 @@ def unrefused(
     def likelier(effect: Effect) -> bool:
         return LIKELIER(comparison, sealed, found.added, effect)
 
-    def borne(strike: Strike) -> bool:
-        beside = without(found.added, strike.effect)
-        if sealed.waveform:
-            return STRUCK_WAVES(comparison, sealed, beside, strike)
-        nats = STRUCK(comparison, sealed, beside, strike)
-        return nats is not None and nats > -LEAD_NATS
-
+    borne = partial(_borne, comparison, sealed, found.added)
     names = {effect.name for effect in _serving(added, change)}
     names -= {effect.name for effect in _unborne(sealed, found, likelier)}
     gone = tuple(effect for effect in added if effect.name not in names)
@@ -87,6 +81,18 @@ def unrefused(
     held_on = tuple(e for e in found.added if e.name in back)
     said = replace(said, added=held_on, withheld={**found.withheld, **words}, untimed=apart)
     return said, tuple(e for e in more if e.name in names)
+
+
+def _borne(comparison: Comparison, sealed: View, added: Added, strike: Strike) -> bool:
+    """Return whether sealed links may be those that a strike leaves, beside the others of `added`.
+
+    With waveforms they must be likelier with it: these tell which links are struck.
+    """
+    beside = without(added, strike.effect)
+    if sealed.waveform:
+        return STRUCK_WAVES(comparison, sealed, beside, strike)
+    nats = STRUCK(comparison, sealed, beside, strike)
+    return nats is not None and nats > -LEAD_NATS
 
 
 def _held(

@@ -12,7 +12,7 @@ from dataclasses import replace
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.confirm import Served
 from bench.discrepancy.headline import WITHHELD
-from bench.discrepancy.select.separate import separating
+from bench.discrepancy.select.separate import one_of
 from bench.discrepancy.select.state import Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict
 
@@ -49,7 +49,7 @@ def _in_its_place(
     best = max((one for one in tried if one.names in able), key=lambda one: able[one.names].rank)
     doubtful = (first,) * (now.gain.high >= able[best.names].gain.low)
     open_yet = (o for o in others if o is not best and (o.note or o.names in able))
-    said = _said((best, *open_yet, *doubtful))
+    said = one_of((best, *open_yet, *doubtful))
     words = f"{WITHHELD}: {now}; {best.names[0]}, which other links do not tell from it, is better"
     return replace(
         found,
@@ -74,9 +74,4 @@ def _but(verdict: Verdict, sure: set[str]) -> Verdict:
     if not isinstance(verdict, Ambiguous):
         return verdict
     left = tuple(option for option in verdict.options if option.names[0] not in sure)
-    return _said(left) if left and len(left) < len(verdict.options) else verdict
-
-
-def _said(options: tuple[LeftOut, ...]) -> Verdict:
-    """Return what is left of a class: a name, or some of which each would do."""
-    return options[0] if len(options) == 1 else Ambiguous(options, separating(options))
+    return one_of(left) if left and len(left) < len(verdict.options) else verdict

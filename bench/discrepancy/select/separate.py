@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.discrepancy.select.verdict import LeftOut
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut
 
 
 def separating(options: tuple[LeftOut, ...]) -> str:
@@ -11,3 +11,8 @@ def separating(options: tuple[LeftOut, ...]) -> str:
     each = "; ".join(f"{one.names[0]}: {type(one.effect).signature}" for one in options)
     words = f"vary what only one of them follows: {each}"
     return (told.pop() if len(told) == 1 else "") or words
+
+
+def one_of(options: tuple[LeftOut, ...]) -> LeftOut | Ambiguous:
+    """Return the verdict on one name, or on some of which each would do."""
+    return options[0] if len(options) == 1 else Ambiguous(options, separating(options))

@@ -50,6 +50,13 @@ def test_an_index_at_or_beyond_the_end_is_no_error() -> None:
         assert np.isfinite(value).all()
 
 
+@pytest.mark.parametrize("samples", [1, 2, 3])
+def test_records_of_hardly_a_sample_are_no_error(samples: int) -> None:
+    found, value = first_top(np.ones((2, samples), np.complex64), np.array([0.0, 5.0]), 2.0)
+    assert (np.abs(found - np.clip([0.0, 5.0], 0, samples - 1)) <= 0.5).all()
+    assert np.isfinite(value).all()
+
+
 @pytest.mark.parametrize("reported", REPORTED)
 def test_a_reflection_turns_beside_the_first_path_as_it_arrived(reported: str) -> None:
     """Beside complex CIRs of any phase levels go up and down as the receiver's own would."""
