@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.physics.scene import Scene
-from bench.physics.shaped import first_edge, shifted, with_pulse
+from bench.physics.shaped import first_share, noise_left, shifted, smooth, with_pulse
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, Reals, decibel, scaled
 
 __all__ = ["Batch", "altered"]
@@ -30,7 +30,8 @@ class Batch:
     Propagation: `excess_ns` [n, P], `gain` [n, P] (complex, sqrt(mW) at the receiver), `kind`
     [n, P] (`DIRECT`, `SPECULAR`, `DIFFRACTED`, or `NO_PATH` for padding), `tail` [n, G] complex
     taps one sample apart from `tail_start_ns` [n] on, bare unless `tail_fwhm` > 0: then they are
-    a CIR as given, with a pulse of that width in samples in it (see `bench.physics.foreign`),
+    a CIR as given, with a pulse of that width in samples in it (see `bench.physics.foreign`), and
+    of its noise `own_noise` [n, G] is left, in amplitude, where effects took taps away (None: all),
     `free_gain` [n] what the straight path would have with nothing in its way.
     Receiver: `waveform` [n, S] (counts, signal alone) and `noise` [n, S] (counts), the excess
     delay `start_ns` [n] of sample 0, `symbols` [n] accumulated, `threshold` [n] (multiple of the
@@ -57,6 +58,7 @@ class Batch:
     tail_start_ns: Reals
     free_gain: Complexes | None = None
     tail_fwhm: float = 0.0
+    own_noise: Reals | None = None
     waveform: Complexes | None = None
     noise: Complexes | None = None
     start_ns: Reals | None = None
@@ -139,18 +141,27 @@ class Batch:
         later = np.asarray(delay_ns, np.float32)[:, None]
         gain = np.where(self.direct, self.gain * ratio, self.gain)
         excess = np.where(self.direct, self.excess_ns + later, self.excess_ns)
-        tail = self._first_changed(ratio, later[:, 0]) if self.tail_fwhm else self.tail
-        return altered(self, gain=gain, excess_ns=excess, tail=tail)
+        made = self._first_changed(ratio, later[:, 0]) if self.tail_fwhm else self
+        return altered(made, gain=gain, excess_ns=excess)
 
-    def _first_changed(self, ratio: Reals, later_ns: Reals) -> Complexes:
-        """Return the tail, a CIR as given, with its first path weaker and later."""
+    def _first_changed(self, ratio: Reals, later_ns: Reals) -> Batch:
+        """Return the batch with the first path of its tail, a CIR as given, weaker and later."""
+        share = self._first_share()
+        first = self.tail * share
+        by = np.asarray(later_ns, np.float64) / self.sample_period_ns
+        moved: Complexes = shifted(first, by) * ratio
+        left = noise_left(share, ratio, by)
+        return altered(self, tail=self.tail - first + moved, own_noise=self._quieter(left))
+
+    def _first_share(self) -> Reals:
+        """Return which share of every tap of a CIR as given is the first path's [n, G]."""
         direct_ns = np.min(np.where(self.direct, self.excess_ns, np.inf), axis=1)
         peak_at = (direct_ns - self.tail_start_ns) / self.sample_period_ns
-        first = first_edge(self.tail, np.nan_to_num(peak_at), self.tail_fwhm)
-        moved: Complexes = (
-            shifted(first, np.asarray(later_ns, np.float64) / self.sample_period_ns) * ratio
-        )
-        return self.tail - first + moved
+        return first_share(self.tail, np.nan_to_num(peak_at), self.tail_fwhm)
+
+    def _quieter(self, left: Reals) -> Reals:
+        """Return what is left of the tail's own noise [n, G] where so much of that is left."""
+        return left if self.own_noise is None else self.own_noise * left
 
     def with_paths(self, excess_ns: Floats | Reals, gain: Complexes, kind: int) -> Batch:
         """Return the batch with more paths, [n, Q] each; those of zero gain become padding."""
@@ -190,16 +201,34 @@ class Batch:
         gone = (self.excess_ns < limit) & (direct | ~self.direct)
         gain = np.where(gone, np.complex64(0), self.gain)
         kind = np.where(gone, np.int8(NO_PATH), self.kind)
-        return altered(self, gain=gain, kind=kind, tail=self._tail_from(limit))
+        made = self._given_from(limit, direct) if self.tail_fwhm else self._tail_from(limit)
+        return altered(made, gain=gain, kind=kind)
 
-    def _tail_from(self, limit: Reals) -> Complexes:
-        """Return the tail with no tap earlier than `limit` [n, 1] in ns; most rows have none."""
-        grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
+    def _tail_from(self, limit: Reals) -> Batch:
+        """Return the batch with no tap earlier than `limit` [n, 1] in ns; most rows have none."""
         some = np.flatnonzero(self.tail_start_ns < limit[:, 0])
-        early = self.tail_start_ns[some, None] + grid < limit[some]
+        early = self._tap_ns(some) < limit[some]
         made = self.tail.copy()
         made[some] = np.where(early, np.complex64(0), made[some])
-        return made
+        return altered(self, tail=made)
+
+    def _given_from(self, limit: Reals, direct: bool) -> Batch:
+        """Return the batch with nothing earlier than `limit` [n, 1] in ns in a CIR as given.
+
+        Pulses fade in over their width there; without `direct` the first path stays as it is.
+        """
+        some = np.flatnonzero(self.tail_start_ns < limit[:, 0])
+        late = (self._tap_ns(some) - limit[some]) / (self.tail_fwhm * self.sample_period_ns)
+        stays = smooth(late + 0.5)
+        stays = stays if direct else np.maximum(stays, self._first_share()[some])
+        left = np.ones(self.tail.shape, np.float32)
+        left[some] = stays
+        return altered(self, tail=self.tail * left, own_noise=self._quieter(left))
+
+    def _tap_ns(self, rows: NDArray[np.intp]) -> Reals:
+        """Return the excess delay of every tap of some rows [m, G] in ns."""
+        grid = np.arange(self.tail.shape[1], dtype=np.float32) * np.float32(self.sample_period_ns)
+        return np.asarray(self.tail_start_ns[rows, None] + grid)
 
     def longer(self, by_m: Floats | float) -> Batch:
         """Return the batch with ranges longer by `by_m` metres, [n] or scalar."""

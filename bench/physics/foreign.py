@@ -272,7 +272,8 @@ class ForeignTable:
         waveform *= scale[:, None]
         if not self._scaled.held or self._scaled.with_noise:
             louder, first = louder_by(batch, edge), self._index(batch.rows)
-            waveform = with_own_noise(waveform, louder, power, self._drawn[part], first)
+            drawn, left = self._drawn[part], batch.own_noise
+            waveform = with_own_noise(waveform, louder, power, drawn, first, left)
         noise = np.zeros_like(waveform)
         batch = altered(batch, waveform=waveform, noise=noise, start_ns=batch.tail_start_ns)
         return self._scaled.again(batch, peaks) if self._scaled.held else batch

@@ -2,7 +2,8 @@
 
 A table's samples hold signal and noise. What makes the signal weaker on its way leaves the noise
 of the receiver as it is: as much as was scaled away is added. Where the signal grows, samples are
-scaled by how much of them is signal (Wiener 1949).
+scaled by how much of them is signal (Wiener 1949). Where a first path is taken away or comes later
+the noise of the samples it was in stays, too.
 """
 
 from __future__ import annotations
@@ -19,23 +20,32 @@ QUIET = 15  # samples over which a tail stays as it is: the mean of noise varies
 
 
 def with_own_noise(
-    waveform: Complexes, gain: Floats, noise_power: Floats, drawn: Complexes, first: Floats
+    waveform: Complexes,
+    gain: Floats,
+    noise_power: Floats,
+    drawn: Complexes,
+    first: Floats,
+    left: Reals | None = None,
 ) -> Complexes:
     """Return waveforms [n, S] with the noise they had before `gain` [n] scaled it along.
 
     `noise_power` [n] is the mean |noise|^2 of a sample before, `drawn` [n, S] noise of power one,
-    `first` [n] the sample of the first path, ahead of which there is no tail; rows of gain one
-    stay as they are.
+    `first` [n] the sample of the first path, ahead of which there is no tail; `left` [n, S]: what
+    effects left of the noise of every sample, in amplitude, None for all. Rows of gain one of which
+    all is left stay as they are.
     """
     known = np.isfinite(gain) & (np.abs(gain - 1) > 1e-4)
-    if not known.any():
+    louder = known & (gain > 1)
+    kept = np.where(known & (gain < 1), gain, 1.0)[:, None]
+    kept = kept if left is None else kept * left
+    less = (kept < 1).any(axis=1)
+    if not (louder | less).any():
         return waveform
-    out, louder, weaker = waveform.copy(), known & (gain > 1), known & (gain < 1)
-    size = absolute(waveform[louder])
+    out, size = waveform.copy(), absolute(waveform[louder])
     factor = _factor(size, gain[louder] ** 2, noise_power[louder], first[louder])
     out[louder] *= factor.astype(np.float32)
-    away = np.sqrt((1 - gain[weaker] ** 2) * noise_power[weaker]).astype(np.float32)
-    out[weaker] += drawn[weaker] * away[:, None]
+    away = np.sqrt((1 - kept[less] ** 2) * noise_power[less, None]).astype(np.float32)
+    out[less] += drawn[less] * away
     return out
 
 

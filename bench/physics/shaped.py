@@ -2,21 +2,53 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from bench.physics.filters import convolved, lagrange
 from bench.physics.pulse import HALF_WIDTH, table
-from bench.physics.units import Complexes, Floats, Reals
+from bench.physics.units import Complexes, Floats, Reals, absolute
+
+NEAR_FWHM: Final = 0.5  # about the peak, where samples tell how high it is [convention]
+REACH_FWHM: Final = 2.0  # behind which a pulse is over: -96 dB [derived]
+LEAST: Final = 1e-30  # no signal [rounding]
 
 
-def first_edge(taps: Complexes, peak_at: Floats, fwhm_samples: float) -> Complexes:
-    """Return the part of `taps` [n, G] that belongs to the first path, peaking at `peak_at` [n].
+def first_share(taps: Complexes, peak_at: Floats, fwhm_samples: float) -> Reals:
+    """Return which share of all `taps` [n, G] belongs to a first path peaking at `peak_at` [n].
 
-    Everything up to half a pulse behind the peak, then fading out over half a pulse more.
+    Everything up to half a pulse behind the peak; from there on as much as a pulse of that width
+    and height has, the rest is of later paths.
     """
     behind = (np.arange(taps.shape[1]) - peak_at[:, None]) / fwhm_samples
-    weight = np.clip(2 - 2 * behind, 0, 1).astype(np.float32)
-    return taps * (weight * weight * (3 - 2 * weight))
+    pulse = np.exp(-4 * np.log(2) * np.minimum(behind**2, REACH_FWHM**2)).astype(np.float32)
+    size = absolute(taps)
+    near = np.where(np.abs(behind) < NEAR_FWHM, pulse, 0)
+    height = (near * size).sum(axis=1) / np.maximum((near**2).sum(axis=1), LEAST)
+    share = np.minimum(height[:, None] * pulse / np.maximum(size, LEAST), 1)
+    share = np.where(behind < REACH_FWHM, share, 0)
+    return np.where(behind <= 0.5, 1, share).astype(np.float32)
+
+
+def smooth(place: Floats | Reals) -> Reals:
+    """Return a step from 0 to 1 between places 0 and 1, without a corner."""
+    inside = np.clip(place, 0, 1).astype(np.float32)
+    return np.asarray(inside * inside * (3 - 2 * inside))
+
+
+def noise_left(share: Reals, ratio: Reals, by_samples: Floats) -> Reals:
+    """Return what is left of the noise of taps, in amplitude [n, G], where a first path is changed.
+
+    `share` [n, G] of every tap becomes `ratio` [n, 1] of itself, later by `by_samples` [n]: noise
+    of other samples then, which adds up by its power.
+    """
+    lost = 1 - share
+    later = absolute(shifted(share.astype(np.complex64), np.rint(by_samples)))
+    later = np.where(np.arange(share.shape[1]) < by_samples[:, None], 1, later)
+    apart = np.sqrt(lost**2 + (ratio * later) ** 2)
+    left = np.where(by_samples[:, None] < 1, lost + ratio * share, apart)
+    return np.asarray(np.minimum(left, 1), np.float32)
 
 
 def shifted(taps: Complexes, by_samples: Floats) -> Complexes:

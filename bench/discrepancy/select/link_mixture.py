@@ -22,6 +22,7 @@ from bench.discrepancy.compare.crps import LIKELIHOOD, Estimate, cluster_bootstr
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
+from bench.discrepancy.select.settings import FEWEST_SEVERAL
 from bench.discrepancy.select.shared_variance import shared_variance
 from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
@@ -44,6 +45,7 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.base import Base
 from bench.physics.effect import Effect
+from bench.physics.slabs import unlisted
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -170,7 +172,8 @@ def _one(
         if not (strays := (likeliest == 2).sum() > STRAY_SHARE * outlying.sum()):
             break
     weaker = weakened(bare, outlying)
-    if mixed.nats + weaker - plain.nats < STRIKE_NATS or mixed.size < SHORTEST_DETOUR_M or strays:
+    short = mixed.size < SHORTEST_DETOUR_M and not _behind_any(view, seen)
+    if mixed.nats + weaker - plain.nats < STRIKE_NATS or short or strays:
         return None
     if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
         return None  # what strikes rows, not links
@@ -180,6 +183,15 @@ def _one(
     parameters = _intervals(likely, mixed, kind, sizes)
     cost = np.log(len(each))  # of two parameters (Schwarz 1978)
     return Strike(effect, evidence, parameters, seen.links[outlying]), mixed.nats - cost
+
+
+def _behind_any(view: View, seen: Offsets) -> bool:
+    """Return whether walls of any make may stand in ways that are not clear: they delay by less.
+
+    Where a table tells which ways these are, of many links, and not what stands in them.
+    """
+    able = np.isin(seen.links, view.links[unlisted(view.scene)]) & ~seen.inert
+    return bool(min(able.sum(), seen.inert.sum()) >= FEWEST_SEVERAL)
 
 
 def apart(comparison: Comparison, view: View, added: Added) -> float:

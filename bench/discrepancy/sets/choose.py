@@ -37,6 +37,7 @@ from bench.discrepancy.sets.faded import faded, fading_db
 from bench.discrepancy.sets.formed import beaten, restored
 from bench.discrepancy.sets.mere_constant import without_mere_constants
 from bench.discrepancy.sets.mistaken import beside_alike, mistaken
+from bench.discrepancy.sets.nearly_straight import as_scale
 from bench.discrepancy.sets.own_detours import beyond_detours
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
@@ -156,7 +157,8 @@ class Contest:
         placed = misplaced(self, first)
         behind = self.nats(placed) - self.nats(first)
         tied = but_not(first, placed) if behind < RIVAL_NATS else ()
-        held = same_in_every_link(self, self._beyond_forms(restored(self, placed, whole)))
+        held = self._beyond_forms(restored(self, placed, whole))
+        held = same_in_every_link(self, as_scale(self, held))
         best = without_calibration(self, without_scales(self, moves_every_row(self, held)))
         best = as_delay_and_drift(self, without_mere_constants(self, best))
         names = tuple(one for one in best if one in self.library)

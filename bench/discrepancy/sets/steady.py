@@ -4,7 +4,7 @@ A cable is as long in every link. A clock that is set right now and then is earl
 some links than in others, and its mean over these passes for a delay. What links keep beside delays
 is usually of their own - walls, places, multipath - and as large for devices with little delay. So
 where links keep offsets, these are held against delays that each link has more or less of: where
-that does as well, the delays change from link to link, and nothing says that they are any. Links in
+that does better, the delays change from link to link, and nothing says that they are any. Links in
 sight tell, where there are several: behind what stands in the way some are off by far more.
 """
 
@@ -17,7 +17,7 @@ import numpy as np
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.in_sight import telling
-from bench.discrepancy.sets.settings import DEFORMED, LAW_SIZE, NAME_NATS, RIVAL_NATS
+from bench.discrepancy.sets.settings import DEFORMED, LAW_SIZE, NAME_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def same_in_every_link(contest: Contest, causes: Set) -> Set:
 
 
 def _changes(contest: Contest, causes: Set, made: Weighed) -> bool:
-    """Return whether delays that differ by link do as well as constants and offsets of links.
+    """Return whether delays that differ by link do better than constants and offsets of links.
 
     By no less than another form of them would (see `DEFORMED`).
     """
@@ -58,4 +58,4 @@ def _changes(contest: Contest, causes: Set, made: Weighed) -> bool:
     bent = other.at([(*causes, BENT)], 0.0)[0]
     more = other.response(bent, BENT)[asked]
     large = float((more**2).sum()) >= DEFORMED**2 * float((delays[asked] ** 2).sum())
-    return large and bent.nats > plain.nats - RIVAL_NATS * contest.crowding
+    return large and bent.nats > plain.nats
