@@ -146,18 +146,20 @@ class Batch:
 
     def _first_changed(self, ratio: Reals, later_ns: Reals) -> Batch:
         """Return the batch with the first path of its tail, a CIR as given, weaker and later."""
-        share = self._first_share()
-        first = self.tail * share
-        by = np.asarray(later_ns, np.float64) / self.sample_period_ns
-        moved: Complexes = shifted(first, by) * ratio
-        left = noise_left(share, ratio, by)
-        return altered(self, tail=self.tail - first + moved, own_noise=self._quieter(left))
+        some = np.flatnonzero((ratio[:, 0] != 1) | (later_ns != 0))
+        share, weaker = self._first_share(some), ratio[some]
+        by = np.asarray(later_ns[some], np.float64) / self.sample_period_ns
+        first = self.tail[some] * share
+        tail, left = self.tail.copy(), np.ones(self.tail.shape, np.float32)
+        tail[some] += shifted(first, by) * weaker - first
+        left[some] = noise_left(share, weaker, by)
+        return altered(self, tail=tail, own_noise=self._quieter(left))
 
-    def _first_share(self) -> Reals:
-        """Return which share of every tap of a CIR as given is the first path's [n, G]."""
-        direct_ns = np.min(np.where(self.direct, self.excess_ns, np.inf), axis=1)
-        peak_at = (direct_ns - self.tail_start_ns) / self.sample_period_ns
-        return first_share(self.tail, np.nan_to_num(peak_at), self.tail_fwhm)
+    def _first_share(self, rows: NDArray[np.intp]) -> Reals:
+        """Return which share of every tap of a CIR as given is the first path's, of some rows."""
+        direct_ns = np.min(np.where(self.direct, self.excess_ns, np.inf)[rows], axis=1)
+        peak_at = (direct_ns - self.tail_start_ns[rows]) / self.sample_period_ns
+        return first_share(self.tail[rows], np.nan_to_num(peak_at), self.tail_fwhm)
 
     def _quieter(self, left: Reals) -> Reals:
         """Return what is left of the tail's own noise [n, G] where so much of that is left."""
@@ -215,12 +217,14 @@ class Batch:
     def _given_from(self, limit: Reals, direct: bool) -> Batch:
         """Return the batch with nothing earlier than `limit` [n, 1] in ns in a CIR as given.
 
-        Pulses fade in over their width there; without `direct` the first path stays as it is.
+        Pulses fade in over their width there. Of the first path all of its pulse goes; it stays as
+        it is without `direct`.
         """
         some = np.flatnonzero(self.tail_start_ns < limit[:, 0])
         late = (self._tap_ns(some) - limit[some]) / (self.tail_fwhm * self.sample_period_ns)
-        stays = smooth(late + 0.5)
-        stays = stays if direct else np.maximum(stays, self._first_share()[some])
+        stays, first = smooth(late + 0.5), self._first_share(some)
+        gone = direct & (self.excess_ns[:, :1] < limit)[some]
+        stays = np.where(gone, np.minimum(stays, 1 - first), np.maximum(stays, first))
         left = np.ones(self.tail.shape, np.float32)
         left[some] = stays
         return altered(self, tail=self.tail * left, own_noise=self._quieter(left))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from scipy.ndimage import spline_filter1d
 
-from bench.physics.filters import convolved, lagrange
+from bench.physics.filters import convolved
 from bench.physics.pulse import HALF_WIDTH, table
 from bench.physics.units import Complexes, Floats, Reals, absolute
 
@@ -52,17 +53,28 @@ def noise_left(share: Reals, ratio: Reals, by_samples: Floats) -> Reals:
 
 
 def shifted(taps: Complexes, by_samples: Floats) -> Complexes:
-    """Return `taps` [n, G] later by a number of samples per row [n], cubic between taps.
+    """Return `taps` [n, G] later by a number of samples per row [n], as a cubic spline between.
 
-    Linear interpolation would widen the pulse and so move its edge by up to 4 cm.
+    A line or a cubic through the next taps would widen the pulse, and so move its edge (by 4 cm)
+    and lower its top (Unser 1999).
     """
     whole = np.floor(by_samples).astype(np.intp)
-    weights = lagrange(np.asarray(by_samples - whole))
+    if not (by_samples - whole).any():
+        return _at(taps, np.arange(taps.shape[1]) - whole[:, None])
+    knots = spline_filter1d(taps, axis=1, output=taps.dtype, mode="mirror")
     column = np.arange(taps.shape[1]) - whole[:, None]
     made = np.zeros_like(taps)
-    for lag, weight in zip((-1, 0, 1, 2), weights, strict=True):
-        made += _at(taps, column - lag) * weight[:, None]
+    for lag, weight in zip((-1, 0, 1, 2), _cubic(np.asarray(by_samples - whole)), strict=True):
+        made += _at(knots, column - lag) * weight[:, None].astype(np.float32)
     return made
+
+
+def _cubic(part: Floats) -> Floats:
+    """Return the weights [4, n] of the knots about a place `part` [n] of a sample earlier."""
+    other = 1 - part
+    edge, inside = np.stack([other, part]) ** 3 / 6, np.stack([part, other]) ** 2
+    near = 2 / 3 - inside + np.stack([part, other]) ** 3 / 2
+    return np.stack([edge[0], near[0], near[1], edge[1]])
 
 
 def with_pulse(taps: Complexes, fwhm_samples: float) -> Complexes:
