@@ -7,7 +7,6 @@ from functools import partial
 from itertools import product
 
 from bench.checkpoint.journal import Journal
-from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.skill import tally
 from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.fit.per_device import fits_itself
@@ -131,10 +130,10 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
 def in_waveforms(kind: type[Effect], search: Search) -> type[Effect]:
     """Return the kind that says of waveforms what an effect does to them: of a pattern its gain.
 
-    What comes from the first path on does not show how late that is.
+    What comes from the first path on does not show how late that is: of ranges, a delay that
+    waveforms chose would be whatever the search began with.
     """
-    again = isinstance(search.comparison, Resimulation)
-    able = kind is AntennaPattern and again and not PatternGain.lacking(search.fit.frame.columns)
+    able = kind is AntennaPattern and not PatternGain.lacking(search.fit.frame.columns)
     return PatternGain if able else kind
 
 
