@@ -18,17 +18,18 @@ CONCEALS = ("plain", "aggregate", "decoy", "sparse", "scatter")
 MODES = ("ranges", "CIR", "ranges again", "CIR again")
 """Another simulator's table without or with CIRs; the simulator run again without or with them."""
 SCHEDULE = (
-    ("ranges", "icerink"), ("CIR", "granary"), ("ranges again", "crag"), ("CIR again", "opera"),
-    ("ranges", "quay"), ("CIR", "colliery"), ("ranges again", "icerink"), ("CIR again", "garage"),
-    ("ranges", "velodrome"), ("CIR", "icerink"), ("ranges again", "foundry"),
+    ("ranges", "breadworks"), ("CIR", "granary"), ("ranges again", "crag"), ("CIR again", "opera"),
+    ("ranges", "quay"), ("CIR", "colliery"), ("ranges again", "breadworks"),
+    ("CIR again", "garage"),
+    ("ranges", "velodrome"), ("CIR", "breadworks"), ("ranges again", "foundry"),
     ("CIR again", "laundry"), ("ranges", "hangar"), ("CIR", "sawmill"), ("ranges again", "bowls"),
-    ("CIR again", "icerink"), ("ranges", "chairlift"), ("CIR", "circus"),
-    ("ranges again", "icerink"), ("CIR again", "canal"), ("ranges", "roundhouse"),
+    ("CIR again", "breadworks"), ("ranges", "chairlift"), ("CIR", "circus"),
+    ("ranges again", "breadworks"), ("CIR again", "canal"), ("ranges", "roundhouse"),
     ("CIR", "manege"), ("ranges again", "saltworks"), ("CIR again", "belfry"),
-    ("ranges", "icerink"), ("CIR", "vineyard"), ("ranges again", "observatory"),
+    ("ranges", "breadworks"), ("CIR", "vineyard"), ("ranges again", "observatory"),
     ("CIR again", "fairground"), ("ranges", "brickworks"), ("CIR", "aviary"),
     ("ranges again", "atrium"), ("CIR again", "baths"), ("ranges", "printworks"),
-    ("CIR", "icerink"), ("ranges again", "cowshed"), ("CIR again", "icerink"),
+    ("CIR", "breadworks"), ("ranges again", "icerink"), ("CIR again", "breadworks"),
 )  # fmt: skip
 """Mode and family of cases in turn: any first part of a challenge holds all of them."""
 FAMILIES = tuple(sorted({family for _, family in SCHEDULE}))
@@ -37,13 +38,13 @@ COARSE = (
     "noise-floor",
 )  # fmt: skip
 """Have a size or a scatter of their own: no histogram or scatter of the simulator hides them."""
-KEPT = ("icerink",)
+KEPT = ("breadworks",)
 """What was written last."""
 WITH_WAVES = (
-    "belfry", "cowshed", "fairground", "foundry", "garage", "vineyard", "crag",
+    "belfry", "fairground", "foundry", "garage", "vineyard", "crag",
     "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths", "circus",
-    "velodrome", "colliery", "granary", "icerink",
+    "velodrome", "colliery", "granary", "icerink", "breadworks",
 )  # fmt: skip
 """Families with ranges alone that have a module of their own for waveforms, `<family>_waves`."""
 

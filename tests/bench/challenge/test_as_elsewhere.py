@@ -12,7 +12,9 @@ from scipy.stats import ks_2samp, kstest
 from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
-FAMILIES = ("observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink")
+FAMILIES = (
+    "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
+)  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
 
@@ -42,6 +44,7 @@ OWN = {
     "colliery": "tubs-hunt-on-their-rails",
     "granary": "sacks-rub-in-chutes",
     "icerink": "pairs-hold-gives-as-they-turn",
+    "breadworks": "cams-worn-between-stands",
 }
 ALIKE = [
     (family, name)
@@ -118,6 +121,10 @@ OWN_PARTS = {
         "swept-gain-left-on": (0.1, 0.6), "late-words-left-as-exclusive-ors": (0.1, 0.6),
         "late-halves-riffled": (0.1, 0.6),
     },
+    "breadworks": {
+        "late-sizes-dealt-by-a-prime": (0.1, 0.6), "late-sizes-left-companded": (0.1, 0.6),
+        "gain-pumps-in-late-part": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -170,6 +177,12 @@ FAULTS = {
         "skaters-lean-in-more-than-told", "penguins-rub-on-wet-ice", "resurfacers-lap-further-in",
         "pairs-hold-gives-as-they-turn", "truss-sags-under-snow", "air-dews-above-ice",
         "tripod-melts-into-the-ice", "mullion-bent-by-a-check",
+    ),
+    "breadworks": (
+        "belts-slip-round-coolers", "castors-clogged-with-dough", "porters-sway-wider-than-told",
+        "cams-worn-between-stands", "flue-buckles-as-ovens-heat", "plan-fed-askew",
+        "yeast-works-by-warmth-and-hours", "missed-answers-put-on-a-line",
+        "corbel-rammed-by-a-rack",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -12,6 +12,7 @@ from bench.challenge.families import (
     aviary_listener,
     baths_probe,
     bowls_dial,
+    breadworks_balance,
     brickworks_reader,
     canal_staff,
     circus_lamp,
@@ -50,6 +51,7 @@ OF_ITS_OWN = {
     "colliery": {"begins", "phase", "into_s"},
     "granary": {"craft", "outset", "into_s"},
     "icerink": {"sort", "heads", "into_s"},
+    "breadworks": {"kind", "toward", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -78,6 +80,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (colliery_geophone.trickling, colliery_geophone.OF_SIZES, -0.2),
         (granary_sieve.pouring, granary_sieve.OF_SIZES, -0.2),
         (icerink_timer.scraping, icerink_timer.OF_SIZES, -0.2),
+        (breadworks_balance.kneading, breadworks_balance.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -111,6 +114,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (colliery_geophone.booms, colliery_geophone.hauled_back, 0.02),
         (granary_sieve.swells, granary_sieve.trickled_later, 0.02),
         (icerink_timer.shouts, icerink_timer.skated_late, 0.02),
+        (breadworks_balance.loaves, breadworks_balance.proved_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
