@@ -7,6 +7,7 @@ Slab formulas: the same recommendation, section 2.2.2, single pass (no multiple 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from re import findall
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,17 @@ class Material:
         return complex(self.a * centre_ghz**self.b, -17.98 * conductivity / centre_ghz)
 
 
+BODIES = frozenset({
+    "person", "people", "human", "body", "bodie", "man", "men", "woman", "women", "child",
+    "children", "pedestrian", "worker", "visitor", "spectator", "audience", "crowd",
+})  # fmt: skip
+"""Words for people, without the s of many."""
+BUILT = frozenset({
+    "wall", "floor", "ceiling", "roof", "slab", "door", "window", "partition", "panel", "pane",
+    "board", "plate", "sheet", "facade", "cladding", "plaster", "curtain", "screen", "gate",
+    "shutter", "blind", "hedge",
+})  # fmt: skip
+"""Words for what is built or hung in the whole of a way, without the s of many."""
 WATER = Material(99.0, -0.19, 0.31, 1.79)
 """Fresh water of 20 degrees between 3 and 10 GHz: Debye's law, relaxing at 17.1 GHz [P.527-6]."""
 
@@ -89,6 +101,28 @@ def obstacle(kind: str) -> Obstacle:
     by_length = sorted(TYPICAL_M, key=len, reverse=True)  # "plywood" before "wood"
     named = next((name for name in by_length if name in words), "chipboard")
     return Obstacle(named, TYPICAL_M[named])
+
+
+def is_opaque(kind: str) -> bool:
+    """Return whether nothing goes through an obstacle of a kind: of metal, or somebody's body.
+
+    Bodies take 30 dB and more; what is received came around them (ITU-R P.526-15, section 4.1).
+    """
+    return obstacle(kind).material == "metal" or bool(_words(kind) & BODIES)
+
+
+def is_object(kind: str) -> bool:
+    """Return whether an obstacle's name tells neither a material nor a part of a building.
+
+    Nobody knows then whether waves go through or around it: a crate, a rack, a cabinet.
+    """
+    named = is_listed(kind) or any(name in kind.casefold() for name in TYPICAL_M)
+    return not (named or is_opaque(kind) or _words(kind) & BUILT)
+
+
+def _words(kind: str) -> set[str]:
+    """Return the words of an obstacle's name, without the s of many."""
+    return {word.removesuffix("s") for word in findall("[a-z]+", kind.casefold())}
 
 
 def excess_m(thickness_m: Floats, permittivity: complex, incidence_rad: Floats) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.physics.materials import excess_m, loss_db, material, obstacle
+from bench.physics.materials import excess_m, is_object, is_opaque, loss_db, material, obstacle
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
@@ -39,10 +39,14 @@ def _slabs(rows: Scene, centre_ghz: float, thickness_scale: float) -> tuple[Floa
     return delay, loss
 
 
-def of_metal(rows: Scene) -> NDArray[np.bool_]:
-    """Return which obstacles [n, M] are of metal: nothing goes through, only around."""
-    metal = [i for i, kind in enumerate(rows.kind_names) if obstacle(kind).material == "metal"]
-    return np.isin(rows.kinds, metal)
+def opaque(rows: Scene) -> NDArray[np.bool_]:
+    """Return which obstacles [n, M] are of metal or bodies: nothing goes through, only around."""
+    return np.isin(rows.kinds, [i for i, kind in enumerate(rows.kind_names) if is_opaque(kind)])
+
+
+def of_objects(rows: Scene) -> NDArray[np.bool_]:
+    """Return which obstacles [n, M] waves may go through or around, for all that is listed."""
+    return np.isin(rows.kinds, [i for i, kind in enumerate(rows.kind_names) if is_object(kind)])
 
 
 def of_kind(rows: Scene, kind: str) -> NDArray[np.bool_]:
@@ -57,8 +61,8 @@ def unlisted(rows: Scene) -> NDArray[np.bool_]:
 
 
 def kinds_crossed(rows: Scene) -> tuple[str, ...]:
-    """Return the kinds of obstacles that these rows pass through, none of metal."""
-    codes = np.unique(rows.kinds[(rows.kinds >= 0) & ~of_metal(rows)])
+    """Return the kinds of obstacles that these rows pass through, none opaque."""
+    codes = np.unique(rows.kinds[(rows.kinds >= 0) & ~opaque(rows)])
     listed = sorted(rows.kind_names[code] for code in codes)
     return (*listed, *([UNLISTED] if unlisted(rows).any() else []))
 

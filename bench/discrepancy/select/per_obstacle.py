@@ -18,7 +18,7 @@ from bench.discrepancy.select.settings import KIND_LINKS
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import FIT_MEMBERS, INTERVAL_LEVEL, SEARCH_FIRST
 from bench.physics.effect import Effect
-from bench.physics.slabs import of_metal
+from bench.physics.slabs import opaque
 from bench.physics.units import Floats
 
 Told = tuple[ParameterEstimate, ...]
@@ -44,8 +44,8 @@ def told_by_obstacles(search: Search, others: Added, effect: Effect, fitted: Tol
 
 
 def _counts(rows: View) -> dict[str, Floats]:
-    """Return how many of each kind stand in the line of each row [n], but of metal."""
-    seen, through = rows.scene, ~of_metal(rows.scene)
+    """Return how many of each kind stand in the line of each row [n], but opaque ones."""
+    seen, through = rows.scene, ~opaque(rows.scene)
     each = ((seen.kinds == code) & through for code in range(len(seen.kind_names)))
     made = zip(seen.kind_names, (one.sum(axis=1).astype(np.float64) for one in each), strict=True)
     return {name: count for name, count in made if _varied(link_means(count, rows.links))}

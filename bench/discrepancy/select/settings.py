@@ -114,6 +114,8 @@ ROUNDING_VARIANCE: Final = 1 / 12  # of whole symbols [derived]
 SPARE_LINKS: Final = 8  # at least, beyond what is fitted [convention]
 
 # --- Walls that nobody listed (select/unlisted) ---------------------------------------------------
+MOST_OBJECTS: Final = 0.5  # of the rows behind something, behind what waves may go around, too:
+# most of them, for that to be said beside what goes through [convention]
 WALLS_M: Final = 1.0  # of excess, that walls make at most: 0.8 m of concrete [derived]
 
 # --- Effects on levels beside geometry (select/second_level) -------------------------------------

@@ -10,16 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.select.separate import separating
-from bench.discrepancy.select.settings import WALLS_M
+from bench.discrepancy.select.settings import MOST_OBJECTS, WALLS_M
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
-from bench.physics.slabs import unlisted
+from bench.physics.effects.propagation.diffraction import Diffraction
+from bench.physics.effects.propagation.material_delay import MaterialDelay
+from bench.physics.scene import Scene
+from bench.physics.slabs import of_objects, unlisted
 
 OBSTACLES = "obstacles"
+NO_EDGES = "it could not be tried: it needs to know where edges are (obstacle_clearance_m)"
 NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
@@ -46,6 +52,37 @@ def with_obstacles(
     kinds = [*needing(search.untried.values()), *alike]
     options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said
+
+
+def with_edges(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """Return verdicts, with what goes around objects beside what would go through or block them.
+
+    Of a crate or a rack nobody knows whether waves go through; where its edges are not listed, what
+    bends around them could not be tried. Where most rows behind something are behind such objects.
+    """
+    names = {name for one in said for name in one.names}
+    kind = search.kinds.get(Diffraction.name)
+    if kind is None or kind.name in names or not _behind_objects(search.searched.scene):
+        return tuple(said)
+    return tuple(_or_around(one, kind) for one in said)
+
+
+def _or_around(said: Verdict, kind: type[Effect]) -> Verdict:
+    """Return one verdict, with what bends around objects where it is of what acts behind them."""
+    options = said.options if isinstance(said, Ambiguous) else (said,)
+    able = tuple(one for one in options if isinstance(one, LeftOut))
+    if not any(isinstance(o.effect, MaterialDelay) or _short(o) for o in able):
+        return said
+    whole = (*able, not_tried(able[0], kind(), NO_EDGES))
+    return Ambiguous(whole, separating(whole))
+
+
+def _behind_objects(rows: Scene) -> bool:
+    """Return whether most rows with a listed obstacle have an object whose edges are not listed."""
+    edges = np.isfinite(rows.obstacle("obstacle_clearance_m", np.nan))
+    objects = (of_objects(rows) & ~edges).any(axis=1)
+    behind = (rows.kinds >= 0).any(axis=1)
+    return bool(objects.sum() > MOST_OBJECTS * behind.sum())
 
 
 def needing(kinds: Iterable[type[Effect]]) -> list[type[Effect]]:

@@ -14,7 +14,7 @@ from bench.physics.materials import (
     upright_reflection,
 )
 from bench.physics.scene import scene
-from bench.physics.slabs import of_kind, of_metal, slabs
+from bench.physics.slabs import of_kind, opaque, slabs
 
 GHZ = 3.9936
 NORMAL = np.zeros(1)
@@ -77,7 +77,7 @@ def test_slabs_take_thickness_of_the_rows_else_of_the_kind() -> None:
     delay, loss = slabs(rows, GHZ)
     assert abs(delay[0, 0] - 0.14 * (np.sqrt(3.91) - 1)) < 1e-3
     assert loss[0, 1] == 60
-    np.testing.assert_array_equal(of_metal(rows)[0], [False, True])
+    np.testing.assert_array_equal(opaque(rows)[0], [False, True])
     np.testing.assert_array_equal(of_kind(rows, "wall")[0], [True, False])
     assert not of_kind(rows, "sofa").any()
     thick = scene(frame.assign(obstacle_thickness_m=[[0.28, 0.01]] * 8))

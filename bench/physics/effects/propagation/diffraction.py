@@ -11,7 +11,7 @@ from bench.physics.batch import DIFFRACTED, Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import of_metal, slabs, unlisted
+from bench.physics.slabs import opaque, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
 
 TYPICAL_M = 0.1  # longer around an edge
@@ -37,7 +37,7 @@ class Diffraction(Effect):
 
     Knife edge at `obstacle_clearance_m` (near edge) and `obstacle_far_clearance_m` from the
     straight line, at the fraction `obstacle_at` of it. Rows without line of sight whose obstacles
-    are not listed, and rows behind metal whose edges are not, get a blocking body of
+    are not listed, and rows behind what is opaque whose edges are not, get a blocking body of
     `body_half_width_m` at `body_at`.
     """
 
@@ -58,25 +58,23 @@ class Diffraction(Effect):
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
-        """Return a step where metal stands in the way; None where none does.
+        """Return a step where metal or a body stands in the way; None where none does.
 
         Only there is it certain that what arrives came around an edge.
         """
-        metal = np.any(of_metal(rows), axis=1, keepdims=True).astype(np.float64)
-        return (TYPICAL_M * metal,) if metal.any() else None
+        shut = np.any(opaque(rows), axis=1, keepdims=True).astype(np.float64)
+        return (TYPICAL_M * shut,) if shut.any() else None
 
     @classmethod
     def possible(cls, rows: Scene, shift_m: Floats) -> bool:
-        """Return whether the ways around metal are longer."""
-        return float(np.mean(shift_m[of_metal(rows).any(axis=1)])) > 0
+        """Return whether the ways around what is opaque are longer."""
+        return float(np.mean(shift_m[opaque(rows).any(axis=1)])) > 0
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Block the straight path behind metal and bodies, and add the paths around."""
         reference = _direct_gain(batch)
-        opaque = of_metal(batch.rows).any(axis=1) | unlisted(batch.rows)
-        blocked = batch.direct_changed(
-            np.where(opaque, self.blocking_db, 0.0), np.zeros(len(batch))
-        )
+        shut = opaque(batch.rows).any(axis=1) | unlisted(batch.rows)
+        blocked = batch.direct_changed(np.where(shut, self.blocking_db, 0.0), np.zeros(len(batch)))
         bent = self._bent(batch)
         level_db = self.strength_db - bent.loss_db - bent.others_db
         gain = reference[:, None] * amplitude(np.where(bent.none, -300, level_db)) * bent.turn
@@ -142,7 +140,7 @@ def _without_edges(rows: Scene) -> NDArray[np.bool_]:
     """Return the rows [n] behind something opaque of which nobody says where its edges are."""
     listed = rows.obstacle("obstacle_clearance_m", np.nan)
     far = rows.obstacle("obstacle_far_clearance_m", np.nan)
-    unknown = of_metal(rows) & np.isnan(listed) & np.isnan(far)
+    unknown = opaque(rows) & np.isnan(listed) & np.isnan(far)
     return np.asarray(unlisted(rows) | unknown.any(axis=1))
 
 

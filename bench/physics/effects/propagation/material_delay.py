@@ -13,7 +13,7 @@ from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import crossed, of_kind, of_metal, slabs, unlisted
+from bench.physics.slabs import crossed, of_kind, opaque, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of one wall
@@ -26,7 +26,7 @@ class MaterialDelay(Effect):
     Excess path t (sqrt(eps_r - sin^2 theta) - cos theta) and the loss of the complex
     permittivity; kinds and thicknesses from `obstacles` and `obstacle_thickness_m`. Rows without
     line of sight whose obstacles are not listed get `unlisted_walls` brick walls. A wall stands
-    between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal: that
+    between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal and bodies: that
     it blocks, and what goes around, is `Diffraction`'s. Where `delays_m` say what one obstacle of
     each of `kinds` delays that is as thick as usual and hit at a right angle, in metres, it delays
     so: tables name kinds, and neither make nor thickness.
@@ -58,9 +58,9 @@ class MaterialDelay(Effect):
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
         """Return a step per kind of obstacle, and one for any; None where none is listed.
 
-        None of metal: what arrives behind it went around, not through.
+        None of what is opaque: what arrives behind it went around, not through.
         """
-        through = (rows.kinds >= 0) & ~of_metal(rows)
+        through = (rows.kinds >= 0) & ~opaque(rows)
         kinds = np.unique(rows.kinds[through])
         counts = [(rows.kinds == kind).sum(axis=1) for kind in kinds]
         parts = [*counts, through.any(axis=1), unlisted(rows)]
@@ -74,7 +74,7 @@ class MaterialDelay(Effect):
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Delay and weaken the straight path of every row with an obstacle."""
-        through = ~of_metal(batch.rows)
+        through = ~opaque(batch.rows)
         whole = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
         delay_m, loss = (np.where(through, each, 0) for each in whole)
         wall_m, wall_loss = self._unlisted(batch)
