@@ -17,6 +17,7 @@ from bench.physics.scene import scene
 from bench.physics.units import C_M_PER_NS, CENTRE_GHZ, Floats
 
 AZIMUTH, REPLY, WARM = "azimuth_deg", "reply_time_s", "temperature_c"
+SETTINGS = ("tx_power_dbm", "preamble_symbols")  # of radios, that may differ from row to row
 ENDS = ("tx", "rx")
 PLACES = tuple(f"{end}_{axis}_m" for end in ENDS for axis in "xyz")
 
@@ -34,7 +35,7 @@ class Block:
 
 
 def known_blocks(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Iterator[Block]:
-    """Yield what both tables know of all their rows: devices, clocks, warmth, heading, ground."""
+    """Yield what both tables know of all rows: devices, clocks, warmth, power, heading, ground."""
     devices = [_devices(recorded, simulated, end) for end in ENDS]
     for ours, theirs in devices:
         if ours.shape[1] > 1:
@@ -42,9 +43,10 @@ def known_blocks(recorded: pd.DataFrame, simulated: pd.DataFrame) -> Iterator[Bl
     reply = [numeric(frame, REPLY) for frame in (recorded, simulated)]
     if _all_known(*reply):
         yield from _of_clocks(recorded, simulated, reply)
-    warm = [numeric(frame, WARM) for frame in (recorded, simulated)]
-    if _all_known(*warm):
-        yield _of_number(*warm)
+    for name in (WARM, *SETTINGS):
+        known = [numeric(frame, name) for frame in (recorded, simulated)]
+        if _all_known(*known):
+            yield _of_number(*known)
     headings = [_headings(frame) for frame in (recorded, simulated)]
     if _all_known(*headings) and (AZIMUTH in recorded) == (AZIMUTH in simulated):
         ours, theirs = (np.stack(harmonics(one, HEADING_WAVES), axis=1) for one in headings)

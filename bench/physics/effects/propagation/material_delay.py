@@ -26,10 +26,10 @@ class MaterialDelay(Effect):
     Excess path t (sqrt(eps_r - sin^2 theta) - cos theta) and the loss of the complex
     permittivity; kinds and thicknesses from `obstacles` and `obstacle_thickness_m`. Rows without
     line of sight whose obstacles are not listed get `unlisted_walls` brick walls. A wall stands
-    between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal and bodies: that
-    it blocks, and what goes around, is `Diffraction`'s. Where `delays_m` say what one obstacle of
-    each of `kinds` delays that is as thick as usual and hit at a right angle, in metres, it delays
-    so: tables name kinds, and neither make nor thickness.
+    between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal and
+    bodies: these block, and what goes around is `Diffraction`'s. Where `delays_m` say what one
+    obstacle of each of `kinds` delays that is as thick as usual and hit at a right angle, in
+    metres, it delays so: tables name kinds, and neither make nor thickness.
     """
 
     name = "material-delay"
