@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from re import fullmatch
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,12 @@ def collect(scalars: dict[str, Floats], shape: dict[str, Floats] | None = None) 
     rows = len(next(iter(scalars.values())))
     values = np.stack(list(found.values()), axis=1) if found else np.empty((rows, 0))
     return Observables(tuple(found), tuple(units[name] for name in found), values)
+
+
+def profile_ns(name: str) -> tuple[float, float] | None:
+    """Return from when to when a bin of the profile is, in ns, None of any other observable."""
+    found = fullmatch(r"profile_db\[(\S+)\.\.(\S+)ns\]", name)
+    return (float(found[1]), float(found[2])) if found else None
 
 
 def unit_of(name: str) -> str:

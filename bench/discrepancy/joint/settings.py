@@ -138,6 +138,10 @@ LONGER_ODDS: Final = (
     0.75  # that a struck link reads longer than a spared one, at least [convention]
 )
 LONGER_M: Final = 0.03  # by which struck links read longer, in the median [convention]
+FAINT_DB: Final = 4.0  # by which first paths of struck links are weaker than those of others, where
+# these read no longer: more than shadowing or antennas of links in sight differ by [convention]
+FAINT_ODDS: Final = 0.9  # that a struck link's is weaker than a spared one's [convention]
+LATER_NS: Final = 6.0  # behind the first path, from where on others are heard alone [derived]
 SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which read short by far where
 # both ways are moved alike: of eight so moved, in six draws of seven [derived]
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck

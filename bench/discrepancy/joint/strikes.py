@@ -6,7 +6,8 @@ statistics have two likelihoods: of a link that is spared and of one that is str
 of being struck, the same for all, their mixture is the evidence (compare
 `bench.discrepancy.select.link_mixture` for ranges alone). It must say more than what all links
 share, alone or beside it. What an obstruction does to ranges depends on the receiver's detector,
-so these are no part of the likelihood but an independent witness: struck links must read longer.
+so these are no part of the likelihood but an independent witness: struck links must read longer,
+or their first paths be weak (see `witness`).
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm, rankdata
+from scipy.stats import norm
 
 from bench.discrepancy.compare.crps import LIKELIHOOD, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -31,14 +32,11 @@ from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_pl
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
     CLASS_NATS,
-    LONGER_M,
-    LONGER_ODDS,
     NAME_NATS,
     NAME_SHARE,
     PREDICTED_P,
     PREDICTED_SHARE,
     SAME_DEVICE,
-    SHORT_OF_STRUCK,
     STRIKE_ALIKE,
     STRIKE_HARD,
     STRIKE_POINTS,
@@ -46,17 +44,17 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
+from bench.discrepancy.joint.witness import (
+    as_often_short,
+    is_longer,
+    read_long,
+    rows_jump,
+    weak_first,
+)
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.within_links import link_medians, rows_off
-from bench.discrepancy.sets.settings import STRAY_LINK_M, STRAY_LINK_STD
-from bench.discrepancy.settings import (
-    MAD_TO_STD,
-    PROFILE_90_NATS,
-    ROWS_STRUCK_SHARE,
-    SCORE_FIRST,
-    SCORE_MEMBERS,
-)
+from bench.discrepancy.select.within_links import link_medians
+from bench.discrepancy.settings import PROFILE_90_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect, Parameter
 
 Floats = NDArray[np.float64]
@@ -98,7 +96,13 @@ def strike_beside(
     if not _witnessed(made, found[0], seen):
         return None
     alike = told(_alike(found, common), seen)
-    if not enough(alike[0], common, common - shared[0], seen) or by_one(alike[0], common, seen):
+    if not _reads_longer(made, found[0]):
+        alike = [one for one in found if not one.mixture.kind.silent_before]
+    if (
+        not alike
+        or not enough(alike[0], common, common - shared[0], seen)
+        or by_one(alike[0], common, seen)
+    ):
         return None
     first, *others = (_strike(one, common) for one in alike)
     return replace(first, others=tuple(others))
@@ -220,15 +224,17 @@ def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
     known, long = np.isfinite(offset_m), read_long(offset_m, struck)
     if rows_jump(made, struck | long):
         return False
-    longer = is_longer(offset_m[known], struck[known])
+    longer = is_longer(offset_m[known], struck[known]) or weak_first(found)
     if not longer or as_often_short(offset_m[known], struck[known]):
         return False
     return not told_of_both(given, struck, long, able, seen > CLASS_NATS)
 
 
-def rows_jump(made: Ensemble, struck: NDArray[np.bool_]) -> bool:
-    """Return whether rows lie off their links more often than so many struck ones [L] explain."""
-    return bool(rows_off(made) > ROWS_STRUCK_SHARE * struck.mean())
+def _reads_longer(made: Ensemble, found: Found) -> bool:
+    """Return whether struck links read longer: else their straight paths are ranged, if weak."""
+    offset_m = link_medians(made.residual_of(RANGE)[None], found.mixture.given.code)[0]
+    known = np.isfinite(offset_m)
+    return is_longer(offset_m[known], found.struck[known])
 
 
 def told_of_both(
@@ -244,17 +250,6 @@ def told_of_both(
     """
     asked = (struck, long) if long.sum() >= STRUCK_FEWEST else (struck,)
     return all(told_which(given, which, able, seen) for which in asked)
-
-
-def read_long(offset_m: Floats, struck: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which links [L] read longer than the spared ones scatter, struck or not.
-
-    Waveforms find some of the struck ones sooner than others, as what is weak anyway by what else
-    stands there, and that is known; ranges tell of all which they are.
-    """
-    calm = offset_m[~struck & np.isfinite(offset_m)]
-    wide = MAD_TO_STD * float(np.median(np.abs(calm - np.median(calm))))
-    return np.asarray(offset_m > np.median(calm) + max(LONGER_M, STRAY_LINK_STD * wide))
 
 
 def told_which(
@@ -282,27 +277,6 @@ def _correlations(one: Floats, other: Floats) -> Floats:
     about, beside = (each - each.mean(axis=0) for each in (one, other))
     wide = np.sqrt((about**2).sum(axis=0)[:, None] * (beside**2).sum(axis=0))
     return np.asarray(about.T @ beside / np.maximum(wide, np.finfo(float).tiny))
-
-
-def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
-    """Return whether struck links [L] read longer than the others: nearly all of them, and well."""
-    hit, calm = offset_m[struck], offset_m[~struck]
-    if not len(hit) or not len(calm):
-        return False
-    ranks = rankdata(offset_m)[struck].sum() - len(hit) * (len(hit) + 1) / 2
-    far = float(np.median(hit) - np.median(calm))
-    return bool(ranks / (len(hit) * len(calm)) > LONGER_ODDS and far > LONGER_M)
-
-
-def as_often_short(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
-    """Return whether links [L] read short by far, half as many as are struck.
-
-    Nothing makes a way shorter than a straight one: what moves links both ways obstructs none.
-    """
-    calm = offset_m[~struck] - np.median(offset_m[~struck])
-    wide = MAD_TO_STD * float(np.median(np.abs(calm)))
-    short = calm < -max(STRAY_LINK_M, STRAY_LINK_STD * wide)
-    return bool(short.sum() > SHORT_OF_STRUCK * struck.sum())
 
 
 def predicted(known: Floats, struck: NDArray[np.bool_], least: float = 0.0) -> bool:

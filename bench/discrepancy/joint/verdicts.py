@@ -339,8 +339,6 @@ def _alike(turn: Round, effect: Effect) -> int:
 def _unknown(first: Round, last: Round, note: str, added: Added = ()) -> Unknown:
     """Return the verdict on what no effect explains, with what differs beside those `added`."""
     seen = last if last.located.significant else first
-    if seen is last and added:
-        names = " and ".join(effect.name for effect in added)
-        note += f"; the differences are those left with {names} in the simulator"
+    beside = tuple(effect.physics for effect in added) if seen is last else ()
     removable = seen.explanation.removable if seen.explanation else Estimate(0, 0, 0)
-    return Unknown(seen.located.findings, removable, {}, note)
+    return Unknown(seen.located.findings, removable, {}, note, beside=beside)

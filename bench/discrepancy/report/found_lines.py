@@ -53,7 +53,7 @@ def _once(told: list[list[str]]) -> list[list[str]]:
 
 def _explained(verdicts: Sequence[Unknown]) -> list[str]:
     """Return what differed where a law or a fault of the set-up explains it: once, in one list."""
-    notes = "; ".join(dict.fromkeys(one.note for one in verdicts if one.note))
+    notes = "; ".join(dict.fromkeys(one.told for one in verdicts if one.told))
     first: dict[Cell, Finding] = {}
     for finding in (one for verdict in verdicts for one in verdict.findings):
         first.setdefault(finding.cell, finding)
@@ -72,7 +72,7 @@ def describe(verdict: Verdict, does: Mapping[str, str] = NOTHING) -> list[str]:
         worth = "nothing" if verdict.removable.value < 0 else verdict.removable
         how = f"A flexible regression over all that is known removes {worth} of held-out score."
         return [
-            f"**Something is there that no known effect explains** ({verdict.note}).",
+            f"**Something is there that no known effect explains** ({verdict.told}).",
             *([how] if asked else []),
             *finding_lines(verdict.findings, 5),
         ]

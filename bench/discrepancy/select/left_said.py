@@ -27,14 +27,15 @@ def as_it_stands(search: Search, found: Selection) -> Selection:
     if not (whole and found.rounds and any(isinstance(one, Unknown) for one in found.verdicts)):
         return found
     findings = Guard().safely("what is left", _differs, ())(search, found)
-    said = (_with(v, findings) if isinstance(v, Unknown) else v for v in found.verdicts)
+    names = tuple(effect.physics for effect in _named(found))
+    said = (_with(v, findings, names) if isinstance(v, Unknown) else v for v in found.verdicts)
     return replace(found, verdicts=tuple(said)) if findings else found
 
 
-def _with(verdict: Unknown, findings: tuple[Finding, ...]) -> Unknown:
-    """Return a verdict on what a search found with what was found; what a mark says stays."""
+def _with(verdict: Unknown, findings: tuple[Finding, ...], names: tuple[str, ...]) -> Unknown:
+    """Return a verdict on what a search found beside `names`; what a mark says stays."""
     marked = verdict.cause or not verdict.findings
-    return verdict if marked else replace(verdict, findings=findings)
+    return verdict if marked else replace(verdict, findings=findings, beside=names)
 
 
 def _differs(search: Search, found: Selection) -> tuple[Finding, ...]:

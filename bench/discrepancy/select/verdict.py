@@ -73,15 +73,26 @@ class Ambiguous:
 
 @dataclass(frozen=True)
 class Unknown:
-    """Something is there that no known effect explains; `cause`: what marks say it is."""
+    """Something is there that no known effect explains; `cause`: what marks say it is.
+
+    `beside`: names of the effects that were simulated when `findings` were seen.
+    """
 
     findings: tuple[Finding, ...]
     removable: Estimate
     tried: dict[str, float] = field(default_factory=dict)
     note: str = ""
     cause: str = ""
+    beside: tuple[str, ...] = ()
 
     names: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> str:
+        """The note, and beside what the differences were seen."""
+        names = " and ".join(dict.fromkeys(self.beside))
+        seen = f"the differences are those left with {names} in the simulator" if names else ""
+        return "; ".join(filter(None, (self.note, seen)))
 
     def __str__(self) -> str:
         what = self.cause or (self.findings[0].told if self.findings else "the held-out score")
@@ -128,6 +139,8 @@ def as_dict(verdict: Verdict) -> dict[str, Any]:
     if isinstance(verdict, Unknown):
         removable = vars(verdict.removable)
         return out | {
+            "note": verdict.note,
+            "beside": list(verdict.beside),
             "findings": [str(one.told) for one in verdict.findings],
             "located": [_located(one.told) for one in verdict.findings],
             "removable": removable,
