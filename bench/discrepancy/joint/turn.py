@@ -48,6 +48,7 @@ from bench.forked import forking
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
+from bench.physics.effects.receiver.late_detection import LateDetection
 
 
 def selected(state: State, journal: Journal) -> Selection:
@@ -57,6 +58,20 @@ def selected(state: State, journal: Journal) -> Selection:
 
 
 def _selected(state: State, journal: Journal) -> Selection:
+    """Return `selected`; without a late detection if held-out links fit better without that.
+
+    What was fitted beside it, and took back what it does to ranges, is then asked anew.
+    """
+    found = _as_indices_say(state, journal)
+    late = LateDetection.name
+    if late not in found.together or late in {one.name for one in found.added}:
+        return found
+    alone = replace(state, search=state.search.without(LateDetection()))
+    return _as_indices_say(alone, journal)
+
+
+def _as_indices_say(state: State, journal: Journal) -> Selection:
+    """Return what is selected with a late detection where indices show one."""
     search, kept, safely = state.search, journal.kept, state.guard.safely
     located = _in_all_rows(search, journal, kept(locate_left)(search, (), 0, WAVES_SHARE))
     if not located.significant:

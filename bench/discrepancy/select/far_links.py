@@ -67,8 +67,11 @@ def links_in_the_way(search: Search, added: Added) -> str:
     if not found.long:
         return ""
     names = rows.frame["link"].astype(str).to_numpy()[np.unique(codes, return_index=True)[1]]
+    open_ways = np.bincount(codes, rows.scene.obstacle_count() == 0) > 0
+    advice = "; if something stands in their way, list it (`obstacles`, `los`)"
+    listed = not open_ways[found.far].any()  # something is listed in the way of all of them
     return (
         f"{len(found.far)} of {len(offset_m)} links read far longer than the others, "
-        f"whose offset is {found.calm_m:+.2f} m in the median: {found.worst(names)}; "
-        "if something stands in their way, list it (`obstacles`, `los`)"
+        f"whose offset is {found.calm_m:+.2f} m in the median: {found.worst(names)}"
+        f"{'; all of them have listed obstacles in their way' if listed else advice}"
     )
