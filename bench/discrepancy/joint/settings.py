@@ -140,6 +140,8 @@ LONGER_ODDS: Final = (
 LONGER_M: Final = 0.03  # by which struck links read longer, in the median [convention]
 FAINT_DB: Final = 4.0  # by which first paths of struck links are weaker than those of others, where
 # these read no longer: more than shadowing or antennas of links in sight differ by [convention]
+CALM_WIDER: Final = 1.25  # times the simulated standard deviation, that first paths of the others
+# may differ by: of links that all fade (Rayleigh), the stronger two thirds do by 2.5 dB [derived]
 FAINT_ODDS: Final = 0.9  # that a struck link's is weaker than a spared one's [convention]
 LATER_NS: Final = 6.0  # behind the first path, from where on others are heard alone [derived]
 SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which read short by far where

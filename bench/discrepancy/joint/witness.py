@@ -6,14 +6,17 @@ finds the straight one, that is weak, and what comes later is as strong as ever.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
+from scipy.stats import norm, rankdata
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import profile_ns
 from bench.discrepancy.joint.mixture import Found
 from bench.discrepancy.joint.settings import (
+    CALM_WIDER,
     FAINT_DB,
     FAINT_ODDS,
     LATER_NS,
@@ -68,10 +71,10 @@ def as_often_short(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
 def weak_first(found: Found) -> bool:
     """Return whether first paths of struck links are weak beside what comes later.
 
-    Nearly all of them, and well; and few others are as much stronger, as they are where all links
-    fade by chance.
+    Nearly all of them, and well; few others are as much stronger, and these differ by no more than
+    simulated ones: else all links fade by chance.
     """
-    lead = first_db(found)
+    lead = first_db(found.mixture.given.names, found.mixture.bare.left)
     hit, calm = lead[found.struck], lead[~found.struck]
     if not (np.isfinite(hit).any() and np.isfinite(calm).any()):
         return False
@@ -79,20 +82,31 @@ def weak_first(found: Found) -> bool:
     weaker = middle - float(np.nanmedian(hit))
     odds = float(np.mean(hit[:, None] < calm[None, :]))
     strong = int((calm > middle + weaker / 2).sum())
-    sure = weaker >= FAINT_DB and odds > FAINT_ODDS
-    return bool(sure and strong <= SHORT_OF_STRUCK * len(hit))
+    sure = weaker >= FAINT_DB and odds > FAINT_ODDS and strong <= SHORT_OF_STRUCK * len(hit)
+    return bool(sure and _width(calm) <= CALM_WIDER * _simulated_width(found))
 
 
-def first_db(found: Found) -> Floats:
+def _simulated_width(found: Found) -> float:
+    """Return the standard deviation over simulated links, which nothing struck, of the same."""
+    given = found.mixture.given
+    every = [first_db(given.names, left) for left in given.others(found.mixture.beside)]
+    return float(np.mean([_width(one) for one in every])) if every else 0.0
+
+
+def _width(values: Floats) -> float:
+    """Return the standard deviation of what is known of values, by what nine in ten lie between."""
+    low, high = np.nanpercentile(values, (10, 90))
+    return float(high - low) / (2 * float(norm.ppf(0.9)))
+
+
+def first_db(names: Sequence[str], left: Floats) -> Floats:
     """Return by how much first paths of links are stronger than simulated, beside later ones [L].
 
-    In dB, of the mean of a link; NaN without samples so late.
+    In dB, of what statistics with these `names` leave [L, p]; NaN without samples so late.
     """
-    given = found.mixture.given
-    bins = {i: ns for i, name in enumerate(given.names) if (ns := profile_ns(name)) is not None}
+    bins = {i: ns for i, name in enumerate(names) if (ns := profile_ns(name)) is not None}
     first = [i for i, (low, high) in bins.items() if low < 0 < high]
     later = [i for i, (low, _) in bins.items() if low > LATER_NS]
-    left = found.mixture.bare.left
     if not (first and later):
         return np.full(len(left), np.nan)
     return np.asarray(left[:, first[0]] - np.median(left[:, later], axis=1))

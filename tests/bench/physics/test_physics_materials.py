@@ -7,6 +7,8 @@ from bench.physics.images import image_paths, orders
 from bench.physics.materials import (
     WATER,
     excess_m,
+    is_object,
+    is_opaque,
     loss_db,
     material,
     obstacle,
@@ -69,6 +71,12 @@ def test_an_obstacle_may_be_named_by_its_material() -> None:
     named = {"concrete": "concrete", "Brick wall": "brick", "plywood": "plywood", "wood": "wood"}
     assert {kind: obstacle(kind).material for kind in named} == named
     assert obstacle("wall").material == "brick"  # a kind of its own
+
+
+def test_nothing_goes_through_metal_and_bodies_and_of_objects_nobody_knows() -> None:
+    kinds = ("metal plate", "two persons", "a worker", "brick wall", "plywood", "crate", "curtain")
+    assert [is_opaque(kind) for kind in kinds] == [True, True, True, False, False, False, False]
+    assert [is_object(kind) for kind in kinds] == [False, False, False, False, False, True, False]
 
 
 def test_slabs_take_thickness_of_the_rows_else_of_the_kind() -> None:

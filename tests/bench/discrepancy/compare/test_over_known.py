@@ -48,6 +48,11 @@ def ripple(frame: pd.DataFrame) -> Floats:
     return np.asarray(((longer - far) * ray / (1 + ray)).to_numpy().real.clip(-0.3, 0.3))
 
 
+def power(frame: pd.DataFrame) -> Floats:
+    """Return what more transmit power does, in metres [n]."""
+    return np.asarray(0.01 * (frame["tx_power_dbm"] + 8), np.float64)
+
+
 def nothing(frame: pd.DataFrame) -> Floats:
     return np.zeros(len(frame))
 
@@ -63,6 +68,9 @@ def table(seed: int, law: Law, links: int = LINKS) -> pd.DataFrame:
          "temperature_c": rng.uniform(10, 40, links)[rows],
          "reply_time_s": rng.uniform(0.3e-3, 1.5e-3, links)[rows]}
     )  # fmt: skip
+    if law is power:
+        powers = np.random.default_rng([seed, 8]).choice([-14.3, -8.3, -2.3], links)
+        frame = frame.assign(tx_power_dbm=powers[rows])
     if law is ripple:
         more = np.random.default_rng([seed, 7])
         heights = {f"{end}_z_m": more.uniform(1, 2.5, links)[rows] for end in ("tx", "rx")}
@@ -82,7 +90,7 @@ def found(ours: pd.DataFrame, theirs: pd.DataFrame) -> OverKnown:
     return over_known(seen, links, tuple(known_blocks(ours, theirs)))
 
 
-@pytest.mark.parametrize("law", [lobe, delays, clocks, drift, ripple])
+@pytest.mark.parametrize("law", [lobe, delays, clocks, drift, ripple, power])
 def test_a_matched_row_is_made_one_of_ours(law: Law) -> None:
     ours, theirs = table(1, law), table(2, law)
     pick = np.random.default_rng(0).permutation(len(theirs))

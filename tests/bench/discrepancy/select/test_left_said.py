@@ -40,6 +40,7 @@ def test_beside_a_name_that_stands_what_it_leaves_is_said() -> None:
     made: Any = as_it_stands(None, found_with(named(LAG), unknown, added=(LAG,)))  # type: ignore[arg-type]
     assert made.verdicts[0] == named(LAG)
     assert made.verdicts[1].findings == (LEFT,)
+    assert made.verdicts[1].told.endswith("left with time-lag in the simulator")
 
 
 def test_without_a_name_what_was_there_at_first_is_said() -> None:
@@ -47,6 +48,7 @@ def test_without_a_name_what_was_there_at_first_is_said() -> None:
     unknown = Unknown((WAS,), None)  # type: ignore[arg-type]
     made: Any = as_it_stands(None, found_with(unknown, added=(LAG,)))  # type: ignore[arg-type]
     assert made.verdicts[0].findings == (FIRST,)
+    assert "in the simulator" not in made.verdicts[0].told
 
 
 def test_what_a_mark_says_stays() -> None:
