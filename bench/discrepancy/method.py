@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import without
 from bench.discrepancy.confirm import confirm
 from bench.discrepancy.diagnosis import Diagnosis, Options
 from bench.discrepancy.joint import turn as waves
+from bench.discrepancy.law.second import with_second
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.prepared import Prepared, prepared
@@ -101,11 +102,12 @@ def confirmed(ready: Prepared, search: Search, found: Selection) -> Diagnosis:
     found, more = said.found, (said.law.effect,) if said.law else unnamed(search, said.found)
     found, kept_more = unrefused(comparison, sealed, found, more, seed)
     law = said.law if more == kept_more else None
+    law = with_second(search, comparison, sealed, found, law) if law else None
     found = found if law else as_it_stands(search, found)
     found = found if law or said.fault or kept_more else without_unseen(found)
     around = with_edges(search, named_once(found.verdicts))
     found = with_struck_links(search, replace(found, verdicts=around))
-    added = (*found.added, *kept_more)
+    added = (*found.added, *((law.whole,) if law else kept_more))
     fits = confirm(untimed(comparison, found.untimed), sealed, added, seed)
     return replace(ready.diagnosis(found, added, fits), law=law, setup_fault=said.fault)
 

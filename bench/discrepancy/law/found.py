@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from re import sub
 from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
@@ -66,7 +67,8 @@ class FoundLaw:
     `fault`: the kind of fault of the set-up that it is, or "";
     `gain_nats`: log-likelihood gained per row on sealed links; `nearer_m`: how much smaller
     |recorded - simulated| is there. `rivals` are not excluded. `of_library`: the effects of the
-    library of whose form it is, and why these are not named, "" where it is of none.
+    library of whose form it is, and why these are not named, "" where it is of none. `beside`: that
+    of another device, at the same time.
     """
 
     form: str
@@ -82,6 +84,18 @@ class FoundLaw:
     rivals: tuple[Rival, ...] = ()
     fault: str = ""
     of_library: str = ""
+    beside: FoundLaw | None = None
+
+    @property
+    def whole(self) -> Law:
+        """The law with that of another device beside it, as one effect of the simulator."""
+        if self.beside is None:
+            return self.effect
+        other, own = self.beside.expression, [(c.name, c.value, c.unit) for c in self.constants]
+        for one in self.beside.constants:
+            other = sub(rf"\b{one.name}\b", f"{one.name}_2", other)
+            own.append((f"{one.name}_2", one.value, one.unit))
+        return with_constants(f"{self.expression} + {other}", own)
 
     @property
     def effect(self) -> Law:
@@ -100,7 +114,8 @@ class FoundLaw:
         what = f"{LAW} of the form of {self.of_library}"
         what = what if self.of_library else f"{LAW} without a name"
         what = FAULT if self.fault else what
-        return f"{what}: {self.words}; looks like: {self.looks_like}"
+        other = f"; and another beside it: {self.beside.words}" if self.beside else ""
+        return f"{what}: {self.words}; looks like: {self.looks_like}{other}"
 
 
 @dataclass(frozen=True)
@@ -136,6 +151,7 @@ def law_dict(law: FoundLaw | None) -> dict[str, Any] | None:
         "nats": law.nats,
         "sealed_gain_nats_per_row": vars(law.gain_nats),
         "sealed_nearer_m": vars(law.nearer_m),
+        "beside": law_dict(law.beside),
         "not_excluded": [vars(r) | {"columns": list(r.columns)} for r in law.rivals],
     }
 

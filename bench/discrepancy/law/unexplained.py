@@ -99,7 +99,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if predicted := _in_place_of_scatter(search, found, views):
         return predicted
     rest = gathered(search.comparison, views, found.added)
-    after = _proposed(search, rest)
+    after = proposed(search, rest)
     if after is not None and not _beyond_names(search, found, after):
         after = None
     if after is not None and _waveforms_differ(found) and not _beyond_detectors(after):
@@ -112,7 +112,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
         return beside
     kept = tuple(effect for effect in found.added if effect not in named)
     whole = gathered(search.comparison, views, kept)
-    alone = _proposed(search, whole)
+    alone = proposed(search, whole)
     if alone is None:
         return beside
     struck = [effect for effect in named if type(effect).strikes]
@@ -132,7 +132,7 @@ def _in_place_of_scatter(
     kept = tuple(one for one in found.added if one not in independent(found.added))
     if len(kept) == len(found.added):
         return None
-    alone = _proposed(search, gathered(search.comparison, views, kept))
+    alone = proposed(search, gathered(search.comparison, views, kept))
     if alone is None or alone.best.nats < LAW_INSTEAD_NATS:
         return None
     if not predicts(search.comparison, search.both, kept, _effect(alone)):
@@ -140,7 +140,7 @@ def _in_place_of_scatter(
     return Weighed(found, alone, _without_names(found, kept))
 
 
-def _proposed(search: Search, rows: Material | None) -> Proposal | None:
+def proposed(search: Search, rows: Material | None) -> Proposal | None:
     """Return the law that rows speak for, None where the library has effects for all such laws.
 
     What holds only behind something in the way is a delay or a detour by it, whatever its form. A

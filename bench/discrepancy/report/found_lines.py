@@ -148,6 +148,7 @@ def law_lines(law: FoundLaw) -> list[str]:
             for rival in rivals[:SHOWN_RIVALS]
         ),
         *([f"- and {more} more laws: not_excluded in diagnosis.json"] if more > 0 else []),
+        *(law_lines(law.beside) if law.beside else []),
     ]
 
 
