@@ -35,7 +35,7 @@ class PatternGain(Effect):
     source = "Ledergerber and D'Andrea, IEEE Access 6 (2018); waves fitted to recordings"
     signature = AntennaPattern.signature
     control = AntennaPattern.control
-    needs = AntennaPattern.needs
+    needs = (("azimuth_deg",),)
 
     cos_db: float = parameter(0, "dB", -9, 9, "gain ahead, of the first harmonic", null=0)
     sin_db: float = parameter(0, "dB", -9, 9, "gain at 90 degrees, of the first", null=0)

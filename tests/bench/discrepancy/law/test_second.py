@@ -10,6 +10,8 @@ import bench
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.law.found import FoundLaw, LawConstant, law_dict
 
+ONE = Estimate(1, 1, 1)
+
 
 def of_device(where: str, size: float, beside: FoundLaw | None = None) -> FoundLaw:
     """Return a law over the temperature at one device."""
@@ -17,8 +19,7 @@ def of_device(where: str, size: float, beside: FoundLaw | None = None) -> FoundL
     device = where.split()[-1]
     return FoundLaw(
         "linear", ("temperature_c",), where, f"error = {constant} x warm, where {where}", "warmth",
-        f'a * temperature_c * (rx == "{device}")', (constant,), 20.0, Estimate(1, 1, 1), Estimate(1, 1, 1),
-        beside=beside,
+        f'a * temperature_c * (rx == "{device}")', (constant,), 20.0, ONE, ONE, beside=beside,
     )  # fmt: skip
 
 
