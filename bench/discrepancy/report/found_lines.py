@@ -27,7 +27,6 @@ from bench.discrepancy.settings import SURE_P
 from bench.physics.effect import Effect
 
 SHOWN_LEFT = 3
-UNTRIED = "it could not be tried"
 _LISTED = "It is seen in differences that are listed above, too."
 
 
@@ -158,7 +157,7 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     out = [f"- {option.names[0]}: {type(effect).signature} (source: {type(effect).source})"]
     if (words := does.get(option.names[0])) is not None:
         out += [f"  - does to these recordings: {words}"]
-    if option.note.startswith(UNTRIED):
+    if not option.tried:
         return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
     out += [f"  - {option.note}"] if option.note else []
     out += parameter_lines(option.parameters, type(effect))

@@ -12,6 +12,8 @@ from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.settings import UNUSUAL_P
 from bench.physics.effect import Effect
 
+UNTRIED = "it could not be tried"  # how notes on such effects begin
+
 
 @dataclass(frozen=True)
 class Control:
@@ -44,6 +46,11 @@ class LeftOut:
     def names(self) -> tuple[str, ...]:
         """The name of the physics, as a tuple of one."""
         return (self.effect.physics,)
+
+    @property
+    def tried(self) -> bool:
+        """Whether it was fitted: what needs more than a table tells was not, as its note says."""
+        return not self.note.startswith(UNTRIED)
 
     def __str__(self) -> str:
         return f"left out: {self.names[0]} ({type(self.effect).signature})"
@@ -160,13 +167,13 @@ def _located(found: Finding) -> dict[str, Any]:
 
 
 def _option(option: LeftOut) -> dict[str, Any]:
-    """Return one named effect as plain data."""
+    """Return one named effect as plain data; without values and evidence where it was not tried."""
+    own = {"values": dict(vars(option.effect)), "gain": vars(option.gain)}
     return {
         "effect": option.effect.name,
-        "values": dict(vars(option.effect)),
+        **(own if option.tried else {"values": {}, "gain": None}),
         "parameters": [vars(p) for p in option.parameters],
-        "gain": vars(option.gain),
-        "share_of_removable": option.share,
+        "share_of_removable": option.share if option.tried else None,
         "control": {"words": option.control.words, "passed": option.control.passed},
         "note": option.note,
     }

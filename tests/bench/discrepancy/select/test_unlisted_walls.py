@@ -12,7 +12,7 @@ import bench
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.unlisted import with_edges, with_walls
-from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.discrepancy.select.verdict import Control, LeftOut, as_dict
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction
 from bench.physics.effects.propagation.material_delay import MaterialDelay
@@ -76,6 +76,10 @@ def test_behind_objects_waves_may_go_around_where_edges_are_not_listed(
     search = SimpleNamespace(searched=SimpleNamespace(scene=scene(rows)), kinds=kinds)
     (said,) = with_edges(search, (of_walls(named),))  # type: ignore[arg-type]
     assert said.names == ((named, "diffraction") if around else (named,))
+    told = as_dict(said)["options"]
+    assert told[0]["gain"]["value"] == 9
+    assert [one["gain"] for one in told[1:]] == [None] * around  # was not tried: none of its own
+    assert [one["values"] for one in told[1:]] == [{}] * around
 
 
 def test_a_name_of_something_else_stays_alone_behind_objects() -> None:
