@@ -93,16 +93,14 @@ def strike_beside(
     if RANGE not in made.names:
         return None
     seen = straight_nats(rows, found[0].struck, made.residual_of(RANGE))
-    if not _witnessed(made, found[0], seen):
+    offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
+    if not _witnessed(made, found[0], offset_m, seen):
         return None
-    alike = told(_alike(found, common), seen)
-    if not _reads_longer(made, found[0]):
-        alike = [one for one in found if not one.mixture.kind.silent_before]
-    if (
-        not alike
-        or not enough(alike[0], common, common - shared[0], seen)
-        or by_one(alike[0], common, seen)
-    ):
+    longer = is_longer(offset_m, found[0].struck)  # else straight paths are ranged, if weak
+    alike = told(_alike(found, common), seen) if longer else _leaving(found)
+    if not (alike and enough(alike[0], common, common - shared[0], seen)):
+        return None
+    if by_one(alike[0], common, seen):
         return None
     first, *others = (_strike(one, common) for one in alike)
     return replace(first, others=tuple(others))
@@ -204,37 +202,34 @@ def told(alike: Sequence[Found], seen: float) -> Sequence[Found]:
 
     Nothing arrives before the detour where a path is blocked; where it is weakened it does.
     """
-    left = [one for one in alike if not one.mixture.kind.silent_before]
+    left = _leaving(alike)
     return left if left and seen > CLASS_NATS else alike
 
 
-def _witnessed(made: Ensemble, found: Found, seen: float) -> bool:
+def _leaving(found: Sequence[Found]) -> list[Found]:
+    """Return the mixtures of the kinds that leave straight paths."""
+    return [one for one in found if not one.mixture.kind.silent_before]
+
+
+def _witnessed(made: Ensemble, found: Found, offset_m: Floats, seen: float) -> bool:
     """Return whether struck links are as an obstruction leaves them.
 
     Some are struck and more are not, nothing known tells which nor which read long, their ranges
-    are longer than in `made`, which nothing struck, and those of all their rows. What stands in the
+    are longer than in `made`, which nothing struck, by `offset_m` [L], and those of all their rows,
+    or their first paths are weak. What stands in the
     way stands near some device, so devices may tell a little; all that is known may where straight
     paths are seen (`seen` nats), for something stands there.
     """
     struck, able = found.struck, ~found.mixture.inert
     if not found.divides:
         return False
-    given = found.mixture.given
-    offset_m = link_medians(made.residual_of(RANGE)[None], given.code)[0]
-    known, long = np.isfinite(offset_m), read_long(offset_m, struck)
+    long = read_long(offset_m, struck)
     if rows_jump(made, struck | long):
         return False
-    longer = is_longer(offset_m[known], struck[known]) or weak_first(found)
-    if not longer or as_often_short(offset_m[known], struck[known]):
+    witness = is_longer(offset_m, struck) or weak_first(found)
+    if not witness or as_often_short(offset_m, struck):
         return False
-    return not told_of_both(given, struck, long, able, seen > CLASS_NATS)
-
-
-def _reads_longer(made: Ensemble, found: Found) -> bool:
-    """Return whether struck links read longer: else their straight paths are ranged, if weak."""
-    offset_m = link_medians(made.residual_of(RANGE)[None], found.mixture.given.code)[0]
-    known = np.isfinite(offset_m)
-    return is_longer(offset_m[known], found.struck[known])
+    return not told_of_both(found.mixture.given, struck, long, able, seen > CLASS_NATS)
 
 
 def told_of_both(

@@ -21,7 +21,7 @@ from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.unlisted import tried_alike, with_obstacles
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried, options_of
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
@@ -50,7 +50,7 @@ def with_untried(
 
 def _with_unplaced(search: Search, said: Verdict, dense: tuple[str, ...]) -> Verdict:
     """Return one verdict, with what resembles it where nobody told the places of that."""
-    fitted = _options(said)
+    fitted = options_of(said)
     alike = ("" if one.effect.name in dense else type(one.effect).resembles for one in fitted)
     kinds = [search.untried.get(name) for name in alike]
     more = tuple(
@@ -60,12 +60,6 @@ def _with_unplaced(search: Search, said: Verdict, dense: tuple[str, ...]) -> Ver
     )
     options = (*fitted, *more)
     return Ambiguous(options, separating(options)) if more else said
-
-
-def _options(said: Verdict) -> tuple[LeftOut, ...]:
-    """Return the effects of a verdict: none, one, or those that do as well."""
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    return tuple(one for one in options if isinstance(one, LeftOut))
 
 
 def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Effect]]) -> Verdict:
@@ -84,7 +78,7 @@ def with_unlisted(search: Search, said: Verdict, added: Added = ()) -> Verdict:
     An obstructed path is what these do to a link that they stand in the way of. In a table that is
     what a blocked path does, too: of the rays round what stands there the table has none.
     """
-    fitted = _options(said)
+    fitted = options_of(said)
     known = {type(one.effect) for one in fitted}
     if ObstructedPath in known:
         return with_obstacles(search, fitted, said, tried_alike(search, added))

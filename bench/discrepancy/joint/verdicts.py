@@ -31,7 +31,7 @@ from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.select.undetermined import untold
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, NoMismatch, Unknown, Verdict
+from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict, options_of
 from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.set_up import is_fault
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
@@ -164,17 +164,13 @@ def without_idle(
 
 def _likely(said: Verdict) -> bool:
     """Return whether held-out links are likely better with an effect, or with one of a class."""
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    return any(isinstance(one, LeftOut) and one.gain.likely_above_zero for one in options)
+    return any(one.gain.likely_above_zero for one in options_of(said))
 
 
 def _scatters_beside(said: Verdict, but: Collection[str]) -> bool:
     """Return whether a verdict names scatter that only ranges show, none of those in `but`."""
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    first = options[0]  # leads its class
-    if not isinstance(first, LeftOut) or first.names[0] in but:
-        return False
-    return type(first.effect).independent
+    leads = options_of(said)[:1]  # the first leads its class
+    return any(type(one.effect).independent and one.names[0] not in but for one in leads)
 
 
 def _more(search: Search, rounds: tuple[Round, ...]) -> bool:

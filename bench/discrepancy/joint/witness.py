@@ -49,6 +49,8 @@ def read_long(offset_m: Floats, struck: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def is_longer(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
     """Return whether struck links [L] read longer than the others: nearly all of them, and well."""
+    known = np.isfinite(offset_m)
+    offset_m, struck = offset_m[known], struck[known]
     hit, calm = offset_m[struck], offset_m[~struck]
     if not len(hit) or not len(calm):
         return False
@@ -62,6 +64,8 @@ def as_often_short(offset_m: Floats, struck: NDArray[np.bool_]) -> bool:
 
     Nothing makes a way shorter than a straight one: what moves links both ways obstructs none.
     """
+    known = np.isfinite(offset_m)
+    offset_m, struck = offset_m[known], struck[known]
     calm = offset_m[~struck] - np.median(offset_m[~struck])
     wide = MAD_TO_STD * float(np.median(np.abs(calm)))
     short = calm < -max(STRAY_LINK_M, STRAY_LINK_STD * wide)

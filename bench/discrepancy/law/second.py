@@ -9,6 +9,7 @@ from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.judge import judged
 from bench.discrepancy.law.unexplained import gathered, proposed
 from bench.discrepancy.select.guard import Guard
+from bench.discrepancy.select.refute import working
 from bench.discrepancy.select.state import Search, Selection
 
 OF_DEVICES = ("tx is ", "rx is ")
@@ -32,8 +33,7 @@ def _second(
 ) -> FoundLaw | None:
     """Return the law of another device beside one that is in place, None where there is none."""
     added = (*found.added, law.effect)
-    views = (search.fit, search.discover) if search.work is None else (search.work,)
-    proposal = proposed(search, gathered(search.comparison, views, added))
+    proposal = proposed(search, gathered(search.comparison, working(search), added))
     if proposal is None:
         return None
     where = proposal.best.structure.where

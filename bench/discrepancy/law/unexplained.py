@@ -33,7 +33,7 @@ from bench.discrepancy.law.structures import cost
 from bench.discrepancy.select.elsewhere import without_others
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import left_far, strike
-from bench.discrepancy.select.refute import swapped_for
+from bench.discrepancy.select.refute import swapped_for, working
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.discrepancy.sets.settings import EXPLAINED_STRAYS
@@ -95,7 +95,7 @@ def weighed(search: Search, found: Selection) -> Weighed:
 
 def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     """Return the law of what the names leave, or one that does better than all of them."""
-    views = (search.fit, search.discover) if search.work is None else (search.work,)
+    views = working(search)
     if predicted := _in_place_of_scatter(search, found, views):
         return predicted
     rest = gathered(search.comparison, views, found.added)

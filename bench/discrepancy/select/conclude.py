@@ -28,12 +28,12 @@ from bench.discrepancy.select.stepwise import bears_mark, versions
 from bench.discrepancy.select.told_by import told_otherwise
 from bench.discrepancy.select.unlisted import with_walls
 from bench.discrepancy.select.verdict import (
-    Ambiguous,
     Control,
     LeftOut,
     NoMismatch,
     Unknown,
     Verdict,
+    options_of,
 )
 from bench.discrepancy.select.within_links import rows_beyond
 from bench.discrepancy.sets.settings import LEFT_SHARE
@@ -118,9 +118,8 @@ def of_the_rest(said: tuple[Verdict, ...], rounds: tuple[Round, ...]) -> tuple[V
 
 def _marked(search: Search, named: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
     """Return the names whose mark recorded rows bear: they are there, whatever they remove."""
-    each = ((v, v.options if isinstance(v, Ambiguous) else (v,)) for v in named)
-    able = ((v, o) for v, some in each for o in some[:1] if isinstance(o, LeftOut))
-    return tuple(verdict for verdict, first in able if bears_mark(search, first.effect))
+    first = ((verdict, one) for verdict in named for one in options_of(verdict)[:1])
+    return tuple(verdict for verdict, one in first if bears_mark(search, one.effect))
 
 
 def _within_forms(search: Search, share: float) -> bool:

@@ -25,7 +25,7 @@ from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.sealed_class import Change, borne_out_of_class
 from bench.discrepancy.select.state import Selection
 from bench.discrepancy.select.struck_sealed import struck_nats
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown, Verdict
+from bench.discrepancy.select.verdict import LeftOut, Unknown, Verdict, options_of
 from bench.discrepancy.settings import ALL_SPARED, LEAD_NATS
 from bench.physics.effect import Effect
 
@@ -153,8 +153,7 @@ def _why(alone: Served | None) -> str:
 
 def _surely_better(verdicts: tuple[Verdict, ...]) -> set[str]:
     """Return the names with which working links are better beyond chance."""
-    every = (v.options if isinstance(v, Ambiguous) else (v,) for v in verdicts)
-    options = [one for some in every for one in some if isinstance(one, LeftOut)]
+    options = (one for verdict in verdicts for one in options_of(verdict))
     return {name for one in options if one.gain.likely_above_zero for name in one.names}
 
 
@@ -248,8 +247,7 @@ def _bears(verdict: Verdict, sealed: View) -> bool:
     Of ranges alone what is `marked` was fitted by its mark (see `bears_mark`): every range is a
     point of its grid, however far off those are that something else blocks.
     """
-    options = verdict.options if isinstance(verdict, Ambiguous) else (verdict,)
-    kinds: list[type[Effect]] = [type(o.effect) for o in options if isinstance(o, LeftOut)]
+    kinds: list[type[Effect]] = [type(one.effect) for one in options_of(verdict)]
     on_grid = not sealed.waveform and any(kind.marked for kind in kinds)
     return on_grid or any(kind.by_mark(sealed.frame) for kind in kinds)
 

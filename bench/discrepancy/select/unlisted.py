@@ -16,7 +16,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import MOST_OBJECTS, WALLS_M
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried, options_of
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction
@@ -69,8 +69,7 @@ def with_edges(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
 
 def _or_around(said: Verdict, kind: type[Effect]) -> Verdict:
     """Return one verdict, with what bends around objects where it is of what acts behind them."""
-    options = said.options if isinstance(said, Ambiguous) else (said,)
-    able = tuple(one for one in options if isinstance(one, LeftOut))
+    able = options_of(said)
     if not any(isinstance(o.effect, MaterialDelay) or _short(o) for o in able):
         return said
     whole = (*able, not_tried(able[0], kind(), NO_EDGES))

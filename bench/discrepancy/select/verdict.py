@@ -133,6 +133,13 @@ class NoMismatch:
 Verdict = LeftOut | Ambiguous | Unknown | NoMismatch
 
 
+def options_of(said: Verdict) -> tuple[LeftOut, ...]:
+    """Return the effects of a verdict: none, one, or those that do as well, best first."""
+    if isinstance(said, Ambiguous):
+        return said.options
+    return (said,) if isinstance(said, LeftOut) else ()
+
+
 def as_dict(verdict: Verdict) -> dict[str, Any]:
     """Return a verdict as plain data for JSON."""
     kind = {LeftOut: "left out", Ambiguous: "ambiguous", Unknown: "unknown"}

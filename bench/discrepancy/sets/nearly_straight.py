@@ -40,11 +40,8 @@ def as_scale(contest: Contest, causes: Set) -> Set:
 def _off_a_line(contest: Contest, causes: Set) -> float:
     """Return what share of its scatter over rows a law of the distance is off a line."""
     law = contest.shifts(causes)[OF_RANGE][contest.known]
-    weights = contest.evidence.weights
-    line = np.polynomial.Polynomial.fit(
-        contest.rows.scene.true_range_m[contest.known], law, 1, w=np.sqrt(weights)
-    )
-    off = law - line(contest.rows.scene.true_range_m[contest.known])
+    far_m, weights = contest.rows.scene.true_range_m[contest.known], contest.evidence.weights
+    off = law - np.polynomial.Polynomial.fit(far_m, law, 1, w=np.sqrt(weights))(far_m)
     middle = float(np.average(law, weights=weights))
     squares = [float(np.average(one**2, weights=weights)) for one in (off, law - middle)]
     return float(np.sqrt(squares[0] / max(squares[1], 1e-24)))

@@ -47,7 +47,7 @@ def _world(name: str) -> Any:
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(
         ValueError,
-        match="unknown family 'x'; known: atrium, aviary, baths, belfry",
+        match="unknown family 'x'; known: atrium, aviary, baths, belfry, bowls",
     ):
         world_of("x")
 
