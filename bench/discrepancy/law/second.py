@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from bench.discrepancy.compare.view import Comparison, View
 from bench.discrepancy.law.found import FoundLaw
+from bench.discrepancy.law.gather import gathered, proposed
 from bench.discrepancy.law.judge import judged
-from bench.discrepancy.law.unexplained import gathered, proposed
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.refute import working
 from bench.discrepancy.select.state import Search, Selection

@@ -4,44 +4,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-import pandas as pd
-
-from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.joint.verdicts import LEFT_OF_WAVES
 from bench.discrepancy.law.between import told_from_detectors, told_from_forms
 from bench.discrepancy.law.found import FoundLaw, SetupFault
+from bench.discrepancy.law.gather import gathered, proposed
+from bench.discrepancy.law.instead import (
+    calms,
+    effect_of,
+    leads,
+    narrowed,
+    shifting,
+    undone,
+    without_names,
+)
 from bench.discrepancy.law.judge import gains_among, judged, setup_fault, tied_names
-from bench.discrepancy.law.likelihood import unmoved
 from bench.discrepancy.law.likeness import form_words
-from bench.discrepancy.law.material import BEHIND, NO_SIGHT, Material, material
 from bench.discrepancy.law.named_faults import named_fault
 from bench.discrepancy.law.of_scatter import independent, predicts
 from bench.discrepancy.law.own_forms import forms_of_names
-from bench.discrepancy.law.rounding import rounds_alike
-from bench.discrepancy.law.search import Proposal, propose
-from bench.discrepancy.law.settings import (
-    LAW_INSTEAD_NATS,
-    LAW_MEMBERS,
-    LAW_NATS,
-    LAW_TIED_NATS,
-    LAW_VALUE_NATS,
-)
+from bench.discrepancy.law.search import Proposal
+from bench.discrepancy.law.settings import LAW_INSTEAD_NATS, LAW_NATS
 from bench.discrepancy.law.structures import cost
 from bench.discrepancy.select.elsewhere import without_others
 from bench.discrepancy.select.guard import Guard
-from bench.discrepancy.select.link_mixture import left_far, strike
-from bench.discrepancy.select.refute import swapped_for, working
+from bench.discrepancy.select.refute import working
 from bench.discrepancy.select.state import Search, Selection
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
-from bench.discrepancy.sets.settings import EXPLAINED_STRAYS
+from bench.discrepancy.select.verdict import Unknown
 from bench.errors import BenchError
-from bench.physics.effects.ranging.law import Law, with_constants
-from bench.physics.materials import is_listed
-
-OBSTACLES, SIGHT, CONSTANT = "obstacles", "los", "constant"
 
 
 @dataclass(frozen=True)
@@ -82,7 +73,7 @@ def weighed(search: Search, found: Selection) -> Weighed:
     if any(isinstance(verdict, Unknown) and verdict.cause for verdict in found.verdicts):
         return Weighed(found)
     unknown = any(isinstance(verdict, Unknown) for verdict in found.verdicts)
-    if not unknown and not _shifting(found) and not independent(found.added):
+    if not unknown and not shifting(found) and not independent(found.added):
         return Weighed(found)
     search.progress("looking for a law without a name")
     made = Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
@@ -107,7 +98,9 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if after is not None and not _beyond_forms(search, found, views, after):
         after = None
     beside = Weighed(found, after if unknown else None)
-    named = _shifting(found)
+    if rest and beside.proposal and (held := undone(search, found, views, rest, beside.proposal)):
+        return Weighed(found, held[1], held[0])
+    named = shifting(found)
     if rest is None or not named:
         return beside
     kept = tuple(effect for effect in found.added if effect not in named)
@@ -116,13 +109,13 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if alone is None:
         return beside
     struck = [effect for effect in named if type(effect).strikes]
-    better = _calms(search, kept, alone) if struck else _leads(alone, rest, after, named)
+    better = calms(search, kept, alone) if struck else leads(alone, rest, after, named)
     if not better:
         return beside
-    narrower = None if struck else _narrowed(search, found, alone, views)
+    narrower = None if struck else narrowed(search, found, alone, views)
     if narrower is not None:
         return _weighed(search, narrower, unknown)
-    return Weighed(found, alone, _without_names(found, kept))
+    return Weighed(found, alone, without_names(found, kept))
 
 
 def _in_place_of_scatter(
@@ -135,26 +128,9 @@ def _in_place_of_scatter(
     alone = proposed(search, gathered(search.comparison, views, kept))
     if alone is None or alone.best.nats < LAW_INSTEAD_NATS:
         return None
-    if not predicts(search.comparison, search.both, kept, _effect(alone)):
+    if not predicts(search.comparison, search.both, kept, effect_of(alone)):
         return None
-    return Weighed(found, alone, _without_names(found, kept))
-
-
-def proposed(search: Search, rows: Material | None) -> Proposal | None:
-    """Return the law that rows speak for, None where the library has effects for all such laws.
-
-    What holds only behind something in the way is a delay or a detour by it, whatever its form. A
-    constant behind what the library does not list is said: a rack is more than its metal.
-    """
-    law = None if rows is None else propose(rows, search.seed)
-    if law is None or not law.best.structure.where.startswith((BEHIND, NO_SIGHT)):
-        return law
-    of_kind = law.best.structure.where.removeprefix(BEHIND)
-    if law.best.structure.form == CONSTANT and of_kind != law.best.structure.where:
-        return None if is_listed(of_kind) else law
-    column = SIGHT if law.best.structure.where.startswith(NO_SIGHT) else OBSTACLES
-    ways = [way for kind in search.kinds.values() for way in kind.needs]
-    return None if any(column in way for way in ways) else law
+    return Weighed(found, alone, without_names(found, kept))
 
 
 def _beyond_names(search: Search, found: Selection, law: Proposal) -> bool:
@@ -198,110 +174,6 @@ def _worth(law: Proposal, nats: float) -> bool:
     return law.share * nats - cost(law.best.structure, rows) > LAW_NATS
 
 
-def _narrowed(
-    search: Search, found: Selection, alone: Proposal, views: tuple[View, ...]
-) -> Selection | None:
-    """Return the selection with a class cut down to members that the law does not beat.
-
-    None where the law beats every other member of every class too: a constant law is an antenna
-    delay, though the class was led by an effect that only comes near one.
-    """
-    for verdict in (one for one in found.verdicts if isinstance(one, Ambiguous)):
-        first, *others = verdict.options
-        if first.effect.name not in {effect.name for effect in _shifting(found)}:
-            continue
-        held = [o for o in others if _stands(search, found, alone, views, first, o)]
-        if held:
-            left = held[0] if len(held) == 1 else replace(verdict, options=tuple(held))
-            said = tuple(left if one is verdict else one for one in found.verdicts)
-            added = swapped_for(found.added, first.effect, held[0].effect)
-            return replace(found, verdicts=said, added=added)
-    return None
-
-
-def _stands(
-    search: Search,
-    found: Selection,
-    alone: Proposal,
-    views: tuple[View, ...],
-    first: LeftOut,
-    option: LeftOut,
-) -> bool:
-    """Return whether the law does not beat the names with `option` in the place of `first`."""
-    swapped = replace(found, added=swapped_for(found.added, first.effect, option.effect))
-    rest = gathered(search.comparison, views, swapped.added)
-    return rest is not None and not _leads(alone, rest, None, _shifting(swapped))
-
-
-def _shifting(found: Selection) -> Added:
-    """Return the named effects that shift ranges: those of the range, and what strikes links.
-
-    What else was named has other evidence, and what was named `together` was weighed against laws.
-    Scatter shifts nothing: a law leaves it to the scale. Nor does a grid that ranges lie on.
-    """
-    return tuple(
-        effect
-        for effect in found.added
-        if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
-        if not type(effect).marked
-        if effect.physics not in found.together
-    )
-
-
-def _calms(search: Search, kept: Added, alone: Proposal) -> bool:
-    """Return whether no link is struck any more where a law is in place, as it says which were.
-
-    Nobody can predict what is struck at random: where a law over known covariates does, it is none.
-    One that hits a few of them, and others beside, only leaves so much that nothing is made of it.
-    """
-    if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
-        return False
-    added = (*kept, _effect(alone))
-    comparison, rows, kinds = search.comparison, search.work, search.kinds
-    if strike(comparison, rows, added, added, kinds) is not None:
-        return False
-    before = strike(comparison, rows, kept, kept, kinds)
-    if before is None:
-        return True
-    return left_far(comparison, rows, kept, added, before.struck) <= EXPLAINED_STRAYS
-
-
-def _effect(proposal: Proposal) -> Law:
-    """Return a proposed law as an effect of the simulator."""
-    return with_constants(proposal.best.structure.expression, proposal.best.fitted.constants)
-
-
-def _leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added) -> bool:
-    """Return whether a law alone beats the named effects, and them with a law of what they leave.
-
-    The law pays for its form among all and for its constants; a library effect only what its
-    values gain from noise, so that one that is the truth is not beaten. One law goes before names
-    and a law that do about as well.
-    """
-    before = unmoved(alone.given.residual_m).likelihood
-    library = alone.share * (unmoved(rest.residual_m).likelihood - before)
-    library -= LAW_VALUE_NATS * sum(effect.freed for effect in named)
-    lead = alone.best.nats - library
-    both = lead - (max(after.best.nats, 0.0) if after else 0.0)
-    return lead >= LAW_INSTEAD_NATS and both >= -LAW_TIED_NATS
-
-
-def _without_names(found: Selection, kept: Added) -> Selection:
-    """Return the selection with all names taken back but those of `kept` effects."""
-    first = next(turn for turn in found.rounds if turn.explanation)
-    assert first.explanation is not None
-    physics = {effect.physics for effect in kept}
-    stay = tuple(v for v in found.verdicts if physics & set(v.names))
-    gone = [v.names for v in found.verdicts if v.names and v not in stay]
-    if not gone:  # only effects go that no verdict names
-        return replace(found, added=kept)
-    names = " and ".join(" or ".join(group) for group in gone)
-    tried = {c.name: c.gain.value for c in first.explanation.contenders}
-    note = f"a law does better than {names}"
-    unknown = Unknown(first.located.findings, first.explanation.removable, tried, note)
-    return replace(found, verdicts=(*stay, unknown), added=kept)
-
-
 def borne_out(comparison: Comparison, sealed: View, weighing: Weighed, seed: int) -> Said:
     """Return the law, where sealed links bear it out: they may refuse it, and choose no other."""
     without = Said(weighing.found, None, named_fault(weighing.found))
@@ -331,20 +203,3 @@ def _runs(law: FoundLaw) -> bool:
         return bool(law.effect.expression)
     except BenchError:
         return False
-
-
-def gathered(
-    comparison: Comparison, views: tuple[View, ...], added: Added, like: Material | None = None
-) -> Material | None:
-    """Return recorded - simulated ranges of all rows of views, None where ranges are not known.
-
-    `like`: see `material`.
-    """
-    made = [one for view in views if (one := residual_range(comparison, view, added, LAW_MEMBERS))]
-    if len(made) < len(views):
-        return None
-    frame = pd.concat([view.frame for view in views], ignore_index=True)
-    residual = np.concatenate([left for _, left in made])
-    rows = material(frame, residual, np.concatenate([view.links for view in views]), like)
-    bears = any(type(one).marked for one in added)
-    return replace(rows, rounded=bears or rounds_alike(comparison, rows))

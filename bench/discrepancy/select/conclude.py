@@ -36,6 +36,7 @@ from bench.discrepancy.select.verdict import (
     options_of,
 )
 from bench.discrepancy.select.within_links import rows_beyond
+from bench.discrepancy.sets.constant_in import in_words
 from bench.discrepancy.sets.settings import LEFT_SHARE
 from bench.discrepancy.sets.shifted import beside_faults
 from bench.discrepancy.settings import (
@@ -84,19 +85,22 @@ def verdicts(
     worth = worth and not left_by_names(search, added, last)
     if worth and share < REMOVED_SHARE and (search.fit.waveform or not search.choice.names):
         seen = _marked(search, _named(search, rounds, added, whole or added, share))
-        return (*struck, *seen, _unknown(last, "the best known effects remove too little of it"))
+        little = in_words(search.choice) or "the best known effects remove too little of it"
+        return (*struck, *seen, _unknown(last, little))
     named = (*struck, *_named(search, rounds, added, whole or added, share))
     worth = worth and not (added and _within_forms(search, share))
     if unexplained and added and last.explanation and not search.fit.waveform:
-        worth = worth or bool(left_at_device(last.located.findings))
-        worth = worth or bool(search.choice.faults)
-    return (*named, _unknown(last, _why_left(last, named))) if worth else named
+        at_device = left_at_device(last.located.findings)
+        worth = worth or bool(at_device or search.choice.faults)
+    return (*named, _unknown(last, _why_left(search, last, named))) if worth else named
 
 
-def _why_left(last: Round, named: tuple[Verdict, ...]) -> str:
+def _why_left(search: Search, last: Round, named: tuple[Verdict, ...]) -> str:
     """Return the words for what is left: beside names, or alone."""
     if any(verdict.names for verdict in named):
         return "left after the named effects"
+    if following := in_words(search.choice):
+        return following
     findings = [one.told for one in last.located.findings]
     first = next(iter(findings), None)
     wide = first and first.cell.observable == RANGE and first.cell.moment in OF_SCATTER

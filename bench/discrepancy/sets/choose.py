@@ -31,6 +31,7 @@ from bench.discrepancy.sets.blocks import (
 )
 from bench.discrepancy.sets.calibrated import without_calibration
 from bench.discrepancy.sets.choice import Choice, Set, but, but_not, shifting
+from bench.discrepancy.sets.constant_in import constant_in_all
 from bench.discrepancy.sets.crystals import as_delay_and_drift
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.faded import faded, fading_db
@@ -158,7 +159,7 @@ class Contest:
         behind = self.nats(placed) - self.nats(first)
         tied = but_not(first, placed) if behind < RIVAL_NATS else ()
         held = self._beyond_forms(restored(self, placed, whole))
-        held = same_in_every_link(self, as_scale(self, held))
+        held = constant_in_all(self, same_in_every_link(self, as_scale(self, held)))
         best = without_calibration(self, without_scales(self, moves_every_row(self, held)))
         best = as_delay_and_drift(self, without_mere_constants(self, best))
         names = tuple(one for one in best if one in self.library)
@@ -187,8 +188,7 @@ class Contest:
     def _calm(self) -> Set:
         """Return the best set with weights of its own, without links far off that none explains."""
         first = self._best_able()
-        left = self._weigh(first)
-        if left > EXPLAINED_STRAYS * self._weigh(()):
+        if self._weigh(first) > EXPLAINED_STRAYS * self._weigh(()):
             first = ()
         for _ in range(2):
             first = self._best_at(first)

@@ -85,3 +85,5 @@ NAMED_STRUCK_P: Final = 1e-4  # the chance of that, for what strikes to be the n
 NEAR_NATS: Final = 12.0  # behind the best set at its own weights, that others are asked at theirs:
 # weights speak for their set by some nats, and against another [sets]
 NEAR_SETS: Final = 4  # that are asked so [cost]
+MOST_STD: Final = 2.5  # of a number, that a cause times it goes on to: a row far off all others is
+# no proportion [convention]

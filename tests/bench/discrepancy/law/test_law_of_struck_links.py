@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.discrepancy.law import unexplained as module
+from bench.discrepancy.law import instead as module
 from bench.discrepancy.select import link_mixture
 
 STRUCK = SimpleNamespace(struck=np.array([1, 3, 5]))
@@ -26,12 +26,12 @@ def test_a_law_that_hits_a_few_struck_links_alone_takes_no_name(
     monkeypatch: pytest.MonkeyPatch, before: object, after: object, left: float, calms: bool
 ) -> None:
     """What it leaves is such that nothing is made of it any more: that alone says nothing."""
-    monkeypatch.setattr(module, "_effect", lambda _: "law")
+    monkeypatch.setattr(module, "effect_of", lambda _: "law")
     monkeypatch.setattr(module, "strike", lambda *a: after if "law" in a[2] else before)
     monkeypatch.setattr(module, "left_far", lambda *_: left)
     search = SimpleNamespace(work=object(), comparison=None, kinds={})
     law = SimpleNamespace(best=SimpleNamespace(nats=40.0))
-    assert module._calms(search, (), law) is calms  # type: ignore[arg-type]
+    assert module.calms(search, (), law) is calms  # type: ignore[arg-type]
 
 
 def test_links_that_stay_where_they_were_are_left_far(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,12 +14,12 @@ import pytest
 from unlisted import CASES, Case, Hidden, tables
 
 from bench.discrepancy.compare.crps import Estimate
-from bench.discrepancy.law import unexplained
+from bench.discrepancy.law import instead, unexplained
 from bench.discrepancy.law.found import FoundLaw, SetupFault, fault_dict, law_dict
+from bench.discrepancy.law.instead import leads
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import Material, condition, material
 from bench.discrepancy.law.search import propose
-from bench.discrepancy.law.unexplained import _leads
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
 from bench.physics import Base, Simulator, from_toml, to_toml
@@ -141,11 +141,11 @@ def test_a_law_leads_names_that_leave_it_and_not_those_that_explain_it() -> None
     noise = np.random.default_rng(1).normal(0, alone.scale_m, len(alone.given.links))
     explained = replace(alone.given, residual_m=noise)
     named = (AntennaDelay(delay_ns=0.1),)
-    assert _leads(alone, alone.given, None, named)
-    assert not _leads(alone, explained, None, named)
-    assert _leads(alone, alone.given, alone, named)  # the names leave all of it: they do nothing
+    assert leads(alone, alone.given, None, named)
+    assert not leads(alone, explained, None, named)
+    assert leads(alone, alone.given, alone, named)  # the names leave all of it: they do nothing
     better = replace(alone, best=replace(alone.best, nats=alone.best.nats + 10))
-    assert not _leads(alone, alone.given, better, named)  # together they do better
+    assert not leads(alone, alone.given, better, named)  # together they do better
 
 
 def test_a_law_that_a_class_member_is_narrows_the_class(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -163,14 +163,14 @@ def test_a_law_that_a_class_member_is_narrows_the_class(monkeypatch: pytest.Monk
     def left(_: object, __: object, added: tuple[object, ...]) -> Material:
         return explained if delay in added else alone.given
 
-    monkeypatch.setattr(unexplained, "gathered", left)
+    monkeypatch.setattr(instead, "gathered", left)
     search = cast(Search, SimpleNamespace(comparison=None))
-    narrower = unexplained._narrowed(search, found, alone, ())
+    narrower = instead.narrowed(search, found, alone, ())
     assert narrower is not None
     assert narrower.names == (("antenna-delay",),)
     assert narrower.added == (delay,)
     bare = replace(found, verdicts=(Ambiguous(options[:2], ""),))
-    assert unexplained._narrowed(search, bare, alone, ()) is None
+    assert instead.narrowed(search, bare, alone, ()) is None
 
 
 def test_words_have_units_and_intervals() -> None:

@@ -1,0 +1,146 @@
+"""Laws in the place of names: where one does better than all that was named, or undoes it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.law.gather import gathered, proposed
+from bench.discrepancy.law.likelihood import unmoved
+from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.search import Proposal
+from bench.discrepancy.law.settings import LAW_INSTEAD_NATS, LAW_TIED_NATS, LAW_VALUE_NATS
+from bench.discrepancy.select.link_mixture import left_far, strike
+from bench.discrepancy.select.refute import swapped_for
+from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
+from bench.discrepancy.sets.settings import EXPLAINED_STRAYS
+from bench.physics.effect import Effect
+from bench.physics.effects.ranging.law import Law, with_constants
+
+
+def undone(
+    search: Search, found: Selection, views: tuple[View, ...], rest: Material, after: Proposal
+) -> tuple[Selection, Proposal] | None:
+    """Return the selection without names that a law of what they leave undoes, and one alone.
+
+    These were weighed against laws as a set's free curves are. `after` is of the `rest` that they
+    leave: where one law does as well without them, it only takes back what they do.
+    """
+    able = tuple(e for e in found.added if e.physics in found.together and _of_range(e))
+    for gone in (able, *((one,) for one in able if len(able) > 1)):
+        kept = tuple(effect for effect in found.added if effect not in gone)
+        alone = proposed(search, gathered(search.comparison, views, kept)) if gone else None
+        if alone is not None and leads(alone, rest, after, gone):
+            return without_names(found, kept), alone
+    return None
+
+
+def _of_range(effect: Effect) -> bool:
+    """Return whether an effect shifts ranges by a form of its own."""
+    kind = type(effect)
+    return effect.stage == "ranging" and not (kind.independent or kind.marked or kind.strikes)
+
+
+def narrowed(
+    search: Search, found: Selection, alone: Proposal, views: tuple[View, ...]
+) -> Selection | None:
+    """Return the selection with a class cut down to members that the law does not beat.
+
+    None where the law beats every other member of every class too: a constant law is an antenna
+    delay, though the class was led by an effect that only comes near one.
+    """
+    for verdict in (one for one in found.verdicts if isinstance(one, Ambiguous)):
+        first, *others = verdict.options
+        if first.effect.name not in {effect.name for effect in shifting(found)}:
+            continue
+        held = [o for o in others if _stands(search, found, alone, views, first, o)]
+        if held:
+            left = held[0] if len(held) == 1 else replace(verdict, options=tuple(held))
+            said = tuple(left if one is verdict else one for one in found.verdicts)
+            added = swapped_for(found.added, first.effect, held[0].effect)
+            return replace(found, verdicts=said, added=added)
+    return None
+
+
+def _stands(
+    search: Search,
+    found: Selection,
+    alone: Proposal,
+    views: tuple[View, ...],
+    first: LeftOut,
+    option: LeftOut,
+) -> bool:
+    """Return whether the law does not beat the names with `option` in the place of `first`."""
+    swapped = replace(found, added=swapped_for(found.added, first.effect, option.effect))
+    rest = gathered(search.comparison, views, swapped.added)
+    return rest is not None and not leads(alone, rest, None, shifting(swapped))
+
+
+def shifting(found: Selection) -> Added:
+    """Return the named effects that shift ranges: those of the range, and what strikes links.
+
+    What else was named has other evidence, and what was named `together` was weighed against laws.
+    Scatter shifts nothing: a law leaves it to the scale. Nor does a grid that ranges lie on.
+    """
+    return tuple(
+        effect
+        for effect in found.added
+        if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
+        if not type(effect).marked
+        if effect.physics not in found.together
+    )
+
+
+def calms(search: Search, kept: Added, alone: Proposal) -> bool:
+    """Return whether no link is struck any more where a law is in place, as it says which were.
+
+    Nobody can predict what is struck at random: where a law over known covariates does, it is none.
+    One that hits a few of them, and others beside, only leaves so much that nothing is made of it.
+    """
+    if search.work is None or alone.best.nats < LAW_INSTEAD_NATS:
+        return False
+    added = (*kept, effect_of(alone))
+    comparison, rows, kinds = search.comparison, search.work, search.kinds
+    if strike(comparison, rows, added, added, kinds) is not None:
+        return False
+    before = strike(comparison, rows, kept, kept, kinds)
+    if before is None:
+        return True
+    return left_far(comparison, rows, kept, added, before.struck) <= EXPLAINED_STRAYS
+
+
+def effect_of(proposal: Proposal) -> Law:
+    """Return a proposed law as an effect of the simulator."""
+    return with_constants(proposal.best.structure.expression, proposal.best.fitted.constants)
+
+
+def leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added) -> bool:
+    """Return whether a law alone beats the named effects, and them with a law of what they leave.
+
+    The law pays for its form among all and for its constants; a library effect only what its
+    values gain from noise, so that one that is the truth is not beaten. One law goes before names
+    and a law that do about as well.
+    """
+    before = unmoved(alone.given.residual_m).likelihood
+    library = alone.share * (unmoved(rest.residual_m).likelihood - before)
+    library -= LAW_VALUE_NATS * sum(effect.freed for effect in named)
+    lead = alone.best.nats - library
+    both = lead - (max(after.best.nats, 0.0) if after else 0.0)
+    return lead >= LAW_INSTEAD_NATS and both >= -LAW_TIED_NATS
+
+
+def without_names(found: Selection, kept: Added) -> Selection:
+    """Return the selection with all names taken back but those of `kept` effects."""
+    first = next(turn for turn in found.rounds if turn.explanation)
+    assert first.explanation is not None
+    physics = {effect.physics for effect in kept}
+    stay = tuple(v for v in found.verdicts if physics & set(v.names))
+    gone = [v.names for v in found.verdicts if v.names and v not in stay]
+    if not gone:  # only effects go that no verdict names
+        return replace(found, added=kept)
+    names = " and ".join(" or ".join(group) for group in gone)
+    tried = {c.name: c.gain.value for c in first.explanation.contenders}
+    note = f"a law does better than {names}"
+    unknown = Unknown(first.located.findings, first.explanation.removable, tried, note)
+    return replace(found, verdicts=(*stay, unknown), added=kept)
