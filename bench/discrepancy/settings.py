@@ -60,6 +60,7 @@ LINEAR_BELOW: Final = 1.0  # nats: the interval of a smaller gain comes from dif
 RESOLUTION: Final = {"m": 5e-4, "dB": 0.1, "counts": 1.0, "symbols": 4.0, "ns": 0.05, "1": 0.05}
 # Added to every score, in its unit: so a constant both sides share cannot drive the gain, nor can
 # the last tenth of a decibel of a curve that no library has quite right. [waves]
+READ_ALIKE: Final = 0.99  # of the rows, whose levels agree so far: none is read [convention]
 RANGE_WEIGHT: Final = 1.0  # weight of an observable's score: correlated ones share theirs [waves]
 LEVEL_WEIGHT: Final = 0.4  # of each level, the noise and the count
 PROFILE_WEIGHT: Final = 0.15  # of each of the twelve bins of the power-delay profile

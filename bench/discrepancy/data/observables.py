@@ -38,6 +38,7 @@ RANGE = "error_m"  # the observable every table has
 NOISE = "noise_std"  # the noise of an accumulator, as the receiver reports it
 COUNT = "preamble_count"  # how many symbols an accumulator summed up
 LEVEL = "rx_power_dbm"  # the receive level, as the receiver reports it
+REPORTED_LEVELS = (LEVEL, "first_path_power_dbm")
 SCALARS = {
     RANGE: "m",
     "rx_power_dbm": "dB",

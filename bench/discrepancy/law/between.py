@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.faults import Position
 from bench.discrepancy.law.likelihood import linear
 from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.plan import Plan
 from bench.discrepancy.law.structures import Fitted, GridLaw, Structure
 from bench.physics.ways import spread_over
 
@@ -94,7 +95,7 @@ def told_from_forms(given: Material, structure: Structure, found: Fitted, forms:
 
     Infinite for a fault that no slope tells.
     """
-    if isinstance(structure, Position):
+    if isinstance(structure, Position | Plan):
         parts = structure.slopes(given, found.constants)
     elif isinstance(structure, GridLaw):
         parts = structure.design(given, structure.free_value(found))
@@ -111,6 +112,8 @@ def _gained(given: Material, own: Floats, parts: Floats) -> float:
 
 def _parts(given: Material, structure: Structure, found: Fitted) -> Floats | None:
     """Return what a structure about places may do to rows [n, q], to first order."""
+    if isinstance(structure, Plan):
+        return structure.slopes(given, found.constants)
     if isinstance(structure, Position):  # of one device: said as it does as well as its delay
         return None if structure.device else structure.slopes(given, found.constants)
     if isinstance(structure, GridLaw) and over_places((structure.names[0], structure.names[2])):

@@ -134,10 +134,10 @@ def _periods(column: Column) -> Floats:
     span = float(known[-1] - known[0])
     most = min(LAW_CYCLES[1], len(known) / 2)
     every = span / np.arange(LAW_CYCLES[0], max(most, LAW_CYCLES[0] + 1), LAW_CYCLE_STEP)
-    return every[every > LAW_NYQUIST * _spacing(known, float(every[-1]) / LAW_NYQUIST)]
+    return every[every > LAW_NYQUIST * spacing_of(known, float(every[-1]) / LAW_NYQUIST)]
 
 
-def _spacing(values: Floats, least: float) -> float:
+def spacing_of(values: Floats, least: float) -> float:
     """Return the spacing of sorted places [n] that lie on a grid, 0 where it is below `least`.
 
     Places a metre apart show no period of less than two metres: it would be something slower

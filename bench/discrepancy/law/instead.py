@@ -20,12 +20,17 @@ from bench.physics.effects.ranging.law import Law, with_constants
 
 
 def undone(
-    search: Search, found: Selection, views: tuple[View, ...], rest: Material, after: Proposal
+    search: Search,
+    found: Selection,
+    views: tuple[View, ...],
+    rest: Material,
+    after: Proposal | None,
 ) -> tuple[Selection, Proposal] | None:
-    """Return the selection without names that a law of what they leave undoes, and one alone.
+    """Return the selection without names that leave something and a law does without, and that.
 
-    These were weighed against laws as a set's free curves are. `after` is of the `rest` that they
-    leave: where one law does as well without them, it only takes back what they do.
+    These were weighed against laws as a set's free curves are. `after` is the law of the `rest`
+    that they leave, if there is one: where another does as well without them, it only takes back
+    what they do.
     """
     able = tuple(e for e in found.added if e.physics in found.together and _of_range(e))
     for gone in (able, *((one,) for one in able if len(able) > 1)):

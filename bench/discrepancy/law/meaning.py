@@ -36,6 +36,7 @@ _FORM = {
     "parabola": "something with a turning point, as a crystal's frequency has in temperature",
     "rounding": "a coarse register or print-out",
     "position": "a plan that is wrong, or an anchor that was moved",
+    "plan": "a drawing or a survey whose axes or scale are off",
     "swap": "two labels exchanged",
     "floor": "a survey in two dimensions",
     "unit": "a unit",

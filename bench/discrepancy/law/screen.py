@@ -13,6 +13,7 @@ from bench.discrepancy.law.likelihood import first_scale
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.settings import LAW_ALIKE, LAW_CLIP, LAW_REFINED
 from bench.discrepancy.law.structures import GridLaw, cost
+from bench.discrepancy.law.swift import swift
 
 Floats = NDArray[np.float64]
 Grids = dict[tuple[Form, int], Floats]
@@ -48,7 +49,8 @@ def promising(given: Material, rows: float) -> list[GridLaw]:
         scored.sort(key=lambda one: -one[0])
         for _, law in scored[:LAW_REFINED]:
             chosen.setdefault((law.shape.text, law.at, law.by, law.offset), law)
-    return [_bracketed(law, grids[law.shape, law.at]) for law in chosen.values()]
+    made = [_bracketed(law, grids[law.shape, law.at]) for law in chosen.values()]
+    return [*made, *swift(given, targets[1], len(grids))]
 
 
 def _grids(given: Material) -> Grids:

@@ -19,6 +19,7 @@ from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, fixed, unmoved
 from bench.discrepancy.law.material import Material
+from bench.discrepancy.law.plan import plans
 from bench.discrepancy.law.rounding import roundings
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import (
@@ -101,7 +102,7 @@ def ranking(given: Material) -> Ranking:
         return Ranking((), 0.0, 1.0)
     laws: list[Structure] = [
         *(as_delay(given, law) for law in promising(given, float(len(given.residual_m)))),
-        *faults(given), *floors(given), *roundings(given),
+        *faults(given), *plans(given), *floors(given), *roundings(given),
     ]  # fmt: skip
     fits = [(law, law.fitted(given)) for law in laws]
     none = unmoved(given.residual_m).likelihood

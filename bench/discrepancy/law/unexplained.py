@@ -98,7 +98,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
     if after is not None and not _beyond_forms(search, found, views, after):
         after = None
     beside = Weighed(found, after if unknown else None)
-    if rest and beside.proposal and (held := undone(search, found, views, rest, beside.proposal)):
+    if unknown and rest and (held := undone(search, found, views, rest, after)):
         return Weighed(found, held[1], held[0])
     named = shifting(found)
     if rest is None or not named:

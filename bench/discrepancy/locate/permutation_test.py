@@ -23,6 +23,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
+from bench.discrepancy.locate.readable import as_read, unreadable
 from bench.discrepancy.locate.row_scatter import about_links, of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
@@ -136,6 +137,7 @@ def locate(
     wider = np.maximum(_wider(cells, ensemble, covariates, reused) / crowding, 1.0)
     z = z / (crowding * np.sqrt(1 + (wider**2 - 1) * simulated_share(sums)))
     z = np.where([copied and cell.moment == "link" for cell in cells], np.maximum(z, 0.0), z)
+    z = np.where(unreadable(ensemble, cells), 0.0, z)
     p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
     # A mean says more than a spread: where both are found, the mean is told first.
     told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
@@ -162,7 +164,7 @@ def locate(
         float(np.abs(z).max()),
         threshold,
         len(cells),
-        small,
+        as_read(small),
         chance_beyond(null, float(np.abs(z).max())),
     )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
-from bench.discrepancy.sets.set_up import PLACE, is_fault
+from bench.discrepancy.sets.set_up import PLACE, PLAN, is_fault
 from bench.discrepancy.sets.settings import (
     CONSTANT_M,
     LAW_M,
@@ -96,12 +96,13 @@ def misplaced(contest: Contest, causes: Set) -> Set:
     receiver that hangs too low is late by nearly the same everywhere, as by its own delay or clock,
     one number where a place is three: what has no lead of that is said beside it (`elsewhere`).
     """
-    places = [one for one in contest.evidence.blocks if one.startswith(PLACE)]
+    places = [one for one in contest.evidence.blocks if one.startswith((PLACE, PLAN))]
     for name in [one for one in causes if one in contest.library]:
         rest = but(causes, name)
         lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
         best = max(lead, key=lambda one: lead[one], default=None)
-        least = contest.nats(causes) + (RIVAL_NATS if name in DELAY_OR_CLOCK else TIED_NATS)
+        more = name in DELAY_OR_CLOCK or (best is not None and best.startswith(PLAN))
+        least = contest.nats(causes) + (RIVAL_NATS if more else TIED_NATS)
         if best is not None and lead[best] > least:
             causes = (*rest, best)
     return causes

@@ -15,12 +15,13 @@ from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.law.swaps import FAR_END
-from bench.discrepancy.sets.blocks import Blocks
+from bench.discrepancy.sets.blocks import Blocks, standard
 from bench.discrepancy.sets.settings import DEVICE_ROWS, LAW_M, LAW_SCALE, MOST_DEVICES
 
 Floats = NDArray[np.float64]
 PLACE, UNIT, PLACES = "the position of ", "the unit of ", "the places of "
-SETUP = (PLACE, UNIT, PLACES)
+PLAN = "the plan of every "
+SETUP = (PLACE, UNIT, PLACES, PLAN)
 
 
 def of_setup(rows: View) -> Blocks:
@@ -61,9 +62,17 @@ class _Plan:
                     out[key] = (columns + before,)
             if len(stands) > 1:  # a plan that is stretched, turned or old moves all of them at once
                 out[f"{PLACE}every {end}"] = (np.hstack(list(moved.values())),)
+            out[f"{PLAN}{end}"] = (self._turned(end),)
             for pair in combinations(stands, 2):
                 out[f"{PLACES}{pair[0]} and {pair[1]}"] = (self._swapped(end, *pair)[:, None],)
         return out
+
+    def _turned(self, end: str) -> Floats:
+        """Return what a plan that is turned, stretched, aslant and moved does to rows [n, 6]."""
+        x, y = standard(self.at[end][:, 0]), standard(self.at[end][:, 1])
+        along, across = self.line[end][:, 0], self.line[end][:, 1]
+        ways = (along * x, across * y, along * y, across * x, along, across)
+        return LAW_M * np.stack(ways, axis=1)
 
     def _is_one(self, name: str) -> bool:
         """Return whether a name stands at one place at whichever end."""

@@ -112,7 +112,7 @@ def test_screening_asks_every_column_for_its_periods_once(monkeypatch: pytest.Mo
         asked.append(len(values))
         return 0.0
 
-    monkeypatch.setattr(forms, "_spacing", spacing)
+    monkeypatch.setattr(forms, "spacing_of", spacing)
     laws = promising(every, float(len(error)))
     waved = [column for column in every.columns if column.unit in ("s", "m")]
     assert laws

@@ -1,0 +1,68 @@
+"""Periods shorter than the grid has: a pendulum over hours, supports of a belt over its whole way.
+
+Rows that come at any time show periods far below their spacing (Scargle 1982, ApJ 263), but a grid
+of thousands of them times every factor would cost minutes. So these are sought in all rows alike,
+of what goes on over many periods alone: times, and ways of the user's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from bench.discrepancy.law.between import over_places
+from bench.discrepancy.law.forms import FORMS, Form, spacing_of
+from bench.discrepancy.law.material import Column, Floats, Material
+from bench.discrepancy.law.settings import LAW_CYCLE_STEP, LAW_NYQUIST, LAW_SWIFT_CYCLES
+from bench.discrepancy.law.structures import GridLaw
+
+TURN = 2 * np.pi
+GEOMETRY = ("true_range_m",)  # goes on over few periods
+BLOCK = 512  # frequencies at once
+
+
+def swift(given: Material, target: Floats, pairs: int) -> Iterator[GridLaw]:
+    """Yield, of every column that may show it, the short period that removes most of a target [n].
+
+    `pairs`: how many forms over columns it is one of, with the constant beside it or without.
+    """
+    form = next(one for one in FORMS if one.free == "period")
+    for at, column in enumerate(given.columns):
+        grid = _short(form, column)
+        if not len(grid):
+            continue
+        best = int(np.argmax(_power(column.values, target, TURN / grid)))
+        near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+        names = (column.text, column.words, "", "", "1")
+        law = GridLaw(form, at, 0, False, float(grid[best]), _sorted(*near), 2 * pairs, names)
+        yield from (law, replace(law, offset=True))
+
+
+def _sorted(one: float, two: float) -> tuple[float, float]:
+    return float(min(one, two)), float(max(one, two))
+
+
+def _short(form: Form, column: Column) -> Floats:
+    """Return the periods below those of the grid, longest first; none that places do not show."""
+    grid = form.grid(column)
+    if not len(grid) or over_places((column.text,)) or column.text in GEOMETRY:
+        return np.empty(0)
+    known = np.unique(column.values[np.isfinite(column.values)])
+    span = float(known[-1] - known[0])
+    cycles = np.arange(span / grid[-1] + LAW_CYCLE_STEP, LAW_SWIFT_CYCLES, LAW_CYCLE_STEP)
+    every = span / cycles
+    least = LAW_NYQUIST * spacing_of(known, span / LAW_SWIFT_CYCLES) if len(every) else 0.0
+    return np.asarray(every[every > least])
+
+
+def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
+    """Return what a wave of each frequency [G], in radians per unit, removes of a target [n].
+
+    As sine and cosine over many turns have nothing in common: the periodogram.
+    """
+    known = np.isfinite(values)
+    at, left = values[known] - values[known].min(), target[known] - target[known].mean()
+    blocks = np.split(turns, np.arange(BLOCK, len(turns), BLOCK))
+    return np.concatenate([np.abs(np.exp(-1j * np.outer(one, at)) @ left) for one in blocks])
