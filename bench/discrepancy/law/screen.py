@@ -50,7 +50,7 @@ def promising(given: Material, rows: float) -> list[GridLaw]:
         for _, law in scored[:LAW_REFINED]:
             chosen.setdefault((law.shape.text, law.at, law.by, law.offset), law)
     made = [_bracketed(law, grids[law.shape, law.at]) for law in chosen.values()]
-    return [*made, *swift(given, targets[1], len(grids))]
+    return [*made, *swift(given, targets[1], grids)]
 
 
 def _grids(given: Material) -> Grids:

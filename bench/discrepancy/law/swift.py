@@ -7,13 +7,13 @@ of what goes on over many periods alone: times, and ways of the user's own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from bench.discrepancy.law.between import over_places
-from bench.discrepancy.law.forms import FORMS, Form, spacing_of
+from bench.discrepancy.law.forms import Form, over_what, spacing_of
 from bench.discrepancy.law.material import Column, Floats, Material
 from bench.discrepancy.law.settings import LAW_CYCLE_STEP, LAW_NYQUIST, LAW_SWIFT_CYCLES
 from bench.discrepancy.law.structures import GridLaw
@@ -23,20 +23,22 @@ GEOMETRY = ("true_range_m",)  # goes on over few periods
 BLOCK = 512  # frequencies at once
 
 
-def swift(given: Material, target: Floats, pairs: int) -> Iterator[GridLaw]:
+def swift(
+    given: Material, target: Floats, grids: Mapping[tuple[Form, int], Floats]
+) -> Iterator[GridLaw]:
     """Yield, of every column that may show it, the short period that removes most of a target [n].
 
-    `pairs`: how many forms over columns it is one of, with the constant beside it or without.
+    `grids` are the constants of every form over a column that are screened (see `promising`).
     """
-    form = next(one for one in FORMS if one.free == "period")
-    for at, column in enumerate(given.columns):
-        grid = _short(form, column)
+    for (form, at), longer in grids.items():
+        column = over_what(given, at)
+        grid = _short(column, longer) if form.free == "period" else np.empty(0)
         if not len(grid):
             continue
         best = int(np.argmax(_power(column.values, target, TURN / grid)))
         near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
         names = (column.text, column.words, "", "", "1")
-        law = GridLaw(form, at, 0, False, float(grid[best]), _sorted(*near), 2 * pairs, names)
+        law = GridLaw(form, at, 0, False, float(grid[best]), _sorted(*near), 2 * len(grids), names)
         yield from (law, replace(law, offset=True))
 
 
@@ -44,10 +46,9 @@ def _sorted(one: float, two: float) -> tuple[float, float]:
     return float(min(one, two)), float(max(one, two))
 
 
-def _short(form: Form, column: Column) -> Floats:
+def _short(column: Column, grid: Floats) -> Floats:
     """Return the periods below those of the grid, longest first; none that places do not show."""
-    grid = form.grid(column)
-    if not len(grid) or over_places((column.text,)) or column.text in GEOMETRY:
+    if over_places((column.text,)) or column.text in GEOMETRY:
         return np.empty(0)
     known = np.unique(column.values[np.isfinite(column.values)])
     span = float(known[-1] - known[0])
