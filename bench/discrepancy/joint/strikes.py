@@ -27,6 +27,7 @@ from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.climb import climbed
 from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_place, in_turns, worth
 from bench.discrepancy.joint.rows import compared_rows
@@ -88,6 +89,7 @@ def strike_beside(
         found = sorted(_refitted(found, able), key=_nats, reverse=True)
     if not found or found[0].nats - common < NAME_NATS:
         return None
+    found = sorted(map(climbed, found), key=_nats, reverse=True)
     rows, beside = found[0].mixture.given.rows, found[0].mixture.beside
     made = comparison.ensemble(rows, beside, SCORE_MEMBERS, SCORE_FIRST)
     if RANGE not in made.names:
