@@ -14,6 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
+    "shipyard",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -45,6 +46,7 @@ OWN = {
     "granary": "sacks-rub-in-chutes",
     "icerink": "pairs-hold-gives-as-they-turn",
     "breadworks": "cams-worn-between-stands",
+    "shipyard": "drums-roll-on-thinner-flanges",
 }
 ALIKE = [
     (family, name)
@@ -125,6 +127,11 @@ OWN_PARTS = {
         "late-sizes-dealt-by-a-prime": (0.1, 0.6), "late-sizes-left-companded": (0.1, 0.6),
         "gain-pumps-in-late-part": (0.1, 0.6),
     },
+    "shipyard": {
+        "late-sizes-left-as-running-means": (0.1, 0.6),
+        "late-ink-spreads-before-it-dries": (0.1, 0.6),
+        "late-gain-tripped-up-and-down": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -183,6 +190,12 @@ FAULTS = {
         "cams-worn-between-stands", "flue-buckles-as-ovens-heat", "plan-fed-askew",
         "yeast-works-by-warmth-and-hours", "missed-answers-put-on-a-line",
         "corbel-rammed-by-a-rack",
+    ),
+    "shipyard": (
+        "grease-stiffens-on-the-ways", "drums-roll-on-thinner-flanges", "punts-make-leeway",
+        "pontoon-rides-the-tide", "hull-lists-with-its-ballast",
+        "heights-told-above-a-raking-keel", "mist-lies-up-to-a-height", "medians-of-three-sent",
+        "derrick-nudged-by-a-bowsprit",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

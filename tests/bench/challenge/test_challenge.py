@@ -21,7 +21,7 @@ from bench.errors import BenchError
 from bench.parallel import Spread
 from bench.recordings.table import Recordings
 
-DEVELOPED = ("quay", "belfry")
+DEVELOPED = ("quay", "breadworks")
 
 
 @pytest.fixture(scope="module")

@@ -27,6 +27,7 @@ from bench.challenge.families import (
     roundhouse_recorder,
     saltworks_gauge,
     sawmill_decoder,
+    shipyard_lookout,
     velodrome_camera,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
@@ -52,6 +53,7 @@ OF_ITS_OWN = {
     "granary": {"craft", "outset", "into_s"},
     "icerink": {"sort", "heads", "into_s"},
     "breadworks": {"kind", "toward", "into_s"},
+    "shipyard": {"bears", "begins", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -81,6 +83,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (granary_sieve.pouring, granary_sieve.OF_SIZES, -0.2),
         (icerink_timer.scraping, icerink_timer.OF_SIZES, -0.2),
         (breadworks_balance.kneading, breadworks_balance.OF_SIZES, -0.2),
+        (shipyard_lookout.surf, shipyard_lookout.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -115,6 +118,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (granary_sieve.swells, granary_sieve.trickled_later, 0.02),
         (icerink_timer.shouts, icerink_timer.skated_late, 0.02),
         (breadworks_balance.loaves, breadworks_balance.proved_later, 0.02),
+        (shipyard_lookout.combers, shipyard_lookout.hove_to, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
