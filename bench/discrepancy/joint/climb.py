@@ -34,9 +34,18 @@ def climbed(found: Found) -> Found:
     mixture = found.mixture
     tried = [(one, made) for one in _spread(mixture) if (made := _at(mixture, one))]
     tried.sort(key=lambda pair: -pair[1].best)
-    begun = [(_shares(mixture, found.best), found.best), *tried[:CLIMB_STARTS]]
+    begun = [(shares_of(mixture, found.best), found.best), *tried[:CLIMB_STARTS]]
     ends = [_climb(mixture, *one) for one in begun]
-    best = max(ends, key=lambda one: one.best)
+    best = max(ends, key=lambda one: one.whole)
+    end = worth(mixture, best)
+    return replace(end, begin=found.begin) if end else found
+
+
+def ascended(found: Found) -> Found:
+    """Return a mixture at the likeliest values by steps from where it is."""
+    mixture = found.mixture
+    now = mixture.at(found.best.values)
+    best = _climb(mixture, shares_of(mixture, found.best), now or found.best)
     end = worth(mixture, best)
     return replace(end, begin=found.begin) if end else found
 
@@ -56,7 +65,7 @@ def _at(mixture: Mixture, shares: Shares) -> Mixed | None:
     return mixture.at(values)
 
 
-def _shares(mixture: Mixture, found: Mixed) -> Shares:
+def shares_of(mixture: Mixture, found: Mixed) -> Shares:
     """Return where values lie within their bounds."""
     grid = np.linspace(0, 1, 1001)
     out = {}
@@ -73,7 +82,7 @@ def _climb(mixture: Mixture, at: Shares, best: Mixed) -> Mixed:
         for way in (1, -1):
             other = {**at, name: float(np.clip(at[name] + way * steps[name], 0, 1))}
             made = _at(mixture, other) if other != at else None
-            if made and made.best > best.best + CLIMB_GAIN:
+            if made and made.whole > best.whole + CLIMB_GAIN:
                 at, best = other, made
                 break
         else:

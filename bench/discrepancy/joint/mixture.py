@@ -8,6 +8,7 @@ maximisation: Dempster, Laird and Rubin 1977).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -45,17 +46,23 @@ class Mixed:
     """A mixture of spared and struck links: at which parameters, and how likely it is.
 
     `nats`: the log likelihood of all links with every share of `SHARES`. `odds` [L]: the log odds
-    of every link at the likeliest share.
+    of every link at the likeliest share. `ranged`: what ranges of struck links say of the values.
     """
 
     values: Values
     nats: Floats
     odds: Floats
+    ranged: float = 0.0
 
     @property
     def best(self) -> float:
         """The log likelihood at the likeliest share, in nats."""
         return float(self.nats.max())
+
+    @property
+    def whole(self) -> float:
+        """The log likelihood of waveforms and of struck links' ranges, in nats."""
+        return self.best + self.ranged
 
     @property
     def share(self) -> float:
@@ -78,6 +85,7 @@ class Mixture:
         self.bare = in_place(given, beside)
         self.spared = link_nats(given, self.bare, ())
         self.tried: list[Mixed] = []
+        self.ranges: Callable[[Values], float] = lambda _: 0.0  # see `Mixed.ranged`
         self.begun = self.at({p.name: p.default for p in self.free})
 
     def fitted(self, begin: Values | None = None) -> Mixed | None:
@@ -108,7 +116,8 @@ class Mixture:
         moments = self.struck(values)
         if moments is None:
             return None
-        self.tried.append(mixed(values, self.spared, self._more(moments, self.bare, self.spared)))
+        made = mixed(values, self.spared, self._more(moments, self.bare, self.spared))
+        self.tried.append(replace(made, ranged=self.ranges(values)))
         return self.tried[-1]
 
     def struck(self, values: Values) -> Moments | None:
@@ -140,7 +149,7 @@ class Mixture:
 
     def near(self, best: Mixed) -> list[Mixed]:
         """Return what was tried that is about as likely as the best."""
-        return [one for one in self.tried if one.best > best.best - PROFILE_90_NATS]
+        return [one for one in self.tried if one.whole > best.whole - PROFILE_90_NATS]
 
 
 def mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
@@ -149,6 +158,11 @@ def mixed(values: Values, spared: Floats, more: Floats) -> Mixed:
     nats = (spared + each).sum(axis=1)
     share = SHARES[nats.argmax()]
     return Mixed(values, nats, np.asarray(more + np.log(share) - np.log1p(-share)))
+
+
+def of_each(made: Mixed) -> Floats:
+    """Return the nats that every link [L] brings to a mixture."""
+    return np.asarray(np.logaddexp(0, made.odds) + np.log1p(-made.share))
 
 
 def in_place(given: Statistics, effects: Added) -> Moments:

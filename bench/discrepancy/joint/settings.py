@@ -134,6 +134,11 @@ CLIMB_STEP: Final = 0.1  # of the bounds, first of these steps [cost]
 CLIMB_LEAST: Final = 0.01  # and the smallest [convention]
 CLIMB_TRIES: Final = 12  # of every parameter [cost]
 CLIMB_GAIN: Final = 0.05  # nats, less than which is no gain [convention]
+SANDWICH_STEP: Final = 0.03  # of the bounds, between points of a slope [convention]
+OTHERS_HELD: Final = 1.5  # of an interval beside other values, which are known no better [convention]
+RANGED_WEIGHT: Final = 10.0  # of what ranges of struck links say of a strike's lengths: a link has
+# some twenty statistics of samples, whose forms are never right, and one range [convention]
+RANGED_M: Final = 0.05  # that detectors of two makes find the same path apart [convention]
 STRIKE_TURNS: Final = 3  # of fitting effects to spared links, and asking which are struck [cost]
 STRUCK_FEWEST: Final = 4  # links, to say that links were struck [convention]
 MOST_STRUCK: Final = 0.75  # of the links: what strikes nearly all has no calm ones to show it

@@ -23,13 +23,13 @@ from bench.discrepancy.compare.crps import LIKELIHOOD, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.fit.search import valued
 from bench.discrepancy.fit.starts import between
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.climb import climbed
 from bench.discrepancy.joint.likelihood import link_nats
-from bench.discrepancy.joint.mixture import SHARES, Found, Mixed, Mixture, in_place, in_turns, worth
+from bench.discrepancy.joint.mixture import Found, Mixture, in_place, in_turns, of_each, worth
+from bench.discrepancy.joint.ranged import by_ranges
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import (
     CLASS_NATS,
@@ -45,6 +45,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
+from bench.discrepancy.joint.strike_intervals import sizes_of
 from bench.discrepancy.joint.witness import (
     as_often_short,
     is_longer,
@@ -55,8 +56,8 @@ from bench.discrepancy.joint.witness import (
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians
-from bench.discrepancy.settings import PROFILE_90_NATS, SCORE_FIRST, SCORE_MEMBERS
-from bench.physics.effect import Effect, Parameter
+from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
+from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
 
@@ -104,7 +105,7 @@ def strike_beside(
         return None
     if by_one(alike[0], common, seen):
         return None
-    first, *others = (_strike(one, common) for one in alike)
+    first, *others = (_strike(by_ranges(one, made), common) for one in alike)
     return replace(first, others=tuple(others))
 
 
@@ -123,15 +124,8 @@ def by_one(found: Found, common: float, seen: float) -> bool:
     What strikes at random strikes several; one odd link (influential: Cook 1977) is itself alone.
     """
     seen = 0.0 if found.mixture.kind.silent_before else seen
-    rest = found.nats - common - float(of_each(found).max())
+    rest = found.nats - common - float(of_each(found.best).max()) / found.mixture.given.crowding
     return rest + seen < NAME_NATS + found.mixture.by_chance(found.best)
-
-
-def of_each(found: Found) -> Floats:
-    """Return the nats that every link [L] brings to a mixture."""
-    best = found.best
-    nats = np.logaddexp(0, best.odds) + np.log1p(-best.share)
-    return np.asarray(nats / found.mixture.given.crowding)
 
 
 def least_nats(explained: float, found: Found, seen: float) -> float:
@@ -294,28 +288,10 @@ def predicted(known: Floats, struck: NDArray[np.bool_], least: float = 0.0) -> b
 
 def _strike(found: Found, common: float) -> Strike:
     """Return the strike with its evidence and intervals."""
-    given, kind = found.mixture.given, found.mixture.kind
+    given = found.mixture.given
     links = np.unique(given.rows.links)
-    each = of_each(found)
+    each = of_each(found.best) / given.crowding
     excess = each.sum() - (found.nats - common)
     evidence = cluster_bootstrap(each * len(each) - excess, links, 0, LIKELIHOOD)
-    near = found.mixture.near(found.best)
-    parameters = (_share(found), *(_size(p, found, near) for p in found.mixture.free))
-    order = {p.name: i for i, p in enumerate(kind.parameters())}
-    parameters = tuple(sorted(parameters, key=lambda one: order[one.name]))
+    parameters = sizes_of(found)
     return Strike(found.effect, evidence, parameters, links[found.struck], "evidence in waveforms")
-
-
-def _share(found: Found) -> ParameterEstimate:
-    assert found.mixture.kind.strikes is not None
-    name = found.mixture.kind.strikes[0]
-    item = next(p for p in found.mixture.kind.parameters() if p.name == name)
-    near = SHARES[found.best.nats > found.best.best - PROFILE_90_NATS].tolist()
-    return profiled(item, found.best.share, near, SHARES.tolist())
-
-
-def _size(item: Parameter, found: Found, near: Sequence[Mixed]) -> ParameterEstimate:
-    """Return a parameter with what was tried of it and is about as likely."""
-    grid = {one.values[item.name] for one in found.mixture.tried}
-    some = [one.values[item.name] for one in near]
-    return profiled(item, found.best.values[item.name], some, sorted(grid))

@@ -14,7 +14,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, View, view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.mixture import Found, Mixture, mixed
+from bench.discrepancy.joint.mixture import Found, Mixture, mixed, of_each
 from bench.discrepancy.joint.settings import CLASS_NATS, NAME_NATS, NAME_SHARE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
@@ -25,7 +25,6 @@ from bench.discrepancy.joint.strikes import (
     enough,
     is_longer,
     least_nats,
-    of_each,
     predicted,
     read_long,
     rows_jump,
@@ -265,6 +264,6 @@ def test_one_odd_link_strikes_no_others() -> None:
     for odds, alone in (([82.0, 1.0, 2.0], True), ([30.0, 30.0 + chance, 25.0], False)):
         best = replace(mixture.begun, odds=np.array([*odds, *[-20.0] * (LINKS - 3)]))
         found = Found(mixture, best, 0.0)
-        found = replace(found, nats=float(of_each(found).sum()))
+        found = replace(found, nats=float(of_each(found.best).sum()))
         assert by_one(found, 0.0, 0.0) is alone
         assert not by_one(found, 0.0, 200.0)  # straight paths that are seen speak for more
