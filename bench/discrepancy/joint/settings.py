@@ -135,7 +135,7 @@ CLIMB_LEAST: Final = 0.01  # and the smallest [convention]
 CLIMB_TRIES: Final = 12  # of every parameter [cost]
 CLIMB_GAIN: Final = 0.05  # nats, less than which is no gain [convention]
 SANDWICH_STEP: Final = 0.03  # of the bounds, between points of a slope [convention]
-OTHERS_HELD: Final = 1.5  # of an interval beside other values, which are known no better [convention]
+OTHERS_HELD: Final = 1.5  # of an interval beside other values, known no better [convention]
 RANGED_WEIGHT: Final = 10.0  # of what ranges of struck links say of a strike's lengths: a link has
 # some twenty statistics of samples, whose forms are never right, and one range [convention]
 RANGED_M: Final = 0.05  # that detectors of two makes find the same path apart [convention]

@@ -117,11 +117,21 @@ def _against(contest: Contest, best: Set, gone: Set) -> Beaten | None:
     for law in able:
         held = max(before, _varied(contest, best, gone, law))
         lead = nats_with(contest, rest, {law.name: law.parts}) - law.pays - held
-        leads = lead > FORM_NATS
+        leads = lead > _least(contest, gone, law)
         wins = leads or (lead > TIED_NATS and _another(contest, best, gone, law))
         if wins and not (_bends if leads else _mostly)(contest, rest, gone, law):
             tried.append(Beaten(gone, law, lead))
     return max(tried, key=lambda one: one.lead, default=None)
+
+
+def _least(contest: Contest, gone: Set, law: Formed) -> float:
+    """Return by how many nats a law must lead some names.
+
+    Behind what these are about it is a form of theirs; over another number, too, it is two causes.
+    """
+    gates = law.over & {*IN_THE_WAY}
+    theirs = frozenset(column for one in gone for column in about(contest.kinds[one]))
+    return FORM_NATS + (NAME_NATS if gates & theirs and law.over - theirs else 0.0)
 
 
 def _off(contest: Contest, best: Set, gone: Set) -> float:
