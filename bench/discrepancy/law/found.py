@@ -61,8 +61,8 @@ class FoundLaw:
     """A law that sealed links bear out.
 
     `form`: constant, linear, power, inverse, inverse square, logarithm, parabola, saturation,
-    relaxation, step, periodic, rounding, or position, plan, swap, unit, floor;
-    `columns`: its covariates;
+    relaxation, step, periodic, rounding, or position, plan, swap, unit, floor,
+    ceiling;     `columns`: its covariates;
     `where`: the device, category or column that it is multiplied with, "" where none. `words`: the
     law with figures and units; `nats`: its lead over no law on working links, complexity paid;
     `fault`: the kind of fault of the set-up that it is, or "";
@@ -121,7 +121,7 @@ class FoundLaw:
 
 @dataclass(frozen=True)
 class SetupFault:
-    """A fault of the set-up: `kind` is position, plan, swap, unit, floor or time shift.
+    """A fault of the set-up: `kind` is position, plan, swap, unit, floor, ceiling or time shift.
 
     `devices` are those concerned (none: all); `size`: what it measures, e.g. the shift along x, y
     and z in metres.

@@ -115,7 +115,7 @@ def setup_fault(proposal: Proposal) -> SetupFault | None:
     if not structure.fault:
         return _other_unit(proposal)
     devices = getattr(structure, "pair", (structure.where,) if structure.where else ())
-    fitted = structure.fault in ("position", "plan", "unit")
+    fitted = structure.fault in ("position", "plan", "unit", "ceiling")
     size = proposal.constants if fitted else ()
     return SetupFault(structure.fault, devices, structure.words(shown(proposal.constants)), size)
 

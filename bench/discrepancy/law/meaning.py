@@ -38,6 +38,7 @@ _FORM = {
     "position": "a plan that is wrong, or an anchor that was moved",
     "plan": "a drawing or a survey whose axes or scale are off",
     "swap": "two labels exchanged",
+    "ceiling": "a register or a filter of the firmware that cuts ranges off",
     "floor": "a survey in two dimensions",
     "unit": "a unit",
 }

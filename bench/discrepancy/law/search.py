@@ -11,6 +11,7 @@ from scipy.special import ndtri
 from scipy.stats import t as student
 
 from bench.discrepancy.law.between import told_from_delays
+from bench.discrepancy.law.ceiling import ceilings
 from bench.discrepancy.law.curve import best_curve
 from bench.discrepancy.law.delay import as_delay, is_delay_of
 from bench.discrepancy.law.faults import faults, of_a_rate
@@ -102,7 +103,8 @@ def ranking(given: Material) -> Ranking:
         return Ranking((), 0.0, 1.0)
     laws: list[Structure] = [
         *(as_delay(given, law) for law in promising(given, float(len(given.residual_m)))),
-        *faults(given), *plans(given), *floors(given), *roundings(given),
+        *faults(given), *plans(given), *floors(given), *ceilings(given),
+        *roundings(given),
     ]  # fmt: skip
     fits = [(law, law.fitted(given)) for law in laws]
     none = unmoved(given.residual_m).likelihood

@@ -19,7 +19,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import Reused, simulated_share
 from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.data.covariates import Covariates
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.observables import RANGE, SCALARS
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
@@ -151,9 +151,9 @@ def locate(
     }
     found = [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
     rare = None
-    if not found:
+    if not found or _levels_alone(ensemble, found):
         rare = rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
-    found = [rare] if rare else found
+    found = [*found[: top - 1], rare] if rare else found
     threshold = float(np.quantile(null, 1 - alpha))
     least = threshold * crowding
     small = _detectable(ensemble, least) | _in_part(ensemble, covariates, cells, least)
@@ -167,6 +167,12 @@ def locate(
         as_read(small),
         chance_beyond(null, float(np.abs(z).max())),
     )
+
+
+def _levels_alone(ensemble: Ensemble, found: list[Finding]) -> bool:
+    """Return whether levels differ, without waveforms, which would hide a few far ranges."""
+    ours = all(name in SCALARS for name in ensemble.names)
+    return ours and RANGE not in {one.cell.observable for one in found}
 
 
 def _wider(

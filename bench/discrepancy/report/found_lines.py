@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.fit.estimate import PURE
 from bench.discrepancy.headline import NOTHING
@@ -117,14 +118,16 @@ def left_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what still differs, beyond doubt, beside names after which nothing is called unknown.
 
     Levels, say, of a device that is named for its delay: too little for a cause of its own. Of
-    ranges and levels; with waveforms no search follows the last name.
+    ranges and levels; with waveforms, of which hundreds of figures always differ, of ranges alone.
     """
     selection = diagnosis.selection
     last = selection.rounds[-1]
     unknown = any(isinstance(verdict, Unknown) for verdict in selection.verdicts)
-    if unknown or last.added or diagnosis.law or diagnosis.options.waveform or not selection.names:
+    if unknown or last.added or last.strike or diagnosis.law or not selection.names:
         return []
     sure = [one for one in last.located.findings if one.p <= SURE_P]
+    if diagnosis.options.waveform:
+        sure = [one for one in sure if one.cell.observable == RANGE]
     lines = finding_lines(sure, SHOWN_LEFT)
     return ["**Beside that still differs, without a name:**", *lines] if lines else []
 
