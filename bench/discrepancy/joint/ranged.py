@@ -22,7 +22,7 @@ from bench.discrepancy.settings import FIT_MEMBERS, MAD_TO_STD, SCORE_FIRST
 from bench.errors import BenchError
 
 Floats = NDArray[np.float64]
-MEDIAN_STD = 1.2533  # of a median of normal values, over that of their mean [derived]
+MEDIAN_STD = np.sqrt(np.pi / 2)  # of a median of normal values, over that of their mean
 
 
 def by_ranges(found: Found, made: Ensemble) -> Found:

@@ -10,10 +10,8 @@ import numpy as np
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import fixed
 from bench.discrepancy.law.material import Floats, Material
-from bench.discrepancy.law.settings import LAW_DEVICE_ROWS, LAW_SAME_PLACE_M, LAW_STEPS
+from bench.discrepancy.law.settings import LAW_DEVICE_ROWS, LAW_FAR, LAW_SAME_PLACE_M, LAW_STEPS
 from bench.discrepancy.law.structures import Fitted
-
-FAR = 60.0  # percentile of measured ranges, above which a ceiling is sought
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class Ceiling:
     def fitted(self, given: Material) -> Fitted:
         """Return it at the ceiling that does best: of places where measured ranges lie."""
         measured = given.range_m + given.residual_m
-        far = measured[measured > np.percentile(measured, FAR)]
+        far = measured[measured > np.percentile(measured, LAW_FAR)]
         places = np.unique(np.percentile(far, np.linspace(0, 100, 4 * LAW_STEPS)))
         tried = [fixed(_cut(given, float(one)), given.residual_m) for one in places]
         best = int(np.argmax([one.likelihood for one in tried]))

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.law.gather import gathered, proposed
 from bench.discrepancy.law.likelihood import unmoved
+from bench.discrepancy.law.likeness import has_form
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.search import Proposal
 from bench.discrepancy.law.settings import LAW_INSTEAD_NATS, LAW_TIED_NATS, LAW_VALUE_NATS
@@ -30,15 +33,22 @@ def undone(
 
     These were weighed against laws as a set's free curves are. `after` is the law of the `rest`
     that they leave, if there is one: where another does as well without them, it only takes back
-    what they do.
+    what they do. Not one of their own form; nor for a constant, that a calibration took off.
     """
     able = tuple(e for e in found.added if e.physics in found.together and _of_range(e))
     for gone in (able, *((one,) for one in able if len(able) > 1)):
         kept = tuple(effect for effect in found.added if effect not in gone)
         alone = proposed(search, gathered(search.comparison, views, kept)) if gone else None
-        if alone is not None and leads(alone, rest, after, gone):
+        if alone is None or any(has_form(type(one), search.discover, alone) for one in gone):
+            continue
+        if leads(alone, _about_constant(rest), after, gone):
             return without_names(found, kept), alone
     return None
+
+
+def _about_constant(rest: Material) -> Material:
+    """Return rows whose ranges are as far off as simulated in the median."""
+    return replace(rest, residual_m=rest.residual_m - np.median(rest.residual_m))
 
 
 def _of_range(effect: Effect) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import View
+from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import material
 from bench.discrepancy.law.search import Proposal
 from bench.discrepancy.law.settings import LAW_OWN_FORM
@@ -26,8 +27,10 @@ NOT_ALONE = "it is not borne out as a cause of its own"
 def form_words(search: Search, found: Selection, law: Proposal, detectors: bool) -> str:
     """Return of which effects' form a law is, and why these have no name; "" of none.
 
-    `detectors`: waveforms are not explained.
+    `detectors`: waveforms are not explained. Nothing of a fault of the set-up, which says it.
     """
+    if setup_fault(law):  # it is said as that
+        return ""
     kinds = search.kinds.items()
     logs = [name for name, kind in kinds if has_form(kind, search.discover, law, logged=True)]
     if logs:

@@ -20,12 +20,13 @@ from bench.discrepancy.law.structures import Fitted
 from bench.discrepancy.law.swaps import FAR_END
 from bench.physics.formula.units import factor_of
 
+PLAN = "plan"
 TURN, STRETCH_X, STRETCH_Y, SLANT_X, SLANT_Y = "turn", "sx", "sy", "kx", "ky"
 OF_ONE = (
     (TURN,), (STRETCH_X,), (STRETCH_Y,), (SLANT_X,), (SLANT_Y,), (STRETCH_X, STRETCH_Y),
     (STRETCH_X, SLANT_Y), (STRETCH_Y, SLANT_X), (STRETCH_X, STRETCH_Y, SLANT_X, SLANT_Y),
 )  # fmt: skip
-OF_BOTH = OF_ONE[1:]
+OF_BOTH = ((STRETCH_X,), (STRETCH_Y,), (SLANT_X,), (SLANT_Y,))  # along both axes it is a scale
 UNITS = {TURN: "deg", **dict.fromkeys((STRETCH_X, STRETCH_Y, SLANT_X, SLANT_Y), "%")}
 UNITS |= dict.fromkeys(("dx", "dy"), "m")
 WORDS = {
@@ -49,8 +50,8 @@ class Plan:
     middle: tuple[float, float]
     known: str
     choices: int
-    form: str = "plan"
-    fault: str = "plan"
+    form: str = PLAN
+    fault: str = PLAN
     where: str = ""
 
     @property

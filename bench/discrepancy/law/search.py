@@ -20,7 +20,7 @@ from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.law.likelihood import effective_share, fixed, unmoved
 from bench.discrepancy.law.material import Material
-from bench.discrepancy.law.plan import plans
+from bench.discrepancy.law.plan import PLAN, plans
 from bench.discrepancy.law.rounding import roundings
 from bench.discrepancy.law.screen import promising
 from bench.discrepancy.law.settings import (
@@ -137,7 +137,7 @@ def _preferred(made: Ranking, given: Material) -> Candidate:
     """
     ranked, best = made.candidates, made.candidates[0]
     near = (one for one in ranked if best.nats - one.nats < LAW_TIED_NATS)
-    listed = next((one for one in near if one.structure.fault), None)
+    listed = next((o for o in near if o.structure.fault and o.structure.fault != PLAN), None)
     rates = (one for one in ranked if _unbent(one, best) and _tied(made, given, one))
     return _late(ranked, listed) or listed or next(rates, best)
 

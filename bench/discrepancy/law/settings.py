@@ -37,6 +37,7 @@ LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and la
 LAW_CYCLES: Final = (0.75, 200.0)  # of a period within the span of the rows: at most half as many
 # as rows, which show no more (Nyquist), and no more than these [cost]
 LAW_SWIFT_CYCLES: Final = 4000.0  # of a period that is sought in all rows alike [cost]
+LAW_AT_ONCE: Final = 512  # of these periods [cost]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]
 LAW_GRID_P: Final = 0.01  # that places of one phase are so by chance, of all periods asked of
@@ -65,6 +66,7 @@ LAW_ALIKE: Final = 1e-9  # of their size: parts of a law that say the same [deri
 LAW_ONE_STEP: Final = 1.5  # times the smallest gap: wider ones are two steps [derived]
 LAW_PLAN_PLACES: Final = 4  # of an end, to say that their plan is turned or stretched [derived]
 LAW_FLAT_PLAN: Final = 0.1  # width of places over length: below, they are on a line [convention]
+LAW_FAR: Final = 60.0  # percentile of measured ranges, above which a ceiling is sought [cost]
 LAW_FLOOR_M: Final = 0.006  # that true ranges are off distances of places, in whole cm [derived]
 LAW_SAME_PLACE_M: Final = 0.05  # positions of a device that stands still; and as true ranges say
 SHOWN_RIVALS: Final = 5  # laws that are not excluded, shown to people [convention]

@@ -15,12 +15,16 @@ import numpy as np
 from bench.discrepancy.law.between import over_places
 from bench.discrepancy.law.forms import Form, over_what, spacing_of
 from bench.discrepancy.law.material import Column, Floats, Material
-from bench.discrepancy.law.settings import LAW_CYCLE_STEP, LAW_NYQUIST, LAW_SWIFT_CYCLES
+from bench.discrepancy.law.settings import (
+    LAW_AT_ONCE,
+    LAW_CYCLE_STEP,
+    LAW_NYQUIST,
+    LAW_SWIFT_CYCLES,
+)
 from bench.discrepancy.law.structures import GridLaw
 
 TURN = 2 * np.pi
 GEOMETRY = ("true_range_m",)  # goes on over few periods
-BLOCK = 512  # frequencies at once
 
 
 def swift(
@@ -65,5 +69,5 @@ def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
     """
     known = np.isfinite(values)
     at, left = values[known] - values[known].min(), target[known] - target[known].mean()
-    blocks = np.split(turns, np.arange(BLOCK, len(turns), BLOCK))
+    blocks = np.split(turns, np.arange(LAW_AT_ONCE, len(turns), LAW_AT_ONCE))
     return np.concatenate([np.abs(np.exp(-1j * np.outer(one, at)) @ left) for one in blocks])

@@ -35,7 +35,7 @@ class BlockedPath(Effect):
     silent_before = True
     essential_with_cir = ("detour_m",)  # a reflection at the path itself blocks nothing
 
-    share: float = parameter(0.3, "ratio", 0, 1, "of the links without line of sight", null=0)
+    share: float = parameter(0.3, "ratio", 0, 1, "of the links not known to be in sight", null=0)
     detour_m: float = parameter(1.0, "m", 0, 5, "mean extra length of the first reflection")
     reflection_db: float = parameter(-12, "dB", -60, 0, "over the free straight path")
 

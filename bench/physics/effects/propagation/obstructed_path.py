@@ -37,7 +37,7 @@ class ObstructedPath(Effect):
     last = True
     without_cir = False
 
-    share: float = parameter(0.5, "ratio", 0, 1, "of the links without line of sight", null=0)
+    share: float = parameter(0.5, "ratio", 0, 1, "of the links not known to be in sight", null=0)
     loss_db: float = parameter(15, "dB", 0, 60, "mean loss of the straight path")
     loss_spread_db: float = parameter(8, "dB", 0, 20, "its std over obstructed links")
     common: float = parameter(0.3, "ratio", 0, 1, "of that loss that every other path has too")

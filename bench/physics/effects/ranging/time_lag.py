@@ -36,7 +36,7 @@ class TimeLag(Effect):
     setup_fault = "time shift"
     needs = (("radial_speed_m_per_s",),)
 
-    lag_s: float = parameter(0, "s", -2, 2, "range measured later than its truth", null=0)
+    lag_s: float = parameter(0, "s", -2, 2, "truth to range: below zero, ranges are old", null=0)
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:

@@ -42,9 +42,12 @@ def test_a_law_is_found_over_the_last_of_many_columns() -> None:
     assert (found.best.structure.form, found.best.structure.columns) == ("periodic", ("walked_m",))
 
 
-@pytest.mark.parametrize(("drift_is_there", "gone"), [(False, True), (True, False)])
+@pytest.mark.parametrize(
+    ("drift_is_there", "own_form", "gone"),
+    [(False, False, True), (True, False, False), (False, True, False)],
+)
 def test_a_name_that_a_law_undoes_goes(
-    monkeypatch: pytest.MonkeyPatch, drift_is_there: bool, gone: bool
+    monkeypatch: pytest.MonkeyPatch, drift_is_there: bool, own_form: bool, gone: bool
 ) -> None:
     """Of what goes with temperature times hours a drift takes a part, and a law gives it back."""
     frame, rng = rows(2, 0)
@@ -59,11 +62,12 @@ def test_a_name_that_a_law_undoes_goes(
         return material(frame, error - does * (drift in added), LINKS)
 
     monkeypatch.setattr(instead, "gathered", left)
+    monkeypatch.setattr(instead, "has_form", lambda *_: own_form)
     option = LeftOut(drift, (), SURE, 1.0, Control("", None))
     explained = cast(Explanation, SimpleNamespace(contenders=(), removable=SURE))
     turn = Round(SimpleNamespace(findings=()), explained, drift)  # type: ignore[arg-type]
     found = Selection((option,), (drift,), (turn,), together=(drift.physics,))
-    search = cast(Search, SimpleNamespace(comparison=None, seed=0, kinds={}))
+    search = cast(Search, SimpleNamespace(comparison=None, seed=0, kinds={}, discover=None))
     rest = left(None, None, (drift,))
     after = propose(rest, 0)
     assert after is not None

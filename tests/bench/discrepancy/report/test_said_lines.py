@@ -68,7 +68,9 @@ def test_a_change_says_what_stays_and_what_gets_worse(
     ("change", "said"),
     [
         ({}, True),
-        ({"waveform": True}, False),
+        ({"waveform": True}, False),  # of levels, of which some always differ
+        ({"waveform": True, "observable": "error_m"}, True),
+        ({"struck": True}, False),
         ({"names": ()}, False),
         ({"p": 0.04}, False),
         ({"verdicts": (Unknown((), Estimate(0, 0, 0, "nats"), {}, "why"),)}, False),
@@ -76,9 +78,12 @@ def test_a_change_says_what_stays_and_what_gets_worse(
 )
 def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], said: bool) -> None:
     level = "rx_power_dbm where maker=NXP: recorded - simulated = -2.8 dB"
-    found = {"names": (("antenna-delay",),), "verdicts": (), "waveform": False, "p": 0.002} | change
-    finding = SimpleNamespace(p=found["p"], told=level)
-    turn = SimpleNamespace(added=None, located=SimpleNamespace(findings=(finding,)))
+    usual = {"names": (("antenna-delay",),), "verdicts": (), "waveform": False, "p": 0.002}
+    found = usual | {"observable": "rx_power_dbm", "struck": False} | change
+    cell = SimpleNamespace(observable=found["observable"])
+    finding = SimpleNamespace(p=found["p"], told=level, cell=cell)
+    located, strike = SimpleNamespace(findings=(finding,)), object() if found["struck"] else None
+    turn = SimpleNamespace(added=None, strike=strike, located=located)
     selection = SimpleNamespace(rounds=[turn], verdicts=found["verdicts"], names=found["names"])
     options = SimpleNamespace(waveform=found["waveform"])
     diagnosis = SimpleNamespace(selection=selection, law=None, options=options)

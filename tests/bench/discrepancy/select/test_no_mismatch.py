@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import cast
+
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.conclude import _why_left, of_the_rest
 from bench.discrepancy.select.objections import loses_by_itself
-from bench.discrepancy.select.state import Round
+from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.verdict import Control, LeftOut, NoMismatch, Unknown
+from bench.discrepancy.sets.choice import Choice
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
@@ -48,7 +52,8 @@ def test_what_is_left_alone_is_not_left_by_names() -> None:
     ):
         seen = Finding(Cell("error_m", "rows", Place()), effect, 9.0, 0.002, 40, 9)
         last = Round(Located((seen,), 0.002, 9.0, 3.0, 1, {}), None, None)
-        assert _why_left(last, said).startswith(words)
+        search = cast(Search, SimpleNamespace(choice=Choice()))
+        assert _why_left(search, last, said).startswith(words)
 
 
 def test_what_held_out_links_are_surely_worse_with_is_no_name_but_scatter() -> None:

@@ -56,11 +56,11 @@ def test_a_weak_antenna_is_seen_where_waveforms_show_nothing() -> None:
 
 @pytest.mark.parametrize(("weaker_db", "seen"), [(0.06, False), (0.6, True)])
 def test_less_than_readings_tell_is_nothing(weaker_db: float, seen: bool) -> None:
-    """However surely it is seen: both would be, where levels hardly scatter."""
+    """However surely it would be seen, where levels hardly scatter."""
     search = _search(weaker_db, scatter_db=0.005)
     every = all_rows._of_all_rows(search, LEVEL)
     assert every is not None
-    assert every.significant
+    assert every.significant is seen
     assert _found(search).significant is seen
 
 

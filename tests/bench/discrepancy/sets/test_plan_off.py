@@ -14,7 +14,7 @@ from bench.discrepancy.sets.beside import misplaced
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.set_up import of_setup
 
-EVERY, DELAY = "the position of every rx", "antenna-delay"
+EVERY, DELAY = "the plan of every rx", "antenna-delay"
 LAMPS_M = np.array([[2, 3, 4], [12, 2, 4], [22, 3, 4], [3, 16, 4], [13, 17, 4], [23, 16, 4.0]])
 
 
