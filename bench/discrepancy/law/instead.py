@@ -41,7 +41,7 @@ def undone(
         alone = proposed(search, gathered(search.comparison, views, kept)) if gone else None
         if alone is None or any(has_form(type(one), search.discover, alone) for one in gone):
             continue
-        if leads(alone, _about_constant(rest), after, gone):
+        if leads(alone, rest if after else _about_constant(rest), after, gone):
             return without_names(found, kept), alone
     return None
 
