@@ -146,6 +146,7 @@ class Effect(ABC):
     `dies_away`: of what it adds there is never more the later it is, once it has begun.
     `at_one_delay`: what it adds comes at the same delays in all links.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
+    `of_levels`: parameters that levels and waveforms tell, and ranges alone do not.
     `resembles`: the effect that does the same to many links together, so that where its places are
     not known these two are not told apart, "" without one.
     `logged_as`: the column in which receivers log this alone, "" without one.
@@ -189,6 +190,7 @@ class Effect(ABC):
     dies_away: ClassVar[bool] = False
     at_one_delay: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
+    of_levels: ClassVar[tuple[str, ...]] = ()
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""
     seldom: ClassVar[str] = ""

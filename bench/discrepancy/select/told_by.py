@@ -9,12 +9,14 @@ from bench.discrepancy.select.level_slope import told_by_links
 from bench.discrepancy.select.per_obstacle import told_by_obstacles
 from bench.discrepancy.select.scatter_size import told_by_rows
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.told_by_levels import told_by_levels
 from bench.physics.effect import Effect
 
 TOLD_BY = {
     "size of scatter": told_by_rows,
     "slope of levels": told_by_links,
     "metres per obstacle": told_by_obstacles,
+    "losses": told_by_levels,
 }
 
 

@@ -41,6 +41,7 @@ class MaterialDelay(Effect):
     needs = (("obstacles",), ("los",))
     control = "rows with nothing in the straight line"
     by_kind = True
+    of_levels = ("loss_scale", "spill")
 
     thickness_scale: float = parameter(1, "ratio", 0, 4, "of the listed thickness", null=0)
     delay_scale: float = parameter(1, "ratio", 0, 4, "of the slab's excess delay")
