@@ -16,13 +16,14 @@ from bench.physics.units import Floats
 from bench.recordings.motion import with_radial_speed
 
 _ENDS = tuple(tuple(f"{end}_{axis}_m" for axis in "xyz") for end in ("tx", "rx"))
-_LISTS = (
+OBSTACLE_LISTS = (
     "obstacle_thickness_m",
     "obstacle_at",
     "obstacle_clearance_m",
     "obstacle_far_clearance_m",
     "obstacle_incidence_deg",
 )
+"""Columns whose cells have a value for each of the `obstacles`."""
 _SEQUENCES = (list, tuple, np.ndarray)
 KEPT_PARTS, KEPT_FIGURES = 4, 8
 _HASHED = ("link", "tx", "rx", "environment")
@@ -158,7 +159,7 @@ def scene(frame: pd.DataFrame, source: str = "geometry", *, moving: bool = True)
     }
     hashes = {name: _hashes(frame[name]) for name in _HASHED if name in frame}
     kinds, names = _kinds(frame)
-    lists = {name: _padded(frame[name], kinds) for name in _LISTS if name in frame}
+    lists = {name: _padded(frame[name], kinds) for name in OBSTACLE_LISTS if name in frame}
     return Scene(numbers, lists, kinds, names, hashes, _truth(numbers, source))
 
 

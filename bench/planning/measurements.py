@@ -11,6 +11,7 @@ import pandas as pd
 
 from bench.discrepancy.data.covariates import MEASURED
 from bench.physics.base import Base
+from bench.physics.scene import OBSTACLE_LISTS
 from bench.planning.settings import (
     DISTANCES_M,
     FARTHER,
@@ -28,8 +29,6 @@ from bench.planning.settings import (
 from bench.recordings.motion import SPEED
 
 REPEAT, WALL = "repeat", "brick"
-LISTED = ("obstacle_thickness_m", "obstacle_at", "obstacle_clearance_m",
-          "obstacle_far_clearance_m", "obstacle_incidence_deg")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class Measurement:
         settings = dict(self.settings)
         if "obstacles" in settings:  # of new obstacles nothing more is known
             unknown = [np.nan] * len(settings["obstacles"])
-            settings |= {name: unknown for name in LISTED if name in reference}
+            settings |= {name: unknown for name in OBSTACLE_LISTS if name in reference}
         if "true_range_m" in settings:
             settings = {**_moved(reference, settings["true_range_m"]), **settings}
         one: dict[str, Any] = {str(name): cell for name, cell in reference.items()}

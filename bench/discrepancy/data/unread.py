@@ -15,6 +15,7 @@ import pandas as pd
 from bench.discrepancy.data.columns import UNIT_AT_END
 from bench.discrepancy.data.settings import MOSTLY_NUMBERS, SHOWN_CELL
 from bench.discrepancy.settings import MOST_CATEGORIES
+from bench.physics.scene import OBSTACLE_LISTS
 from bench.recordings.table import CIR_COLUMNS, STRING_COLUMNS
 
 UNITS = (
@@ -22,7 +23,7 @@ UNITS = (
     r"1/min|%|h?pa|kpa|m?bar|k?g|k?n|t"
 )
 WRITTEN = re.compile(rf"[-+−]?(\d+(?P<mark>[.,]\d+)?)(e[-+]?\d+)?\s*(?P<unit>{UNITS})?", re.I)
-LISTS = {*CIR_COLUMNS, "obstacles"}  # whose cells are no single value
+LISTS = {*CIR_COLUMNS, "obstacles", *OBSTACLE_LISTS}  # whose cells are no single value
 
 
 def unread_words(frame: pd.DataFrame, named: tuple[str, ...] = ()) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ def frame() -> pd.DataFrame:
             "true_range_m": 5.0 + number % 7,
             "los": number % 2 == 0,
             "obstacles": [["wall"] for _ in number],
+            "obstacle_clearance_m": [np.array([0.2]) for _ in number],
             "deck": [f"{i % 3}" for i in number],
             "shift": [f"{i % 2}B" for i in number],
             "shaft_rpm": 90.0 + number,
