@@ -37,6 +37,7 @@ LAW_SATURATION: Final = (0.1, 3.0)  # saturation lengths, of the smallest and la
 LAW_CYCLES: Final = (0.75, 200.0)  # of a period within the span of the rows: at most half as many
 # as rows, which show no more (Nyquist), and no more than these [cost]
 LAW_SWIFT_CYCLES: Final = 4000.0  # of a period that is sought in all rows alike [cost]
+LAW_SWIFT_ROWS: Final = 2000  # of which it is sought, at most [cost]
 LAW_AT_ONCE: Final = 512  # of these periods [cost]
 LAW_CYCLE_STEP: Final = 0.25  # cycles between periods screened: half the resolution [derived]
 LAW_ONE_PHASE: Final = 0.6  # resultant length of phases, from which on they are one [convention]

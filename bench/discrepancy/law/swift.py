@@ -20,6 +20,7 @@ from bench.discrepancy.law.settings import (
     LAW_CYCLE_STEP,
     LAW_NYQUIST,
     LAW_SWIFT_CYCLES,
+    LAW_SWIFT_ROWS,
 )
 from bench.discrepancy.law.structures import GridLaw
 
@@ -65,9 +66,10 @@ def _short(column: Column, grid: Floats) -> Floats:
 def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
     """Return what a wave of each frequency [G], in radians per unit, removes of a target [n].
 
-    As sine and cosine over many turns have nothing in common: the periodogram.
+    Of so many rows, evenly, as show it. As sine and cosine over many turns have nothing in common: the periodogram.
     """
-    known = np.isfinite(values)
+    known = np.flatnonzero(np.isfinite(values))
+    known = known[:: -(-len(known) // LAW_SWIFT_ROWS)]
     at, left = values[known] - values[known].min(), target[known] - target[known].mean()
     blocks = np.split(turns, np.arange(LAW_AT_ONCE, len(turns), LAW_AT_ONCE))
     return np.concatenate([np.abs(np.exp(-1j * np.outer(one, at)) @ left) for one in blocks])
