@@ -66,7 +66,8 @@ def _short(column: Column, grid: Floats) -> Floats:
 def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
     """Return what a wave of each frequency [G], in radians per unit, removes of a target [n].
 
-    Of so many rows, evenly, as show it. As sine and cosine over many turns have nothing in common: the periodogram.
+    Of so many rows, evenly, as show it. As sine and cosine over many turns have nothing in common:
+    the periodogram.
     """
     known = np.flatnonzero(np.isfinite(values))
     known = known[:: -(-len(known) // LAW_SWIFT_ROWS)]
