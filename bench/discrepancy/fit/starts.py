@@ -231,6 +231,13 @@ def between(item: Parameter, start: float, end: float, share: float) -> float:
     return start + share * (end - start)
 
 
+def share_between(item: Parameter, start: float, end: float, value: float) -> float:
+    """Return which share of the way from `start` to `end` a value lies: `between` turned round."""
+    if by_ratio(item):
+        return float(np.log(value / start) / np.log(end / start))
+    return (value - start) / (end - start)
+
+
 def inside(item: Parameter, value: float) -> float:
     """Return the value within the bounds."""
     return float(np.clip(value, item.low, item.high))

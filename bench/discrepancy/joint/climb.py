@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import qmc
 
-from bench.discrepancy.fit.starts import between
+from bench.discrepancy.fit.starts import between, share_between
 from bench.discrepancy.joint.mixture import Found, Mixed, Mixture, worth
 from bench.discrepancy.joint.settings import (
     CLIMB_GAIN,
@@ -36,17 +36,19 @@ def climbed(found: Found) -> Found:
     tried.sort(key=lambda pair: -pair[1].best)
     begun = [(shares_of(mixture, found.best), found.best), *tried[:CLIMB_STARTS]]
     ends = [_climb(mixture, *one) for one in begun]
-    best = max(ends, key=lambda one: one.whole)
-    end = worth(mixture, best)
-    return replace(end, begin=found.begin) if end else found
+    return _ending(found, max(ends, key=lambda one: one.whole))
 
 
 def ascended(found: Found) -> Found:
     """Return a mixture at the likeliest values by steps from where it is."""
     mixture = found.mixture
     now = mixture.at(found.best.values)
-    best = _climb(mixture, shares_of(mixture, found.best), now or found.best)
-    end = worth(mixture, best)
+    return _ending(found, _climb(mixture, shares_of(mixture, found.best), now or found.best))
+
+
+def _ending(found: Found, best: Mixed) -> Found:
+    """Return a mixture at values that a search ended on."""
+    end = worth(found.mixture, best)
     return replace(end, begin=found.begin) if end else found
 
 
@@ -67,12 +69,7 @@ def _at(mixture: Mixture, shares: Shares) -> Mixed | None:
 
 def shares_of(mixture: Mixture, found: Mixed) -> Shares:
     """Return where values lie within their bounds."""
-    grid = np.linspace(0, 1, 1001)
-    out = {}
-    for item in mixture.free:
-        values = np.array([between(item, item.low, item.high, float(one)) for one in grid])
-        out[item.name] = float(np.interp(found.values[item.name], values, grid))
-    return out
+    return {p.name: share_between(p, p.low, p.high, found.values[p.name]) for p in mixture.free}
 
 
 def _climb(mixture: Mixture, at: Shares, best: Mixed) -> Mixed:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.law.material import Column, Material, base_values
 from bench.discrepancy.law.settings import (
+    LAW_AT_ONCE,
     LAW_CYCLE_STEP,
     LAW_CYCLES,
     LAW_FEW_TURNS,
@@ -168,8 +169,16 @@ def _on_grid(values: Floats, period: float, level: float) -> bool:
 
 def _resultants(values: Floats, periods: Floats) -> Floats:
     """Return how far places [n] are of one phase of each period [P]: 1 all, 0 none of them."""
-    phases = np.exp(1j * TURN * values[None, :] / periods[:, None])
-    return np.asarray(np.abs(phases.mean(axis=1)))
+    return wave_sums(values, periods, np.full(len(values), 1 / len(values)))
+
+
+def wave_sums(values: Floats, periods: Floats, weights: Floats) -> Floats:
+    """Return |sum of weights x a wave| of each period [P] over places [n], in blocks of periods.
+
+    Thousands of periods times thousands of places would take a gigabyte.
+    """
+    blocks = np.split(TURN / periods, np.arange(LAW_AT_ONCE, len(periods), LAW_AT_ONCE))
+    return np.concatenate([np.abs(np.exp(1j * np.outer(one, values)) @ weights) for one in blocks])
 
 
 def _harmonics(column: Column) -> Floats:

@@ -35,7 +35,8 @@ def undone(
     that they leave, if there is one: where another does as well without them, it only takes back
     what they do. Not one of their own form; nor for a constant, that a calibration took off.
     """
-    able = tuple(e for e in found.added if e.physics in found.together and _of_range(e))
+    named = (e for e in found.added if _shifts(e) and not type(e).strikes)
+    able = tuple(effect for effect in named if effect.physics in found.together)
     for gone in (able, *((one,) for one in able if len(able) > 1)):
         kept = tuple(effect for effect in found.added if effect not in gone)
         alone = proposed(search, gathered(search.comparison, views, kept)) if gone else None
@@ -51,10 +52,14 @@ def _about_constant(rest: Material) -> Material:
     return replace(rest, residual_m=rest.residual_m - np.median(rest.residual_m))
 
 
-def _of_range(effect: Effect) -> bool:
-    """Return whether an effect shifts ranges by a form of its own."""
+def _shifts(effect: Effect) -> bool:
+    """Return whether an effect shifts ranges: one of the range, or what strikes links.
+
+    Scatter shifts nothing: a law leaves it to the scale. Nor does a grid that ranges lie on.
+    """
     kind = type(effect)
-    return effect.stage == "ranging" and not (kind.independent or kind.marked or kind.strikes)
+    able = effect.stage == "ranging" or bool(kind.strikes)
+    return able and not (kind.independent or kind.marked)
 
 
 def narrowed(
@@ -93,18 +98,11 @@ def _stands(
 
 
 def shifting(found: Selection) -> Added:
-    """Return the named effects that shift ranges: those of the range, and what strikes links.
+    """Return the named effects that shift ranges.
 
     What else was named has other evidence, and what was named `together` was weighed against laws.
-    Scatter shifts nothing: a law leaves it to the scale. Nor does a grid that ranges lie on.
     """
-    return tuple(
-        effect
-        for effect in found.added
-        if (effect.stage == "ranging" or type(effect).strikes) and not type(effect).independent
-        if not type(effect).marked
-        if effect.physics not in found.together
-    )
+    return tuple(e for e in found.added if _shifts(e) and e.physics not in found.together)
 
 
 def calms(search: Search, kept: Added, alone: Proposal) -> bool:

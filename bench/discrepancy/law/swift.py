@@ -13,10 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.law.between import over_places
-from bench.discrepancy.law.forms import Form, over_what, spacing_of
+from bench.discrepancy.law.forms import Form, over_what, spacing_of, wave_sums
 from bench.discrepancy.law.material import Column, Floats, Material
 from bench.discrepancy.law.settings import (
-    LAW_AT_ONCE,
     LAW_CYCLE_STEP,
     LAW_NYQUIST,
     LAW_SWIFT_CYCLES,
@@ -24,7 +23,6 @@ from bench.discrepancy.law.settings import (
 )
 from bench.discrepancy.law.structures import GridLaw
 
-TURN = 2 * np.pi
 GEOMETRY = ("true_range_m",)  # goes on over few periods
 
 
@@ -40,7 +38,7 @@ def swift(
         grid = _short(column, longer) if form.free == "period" else np.empty(0)
         if not len(grid):
             continue
-        best = int(np.argmax(_power(column.values, target, TURN / grid)))
+        best = int(np.argmax(_power(column.values, target, grid)))
         near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
         names = (column.text, column.words, "", "", "1")
         law = GridLaw(form, at, 0, False, float(grid[best]), _sorted(*near), 2 * len(grids), names)
@@ -63,8 +61,8 @@ def _short(column: Column, grid: Floats) -> Floats:
     return np.asarray(every[every > least])
 
 
-def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
-    """Return what a wave of each frequency [G], in radians per unit, removes of a target [n].
+def _power(values: Floats, target: Floats, periods: Floats) -> Floats:
+    """Return how much of a target [n] a wave of each period [G] removes.
 
     Of so many rows, evenly, as show it. As sine and cosine over many turns have nothing in common:
     the periodogram.
@@ -72,5 +70,4 @@ def _power(values: Floats, target: Floats, turns: Floats) -> Floats:
     known = np.flatnonzero(np.isfinite(values))
     known = known[:: -(-len(known) // LAW_SWIFT_ROWS)]
     at, left = values[known] - values[known].min(), target[known] - target[known].mean()
-    blocks = np.split(turns, np.arange(LAW_AT_ONCE, len(turns), LAW_AT_ONCE))
-    return np.concatenate([np.abs(np.exp(-1j * np.outer(one, at)) @ left) for one in blocks])
+    return wave_sums(at, periods, left)

@@ -101,9 +101,10 @@ def misplaced(contest: Contest, causes: Set) -> Set:
         rest = but(causes, name)
         lead = {one: contest.nats((*rest, one)) for one in places if one not in causes}
         best = max(lead, key=lambda one: lead[one], default=None)
-        more = name in DELAY_OR_CLOCK or (best is not None and best.startswith(PLAN))
-        least = contest.nats(causes) + (RIVAL_NATS if more else TIED_NATS)
-        if best is not None and lead[best] > least:
+        if best is None:
+            continue
+        more = name in DELAY_OR_CLOCK or best.startswith(PLAN)
+        if lead[best] > contest.nats(causes) + (RIVAL_NATS if more else TIED_NATS):
             causes = (*rest, best)
     return causes
 
