@@ -59,6 +59,7 @@ from bench.discrepancy.sets.settings import (
 )
 from bench.discrepancy.sets.spared import moves_every_row
 from bench.discrepancy.sets.steady import same_in_every_link
+from bench.discrepancy.sets.told_levels import told_by_levels
 from bench.discrepancy.sets.unsure import unsure
 from bench.discrepancy.sets.weigh import weighed
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -90,7 +91,7 @@ def chosen(search: Search, beside: Added) -> Choice:
 
 def worth_beside(search: Search, beside: Added) -> float:
     """Return the log evidence of the best set beside some effects, its names paid for."""
-    return made[0].most() if (made := _contest(search, beside)) else -np.inf
+    return made[0].worth(made[0].calm()) if (made := _contest(search, beside)) else -np.inf
 
 
 def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
@@ -108,10 +109,10 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
     evidence.lie_behind(~rows.scene.clear()[known])
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
-    usual = usual_levels(rows, ensemble)[known]
-    contest = Contest(evidence, kinds, crowded(search.comparison, rows), rows, known, usual)
-    contest.fading, drawn_m = fading_db(rows, ensemble)[known], ensemble.simulated_of(RANGE)[0]
-    contest.drawn_m = np.nan_to_num(drawn_m[known])
+    usual, crowding = usual_levels(rows, ensemble)[known], crowded(search.comparison, rows)
+    contest = Contest(evidence, kinds, crowding, rows, known, usual)
+    drawn_m, contest.fading = ensemble.simulated_of(RANGE)[0], fading_db(rows, ensemble)[known]
+    contest.drawn_m, contest.told = np.nan_to_num(drawn_m[known]), told_by_levels(rows, ensemble)
     return contest, ensemble
 
 
@@ -125,8 +126,8 @@ class Contest:
     """Sets of causes beside each other; those of `kinds` have a name, the others are laws.
 
     `crowding`: as how many one counts of rows that share their simulated rows. `rows` are those of
-    the evidence, `known` which it has; `usual`: see `usual_levels`. `pays`: nats, by form. `able`
-    are the causes that took part to the end.
+    the evidence, `known` which it has; `usual`: see `usual_levels`. `pays`: nats, by form.
+    `told`: see `told_by_levels`. `able` are the causes that took part to the end.
     """
 
     def __init__(
@@ -142,7 +143,7 @@ class Contest:
         self.rows, self.known, self.usual = rows, known, usual
         self.library = frozenset(n for n, kind in kinds.items() if kind.tellable(rows.scene))
         self.untold = frozenset(kinds) - self.library
-        self.pays: dict[str, float] = {}
+        self.pays, self.told = dict[str, float](), dict[str, float]()
         self.single = of_one_device(evidence.blocks)
         every = [block for blocks in self.single.values() for block in blocks.items()]
         self.evidence = evidence.with_blocks(evidence.blocks | dict(every))
@@ -153,7 +154,7 @@ class Contest:
 
     def settled(self) -> Choice:
         """Return the set that wins; a name that a deformation of the others can do for goes."""
-        whole = self._calm()
+        whole = self.calm()
         first = self._at_usual_levels(self._beyond_deformed(whole))
         placed = misplaced(self, first)
         behind = self.nats(placed) - self.nats(first)
@@ -181,11 +182,7 @@ class Contest:
             faults=leading_faults(self, best),
         )
 
-    def most(self) -> float:
-        """Return the worth of the best set."""
-        return self.worth(self._calm())
-
-    def _calm(self) -> Set:
+    def calm(self) -> Set:
         """Return the best set with weights of its own, without links far off that none explains."""
         first = self._best_able()
         if self._weigh(first) > EXPLAINED_STRAYS * self._weigh(()):
@@ -278,7 +275,7 @@ class Contest:
     def price(self, one: str) -> float:
         """Return the nats that a cause must bring."""
         if one in self.library | self.untold:
-            return NAME_NATS
+            return NAME_NATS - self.told.get(one, 0.0)
         if one in self.pays:
             return NAME_NATS + self.pays[one]
         return RANGE_LAW_NATS if one == OF_RANGE else LAW_NATS

@@ -6,27 +6,23 @@ from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
-from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.search import Fitted, Objective, plainer, refine, screen, valued
 from bench.discrepancy.fit.walls import of_every_kind
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
-from bench.discrepancy.select.link_mixture import strike
 from bench.discrepancy.select.state import Round, Search
-from bench.discrepancy.select.stepwise import struck_round, untouched
 from bench.discrepancy.sets.blocks import named_kinds
-from bench.discrepancy.sets.settings import NAMED_STRUCK, NAMED_STRUCK_P, RIVAL_NATS
+from bench.discrepancy.sets.settings import RIVAL_NATS
 from bench.discrepancy.sets.shifted import Shifted, beside_calibration
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     FIT_MEMBERS,
-    LEAD_NATS,
     LONGEST_DELAY_NS,
     SCORE_FIRST,
     SCORE_MEMBERS,
@@ -123,37 +119,6 @@ def _by_kind(search: Search, added: Added, plain: Effect) -> list[Effect]:
         return []
     found = of_every_kind(search.comparison, search.sharpest, added, plain)
     return [found] if found else []
-
-
-def struck_instead(search: Search, beside: Added, added: Added, turn: Round) -> Round | None:
-    """Return a round in which links were struck at random, where that says more than the names.
-
-    By 3 nats: names say which links are off, and what strikes at random may be any of them. Not
-    where it strikes just those on which the names act: then it is these, of no two links alike.
-    `turn` is the first round of the names.
-    """
-    if search.work is None or turn.explanation is None:
-        return None
-    found = strike(search.comparison, search.work, beside, added, search.kinds, LEAD_NATS)
-    rows = search.work
-    if found is None or any(strikes_the_named(search, rows, one, found.struck) for one in added):
-        return None
-    return struck_round(turn.located, turn.explanation, found)
-
-
-def strikes_the_named(search: Search, rows: View, effect: Effect, struck: NDArray[np.intp]) -> bool:
-    """Return whether nearly all links on which an effect acts are `struck`, unlike by chance.
-
-    Of so many struck ones among all (hypergeometric). A wall delays every link behind it.
-    """
-    from scipy.stats import hypergeom
-
-    acting = np.unique(rows.links[~untouched(search.comparison, rows, (effect,))])
-    every, both = np.unique(rows.links), np.intersect1d(acting, struck)
-    if len(both) < NAMED_STRUCK * len(acting):
-        return False
-    chance = hypergeom.sf(len(both) - 1, len(every), len(acting), len(struck))
-    return bool(chance <= NAMED_STRUCK_P)
 
 
 def _regressed(search: Search, beside: Added, located: Located) -> Tally:

@@ -87,3 +87,11 @@ NEAR_NATS: Final = 12.0  # behind the best set at its own weights, that others a
 NEAR_SETS: Final = 4  # that are asked so [cost]
 MOST_STD: Final = 2.5  # of a number, that a cause times it goes on to: a row far off all others is
 # no proportion [convention]
+GROUND_SIZES: Final = (-0.9, -0.7, -0.5, -0.3, -0.15, 0.15, 0.3, 0.5, 0.7, 0.9)  # of a reflection
+# of the ground in levels [cost]
+GROUND_STEEPNESSES: Final = (0.0, 0.5, 1.5)  # how much weaker where it is steep [cost]
+OTHER_LEVELS_DB: Final = 3.0  # typical, of what else levels do: obstacles, antennas [convention]
+LEVELS_MOST_NATS: Final = (
+    4.0  # that levels may bring for a name of ranges, which must bring some of
+)
+# its price themselves [convention]

@@ -13,8 +13,9 @@ from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import chosen, decided, judged_by_sets
-from bench.discrepancy.sets.install import installed, struck_instead
+from bench.discrepancy.sets.install import installed
 from bench.discrepancy.sets.settings import SCATTER_NATS
+from bench.discrepancy.sets.struck_instead import struck_instead
 from bench.discrepancy.settings import SCATTER_MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.errors import BenchError
 

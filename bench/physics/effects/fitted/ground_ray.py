@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.fitted.device_values import as_tuples
+from bench.physics.effects.fitted.ridge import Ridge, taken
 from bench.physics.effects.propagation.two_rays import (
     Rays,
     carriers_ghz,
@@ -31,9 +32,7 @@ FINER: Floats = np.linspace(0.01, 0.95, 95)
 REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
 LEAST_ROWS = 12
-FITS, TAIL = 6, 4.0  # of rows weighed anew; degrees of freedom of their scatter, Student's t
 CONSTANT_M, CONSTANT_DB = 1.0, 1.0  # typical, of another cause
-MEDIAN_OF_NORMAL = 0.6745  # of |z|
 
 
 @dataclass(frozen=True)
@@ -119,37 +118,44 @@ class GroundRay(Effect):
         best = min(tried, key=lambda one: _missed(left, one._pulled(own)))
         finer = [replace(best, size=float(size)) for size in FINER * np.sign(best.size)]
         best = min(finer, key=lambda one: _missed(left, one._pulled(own)))
-        more = _factors(moves_m(own, carrier_ghz), left - best._pulled(own), CONSTANT_M)
-        return replace(best, moved=tuple(more.tolist()))
+        more = Ridge(moves_m(own, carrier_ghz), left - best._pulled(own), CONSTANT_M)
+        return replace(best, moved=tuple(more.factors.tolist()))
 
     def with_level(self, frame: pd.DataFrame, left_db: Floats) -> GroundRay:
-        """Return it with the size that leaves least of residual levels [n], and what is beside."""
-        found, known = rays(scene(frame, "recorded")), np.isfinite(left_db)
+        """Return it with the size that leaves least of residual levels [n], and what is beside.
+
+        A fall of levels with the distance is a path loss rather than what a receiver makes of two
+        rays, where levels bear it out.
+        """
+        rows, known = scene(frame, "recorded"), np.isfinite(left_db)
+        found = rays(rows)
         if found is None or not known.any():
             return self
-        bare = replace(self, louder=())
-        sizes = [replace(bare, level_size=float(size)) for size in (*GRID, *-GRID[1:])]
-        best = min(sizes, key=lambda one: _missed(left_db[known], one._faded(found)[known]))
+        best = self._sized(found, known, left_db)
         if known.sum() < LEAST_ROWS:
             return best
-        left, ways = (left_db - best._faded(found))[known], fades_db(found, self.carrier_ghz)
-        return replace(best, louder=tuple(_factors(ways[known], left, CONSTANT_DB).tolist()))
+        fall, ways = (
+            -10 * np.log10(np.maximum(rows.true_range_m, 1.0)),
+            fades_db(found, self.carrier_ghz)[known],
+        )
+        fallen = taken(ways, left_db[known], fall[known], _repeats(frame), CONSTANT_DB)
+        if fallen is not None:
+            left_db = left_db.copy()
+            left_db[known] -= fallen
+            best = self._sized(found, known, left_db)
+        left = (left_db - best._faded(found))[known]
+        return replace(best, louder=tuple(Ridge(ways, left, CONSTANT_DB).factors.tolist()))
+
+    def _sized(self, found: Rays, known: NDArray[np.bool_], left_db: Floats) -> GroundRay:
+        """Return it with the size that leaves least of residual levels [n]."""
+        bare = replace(self, louder=())
+        sizes = [replace(bare, level_size=float(size)) for size in (*GRID, *-GRID[1:])]
+        return min(sizes, key=lambda one: _missed(left_db[known], one._faded(found)[known]))
 
 
-def _factors(ways: Floats, left: Floats, constant: float) -> Floats:
-    """Return the factors [k] of `ways` [n, k], of size one before, that leave least of `left` [n].
-
-    Beside a constant, which is another cause; rows far off weigh less.
-    """
-    design = np.column_stack([ways, np.full(len(left), constant)])
-    factors, rest = np.zeros(design.shape[1]), left - np.median(left)
-    for _ in range(FITS):
-        variance = max(float(np.median(np.abs(rest))) / MEDIAN_OF_NORMAL, 1e-6) ** 2
-        weight = (TAIL + 1) / (TAIL + rest**2 / variance)
-        square = (design * weight[:, None]).T @ design + variance * np.eye(len(factors))
-        factors = np.linalg.solve(square, design.T @ (weight * left))
-        rest = left - design @ factors
-    return np.asarray(factors[:-1])
+def _repeats(frame: pd.DataFrame) -> float:
+    """Return as how many one row counts: rows of a link are near-copies."""
+    return frame["link"].nunique() / len(frame) if "link" in frame else 1.0
 
 
 def _missed(left: Floats, made: Floats) -> float:

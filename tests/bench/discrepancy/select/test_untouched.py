@@ -11,7 +11,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import calm_for, untouched
-from bench.discrepancy.sets.install import strikes_the_named
+from bench.discrepancy.sets.struck_instead import strikes_the_named
 from bench.physics.base import Base
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
