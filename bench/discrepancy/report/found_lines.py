@@ -128,7 +128,8 @@ def left_lines(diagnosis: Diagnosis) -> list[str]:
     sure = [one for one in last.located.findings if one.p <= SURE_P]
     if diagnosis.options.waveform:
         sure = [one for one in sure if one.cell.observable == RANGE]
-    lines = finding_lines(sure, SHOWN_LEFT)
+    lines = finding_lines(sorted(sure, key=lambda one: one.cell.observable != RANGE), SHOWN_LEFT)
+    lines += [f"- {selection.left_note}"] if lines and selection.left_note else []
     return ["**Beside that still differs, without a name:**", *lines] if lines else []
 
 

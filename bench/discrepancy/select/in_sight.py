@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.far_links import links_in_the_way
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, strike
@@ -23,12 +24,16 @@ SIGHT = "los"
 def with_struck_in_sight(search: Search, found: Selection) -> Selection:
     """Return the selection; what is unknown says which links are struck at random, or far off.
 
-    Struck ones in sight of ranges alone; as it is where none are.
+    Or what still differs in ranges beside names. Struck ones in sight of ranges alone; as it is
+    where none are.
     """
-    if not any(isinstance(one, Unknown) for one in found.verdicts):
+    unknown = any(isinstance(one, Unknown) for one in found.verdicts)
+    if not unknown and not (found.names and RANGE in found.left):
         return found
     note = Guard().safely("sight", struck_in_sight, "")(search, found.added)
     note = note or Guard().safely("far links", links_in_the_way, "")(search, found.added)
+    if not unknown:
+        return replace(found, left_note=note)
     noted = (_noted(one, note) if isinstance(one, Unknown) else one for one in found.verdicts)
     return replace(found, verdicts=tuple(noted))
 

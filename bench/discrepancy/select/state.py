@@ -133,7 +133,7 @@ class Selection:
     of the receiver show. `tied`: names that do as well as a fault of the set-up that is said in
     their place; `elsewhere`: devices of which one may stand elsewhere instead of antenna delays.
     `mean`: what names leave that is the mean of what goes up and down. `sealed_choice`: names of a
-    class of which sealed links told which is added.
+    class of which sealed links told which is added. `left_note`: which links still are far off.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -149,6 +149,14 @@ class Selection:
     elsewhere: tuple[str, ...] = ()
     mean: tuple[Finding, ...] = ()
     sealed_choice: tuple[str, ...] = ()
+    left_note: str = ""
+
+    @property
+    def left(self) -> frozenset[str]:
+        """Observables in which the last round found a difference and added nothing."""
+        last = self.rounds[-1] if self.rounds else None
+        found = () if last is None or last.added or last.strike else last.located.findings
+        return frozenset(one.cell.observable for one in found)
 
     @property
     def names(self) -> tuple[tuple[str, ...], ...]:
