@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard",
+    "shipyard", "ropewalk",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -47,6 +47,7 @@ OWN = {
     "icerink": "pairs-hold-gives-as-they-turn",
     "breadworks": "cams-worn-between-stands",
     "shipyard": "drums-roll-on-thinner-flanges",
+    "ropewalk": "strands-harden-and-draw-sledges-sooner",
 }
 ALIKE = [
     (family, name)
@@ -132,6 +133,11 @@ OWN_PARTS = {
         "late-ink-spreads-before-it-dries": (0.1, 0.6),
         "late-gain-tripped-up-and-down": (0.1, 0.6),
     },
+    "ropewalk": {
+        "late-sizes-laid-of-three-strands": (0.1, 0.6),
+        "late-sizes-follow-at-a-winchs-pace": (0.1, 0.6),
+        "late-sizes-left-as-places-among-sevens": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -196,6 +202,14 @@ FAULTS = {
         "pontoon-rides-the-tide", "hull-lists-with-its-ballast",
         "heights-told-above-a-raking-keel", "mist-lies-up-to-a-height", "medians-of-three-sent",
         "derrick-nudged-by-a-bowsprit",
+    ),
+    "ropewalk": (
+        "yarn-taken-up-as-it-twists", "strands-harden-and-draw-sledges-sooner",
+        "rope-laid-longer-than-told", "cradles-geared-by-another-wheel",
+        "places-looked-up-at-nearest-beats", "walls-bow-out-under-snow",
+        "annexe-rebuilt-askew-since-the-survey", "north-row-taped-from-the-outer-face",
+        "answers-booked-to-who-answers-next", "hemp-dust-hangs-by-the-hackles",
+        "strut-shoved-by-a-bale-truck",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -24,6 +24,7 @@ from bench.challenge.families import (
     observatory_plate,
     opera_console,
     printworks_console,
+    ropewalk_telltale,
     roundhouse_recorder,
     saltworks_gauge,
     sawmill_decoder,
@@ -54,6 +55,7 @@ OF_ITS_OWN = {
     "icerink": {"sort", "heads", "into_s"},
     "breadworks": {"kind", "toward", "into_s"},
     "shipyard": {"bears", "begins", "into_s"},
+    "ropewalk": {"heads", "turn", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -84,6 +86,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (icerink_timer.scraping, icerink_timer.OF_SIZES, -0.2),
         (breadworks_balance.kneading, breadworks_balance.OF_SIZES, -0.2),
         (shipyard_lookout.surf, shipyard_lookout.OF_SIZES, -0.2),
+        (ropewalk_telltale.creaking, ropewalk_telltale.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -119,6 +122,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (icerink_timer.shouts, icerink_timer.skated_late, 0.02),
         (breadworks_balance.loaves, breadworks_balance.proved_later, 0.02),
         (shipyard_lookout.combers, shipyard_lookout.hove_to, 0.02),
+        (ropewalk_telltale.tufts, ropewalk_telltale.strung_out, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
