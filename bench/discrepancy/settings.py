@@ -61,6 +61,7 @@ RESOLUTION: Final = {"m": 5e-4, "dB": 0.1, "counts": 1.0, "symbols": 4.0, "ns": 
 # Added to every score, in its unit: so a constant both sides share cannot drive the gain, nor can
 # the last tenth of a decibel of a curve that no library has quite right. [waves]
 READ_ALIKE: Final = 0.99  # of the rows, whose levels agree so far: none is read [convention]
+READ_FARTHEST: Final = 4.0  # times what is read, that these are off: weak ones scatter [convention]
 RANGE_WEIGHT: Final = 1.0  # weight of an observable's score: correlated ones share theirs [waves]
 LEVEL_WEIGHT: Final = 0.4  # of each level, the noise and the count
 PROFILE_WEIGHT: Final = 0.15  # of each of the twelve bins of the power-delay profile
@@ -189,8 +190,7 @@ HEADING_FOLDS: Final = 4  # [convention]
 HEADING_SECTOR_DEG: Final = 30.0  # twelfths of a circle
 HEADING_SECTORS: Final = 6  # of 12: headings that fill fewer are no circle [convention]
 MOST_PATTERN_GAIN_DB: Final = 15.0  # of a pattern: that of the library's [convention]
-PATTERN_GAIN_SHARE: Final = 0.05  # of the error of levels, that following the heading must take off
-# [convention]
+PATTERN_GAIN_SHARE: Final = 0.05  # of the error of levels, that a gain takes off [convention]
 LEAST_HALF: Final = 1e-6  # of an interval, in m or ns: a grid is known to the last digit [derived]
 MOST_PATTERN_BIAS_M: Final = 0.3  # [source] Ledergerber 2018: 10-20 cm over direction; more of it
 # is no antenna

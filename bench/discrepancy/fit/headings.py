@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
 from bench.discrepancy.data.observables import LEVEL
+from bench.discrepancy.fit.settings import USUAL_GAIN_DB
 from bench.discrepancy.settings import (
     HALF_TURN_DEG,
     HEADING_BENDS,
@@ -21,6 +22,7 @@ from bench.discrepancy.settings import (
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
+from bench.physics.effects.fitted.ridge import taken
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
@@ -59,6 +61,7 @@ def gain_over(comparison: Comparison, view: View, added: Added) -> tuple[float, 
     heading, left_db = heading_rad(view.scene), ensemble.residual_of(LEVEL)
     if not np.isfinite(left_db).any():
         return ()
+    left_db = _fallen_less(view, heading, left_db)
     smooth, missed, plain = _left_out(heading, left_db - np.nanmedian(left_db), view.links)
     if missed > (1 - PATTERN_GAIN_SHARE) * plain:
         return ()
@@ -66,6 +69,23 @@ def gain_over(comparison: Comparison, view: View, added: Added) -> tuple[float, 
         curve_over(heading, left_db, smooth, False), -MOST_PATTERN_GAIN_DB, MOST_PATTERN_GAIN_DB
     )
     return tuple(gain.tolist())
+
+
+def _fallen_less(view: View, heading: Floats, left_db: Floats) -> Floats:
+    """Return levels [n] without a fall over the distance, where headings do not do for it.
+
+    A path loss, which the mean of a gain would take a part of.
+    """
+    known = np.isfinite(left_db) & np.isfinite(heading)
+    hats = np.stack([closed(heading[known], HEADINGS_DEG, tuple(row)) for row in _EYE], axis=1)
+    fall_db = -10 * np.log10(np.maximum(view.scene.true_range_m, 1.0))
+    counts = len(np.unique(view.links)) / len(view.rows)
+    fallen = taken(USUAL_GAIN_DB * hats, left_db[known], fall_db[known], counts)
+    if fallen is None:
+        return left_db
+    out = left_db.copy()
+    out[known] -= fallen
+    return out
 
 
 def curve_over(heading: Floats, residual: Floats, smooth: float, around: bool = True) -> Floats:

@@ -24,3 +24,4 @@ BEYOND_CURVE_SHARE: Final = 0.02  # the share of rows logged there, from which o
 # as they are logged [source: APS011, fig. 5; RECORDED: of 75 819 rows none is above it]
 MOST_LEVERAGE: Final = 0.9  # of a link: more, and a fit follows it, so what it leaves of it tells
 # nothing of its errors [convention]
+USUAL_GAIN_DB: Final = 3.0  # of an antenna over the heading [convention]

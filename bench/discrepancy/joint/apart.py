@@ -11,11 +11,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.joint.form import variances
 from bench.discrepancy.joint.likelihood import evidence, left_free, white, whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import ACTS, LEFT_NATS, NAME_NATS, NAME_SHARE, SCATTERS
 from bench.discrepancy.joint.statistics import Moments, Statistics
+from bench.discrepancy.select.second_level import harmonics, predicts
+from bench.discrepancy.settings import FIT_MEMBERS
+from bench.physics.effects.fitted.pattern_gain import PatternGain
+from bench.physics.effects.propagation.antenna_pattern import heading_rad
+from bench.physics.effects.propagation.path_loss import PathLoss
 
 Floats = NDArray[np.float64]
 
@@ -120,3 +126,23 @@ def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
         own=own,
         uneven=uneven,
     )
+
+
+def beside_a_gain(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:
+    """Return whether levels of links left out follow a path loss beside any gain over the heading.
+
+    However loud the gain is: it does not know the distance. Of a set of these two alone.
+    """
+    if name != PathLoss.name or rest.names != (PatternGain.name,):
+        return False
+    before, after = (
+        given.comparison.ensemble(given.rows, one.effects, FIT_MEMBERS) for one in (rest, fit)
+    )
+    if LEVEL not in before.names or LEVEL not in after.names:
+        return False
+    left = before.residual_of(LEVEL)
+    mean_db = [one.simulated_of(LEVEL).mean(axis=0) for one in (before, after)]
+    known = np.isfinite(left) & np.isfinite(mean_db[1] - mean_db[0])
+    others = np.column_stack([np.ones(len(left)), harmonics(heading_rad(given.rows.scene))])
+    change = (mean_db[1] - mean_db[0])[known]
+    return predicts(left[known], change, others[known], given.rows.links[known])

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.agreement import brings_its_own
-from bench.discrepancy.joint.apart import brought_alone, logged, refuted, unlogged
+from bench.discrepancy.joint.apart import beside_a_gain, brought_alone, logged, refuted, unlogged
 from bench.discrepancy.joint.chance import by_chance
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve
@@ -251,7 +251,7 @@ class Sets:
         formed = of_form(self.given, fit, name)
         if not formed and NAME_SHARE * whole <= NAME_NATS:
             return NAME_NATS
-        if alone >= NAME_NATS:
+        if alone >= NAME_NATS or beside_a_gain(self.given, fit, rest, name):
             return NAME_NATS
         return float("inf") if formed else NAME_SHARE * whole
 

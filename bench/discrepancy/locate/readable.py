@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.observables import REPORTED_LEVELS
 from bench.discrepancy.locate.hypotheses import Cell
-from bench.discrepancy.settings import READ_ALIKE, RESOLUTION
+from bench.discrepancy.settings import READ_ALIKE, READ_FARTHEST, RESOLUTION
 
 
 def unreadable(ensemble: Ensemble, cells: Sequence[Cell]) -> NDArray[np.bool_]:
@@ -32,7 +32,11 @@ def as_read(shifts: Mapping[str, float]) -> dict[str, float]:
 
 
 def _alike(ensemble: Ensemble, name: str) -> bool:
-    """Return whether nearly all rows have the simulated level but for less than is read."""
+    """Return whether nearly all rows have the simulated level but for what readings scatter by."""
     off_db = np.abs(ensemble.residual_of(name))
     known = off_db[np.isfinite(off_db)]
-    return len(known) > 0 and float(np.quantile(known, READ_ALIKE)) < RESOLUTION["dB"]
+    if not len(known):
+        return False
+    most = float(np.quantile(known, READ_ALIKE))
+    scatter = float(np.sqrt(np.mean(np.minimum(known, most) ** 2)))
+    return most < READ_FARTHEST * RESOLUTION["dB"] and scatter < RESOLUTION["dB"]

@@ -220,7 +220,7 @@ def _reasons(
     paths = Base().paths(rows.scene)
     for known in added:
         if known.physics == AntennaPattern.name:
-            out.append(_harmonics(heading_rad(rows.scene)))
+            out.append(harmonics(heading_rad(rows.scene)))
         if effect is not None and _lone_curve(search, rows, added, known):
             continue  # it has any form already: see `_beyond_control`
         acts, bent = ~known.inert(paths), _deformed(search, rows, added, known)
@@ -237,7 +237,7 @@ def _reasons(
     return out
 
 
-def _harmonics(turn: Floats) -> Floats:
+def harmonics(turn: Floats) -> Floats:
     """Return the waves of a gain over headings [n], 0 where these are not known."""
     orders = np.arange(1, LEVEL_HARMONICS + 1) * turn[:, None]
     return np.asarray(np.nan_to_num(np.hstack([np.sin(orders), np.cos(orders)])))
