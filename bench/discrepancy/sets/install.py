@@ -18,6 +18,7 @@ from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.sets.blocks import named_kinds
+from bench.discrepancy.sets.levels_in_turn import in_turn
 from bench.discrepancy.sets.settings import RIVAL_NATS
 from bench.discrepancy.sets.shifted import Shifted, beside_calibration
 from bench.discrepancy.settings import (
@@ -58,7 +59,7 @@ def together(search: Search, beside: Added) -> Added:
         shift = np.sum([np.zeros(len(choice.shifts_m[name])), *others], axis=0)
         alone = replace(search, comparison=Shifted(search.comparison, shift))
         made.append(best_form(alone, beside, name))
-    return (*beside, *(effect for effect in made if effect))
+    return in_turn(search, (*beside, *(effect for effect in made if effect)))
 
 
 def best_form(search: Search, added: Added, name: str) -> Effect | None:

@@ -95,3 +95,4 @@ LEVELS_MOST_NATS: Final = (
     4.0  # that levels may bring for a name of ranges, which must bring some of
 )
 # its price themselves [convention]
+LEVEL_TURNS: Final = 3  # of names that share what levels do [cost]
