@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
 LEAST_EIGENVALUE = 1e-3  # of the largest: directions with less say nothing
+LEVELS = "rx_power_dbm", "first_path_power_dbm"
 
 
 def device_columns(rows: Scene) -> tuple[Floats, Floats]:
@@ -46,3 +48,11 @@ def known_mostly(values: Floats) -> NDArray[np.float64] | None:
     if known.mean() < 0.9 or np.ptp(values[known]) == 0:
         return None
     return np.where(known, values, np.median(values[known]))
+
+
+def lacking_levels(frame: pd.DataFrame) -> str:
+    """Return in words which column shows levels, "" where recorded rows have one, or waveforms.
+
+    What acts on levels alone, or by them, is a mere curve over the distance without.
+    """
+    return "" if {*LEVELS, "cir"} & {*frame.columns} else LEVELS[0]

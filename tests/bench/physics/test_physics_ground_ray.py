@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -143,3 +145,14 @@ def test_a_curve_over_the_distance_is_no_reflection_and_a_ripple_is_one() -> Non
     assert not GroundBounce.possible(rows, 0.1 * far / (far + 10))
     assert not GroundBounce.possible(rows, -0.05 * frame["rx_z_m"].to_numpy())
     assert not GroundBounce.possible(scene(frame.drop(columns="rx_z_m"), "recorded"), far)
+
+
+def test_a_path_loss_is_left_to_levels_beside_a_reflection() -> None:
+    frame = _frame().assign(channel=5)
+    fall = -10 * 0.6 * np.log10(frame["true_range_m"].to_numpy())
+    gain, noise = _energy_db(_found()), 0.5 * np.random.default_rng(6).normal(size=len(frame))
+    fitted = replace(HIDDEN, carrier_ghz=6.4896)
+    for lost in (fall, 0 * fall):
+        made = fitted.with_level(frame, gain + lost + noise)._faded(_found())
+        assert np.std(gain - made) < 0.35 * np.std(gain)
+        assert abs(np.mean(gain - made)) < 0.6

@@ -12,6 +12,7 @@ from bench.physics.units import Floats
 FITS, TAIL = 6, 4.0  # of rows weighed anew; degrees of freedom of their scatter, Student's t
 MEDIAN_OF_NORMAL = 0.6745  # of |z|
 OTHER_NATS = 6.0  # that another cause must be likelier by than many ways that need none
+LEAST_FACTOR = 0.2  # of a cause: published exponents differ by as much from 2 (IEEE 802.15.4a)
 
 
 @dataclass(frozen=True)
@@ -87,14 +88,16 @@ def taken(
 ) -> Floats | None:
     """Return what another cause does to `left` [n] beside `ways` [n, k], None where it need not.
 
-    It does `does` [n] times a factor of about one; each row counts as `counts` of one.
+    It does `does` [n] times a factor of about one; each row counts as `counts` of one. A factor
+    below `LEAST_FACTOR` only mends what ways do not do quite.
     """
     alone = Ridge(ways, left, constant)
     beside = Ridge(np.column_stack([ways, does]), left, constant)
     own = left[:, None]
     scatter = max(min(float(one.scatters(own)[0]) for one in (alone, beside)), 1e-6)
     bare, whole = (float(one.evidences(own, scatter, counts)[0]) for one in (alone, beside))
-    return beside.factors[-1] * does if whole - bare > OTHER_NATS else None
+    small = abs(float(beside.factors[-1])) < LEAST_FACTOR
+    return None if small or whole - bare < OTHER_NATS else beside.factors[-1] * does
 
 
 def _variance(rest: Floats) -> float:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
+from bench.physics.ways import lacking_levels
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,11 @@ class PathLoss(Effect):
     per_metre_db: float = parameter(
         0, "dB/m", 0, 1, "absorbed all along the way", null=0, fitted=False
     )
+
+    @classmethod
+    def unmarked(cls, frame: pd.DataFrame) -> str:
+        """Return that no level is recorded."""
+        return lacking_levels(frame)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Weaken all paths by the loss beyond free space."""

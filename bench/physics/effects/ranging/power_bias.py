@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
-from bench.physics.ways import known_mostly, smooth_columns
+from bench.physics.ways import known_mostly, lacking_levels, smooth_columns
 
 TYPICAL_M, LENGTH_DB = 0.08, 5.0  # of the published curve
 TENTHS = (0.1, 0.9)  # where weak and strong signals begin
@@ -66,6 +67,11 @@ class PowerBias(Effect):
         least = max(weak - longest - SLACK_M, strong - above - SLACK_M, -longest)
         most = min(strong - shortest + SLACK_M, -shortest)  # of what calibration may add
         return bool(rises and least <= most)
+
+    @classmethod
+    def unmarked(cls, frame: pd.DataFrame) -> str:
+        """Return that no level is recorded."""
+        return lacking_levels(frame)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the bias at each row's true receive level."""

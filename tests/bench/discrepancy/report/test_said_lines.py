@@ -85,9 +85,38 @@ def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], sai
     located, strike = SimpleNamespace(findings=(finding,)), object() if found["struck"] else None
     turn = SimpleNamespace(added=None, strike=strike, located=located)
     selection = SimpleNamespace(rounds=[turn], verdicts=found["verdicts"], names=found["names"])
+    selection.left_note = "3 of 52 links are struck as by blocked-path"
     options = SimpleNamespace(waveform=found["waveform"])
     diagnosis = SimpleNamespace(selection=selection, law=None, options=options)
     lines = left_lines(diagnosis)  # type: ignore[arg-type]
     assert lines == (
-        ["**Beside that still differs, without a name:**", f"- {level}"] if said else []
+        ["**Beside that still differs, without a name:**", f"- {level}", f"- {selection.left_note}"]
+        if said
+        else []
     )
+
+
+class Told:
+    """A finding that is told as it is: an observable, and its name for words."""
+
+    def __init__(self, observable: str) -> None:
+        place = SimpleNamespace(trend=False)
+        self.cell = SimpleNamespace(observable=observable, moment="mean", place=place)
+        self.effect, self.p = SimpleNamespace(low=0.0, high=1.0), 0.002
+
+    @property
+    def told(self) -> Told:
+        return self
+
+    def __str__(self) -> str:
+        return f"{self.cell.observable}: more"
+
+
+def test_what_differs_in_ranges_is_said_before_levels() -> None:
+    findings = tuple(map(Told, ("rx_power_dbm", "noise_std", "snr_db", "error_m")))
+    turn = SimpleNamespace(added=None, strike=None, located=SimpleNamespace(findings=findings))
+    selection = SimpleNamespace(rounds=[turn], verdicts=(), names=(("a",),), left_note="")
+    seen = {"law": None, "options": SimpleNamespace(waveform=False)}
+    diagnosis = SimpleNamespace(selection=selection, **seen)
+    lines = left_lines(diagnosis)  # type: ignore[arg-type]
+    assert lines[1:] == ["- error_m: more", "- rx_power_dbm: more", "- noise_std: more"]
