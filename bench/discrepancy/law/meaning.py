@@ -15,7 +15,7 @@ _OVER = {
     ("logarithm", "true_range_m"): "something that follows the level in dB",
     ("inverse square", "true_range_m"): "something that follows the received power",
     ("inverse", "true_range_m"): "something that follows the received amplitude",
-    ("power", "true_range_m"): "something that grows with distance, but not in proportion",
+    ("power", "true_range_m"): "something that grows or fades with distance, but not in proportion",
     ("saturation", "true_range_m"): "a bias that levels off at long range",
     ("periodic", "true_range_m"): "two paths that interfere",
     ("periodic", "time_s"): "a cycle: heating, a scheduler, a beat of two clocks",
