@@ -22,13 +22,21 @@ def device_combs(
 ) -> tuple[str, dict[str, Comb]]:
     """Return at which end devices have grids of their own, and these; ("", {}) without.
 
+    At the end where they are coarser, as those of all lie on what ranges are printed to, too.
     `measured_m`, `plain_m` [n]: recorded ranges, and as they would be without; `links` [n]: codes.
     """
+    best: tuple[str, dict[str, Comb]] = "", {}
     for end in (one for one in ENDS if one in frame):
         names = frame[end].astype(str).to_numpy(object)
-        if len(found := _of_end(names, measured_m, plain_m, links)) > 1:
-            return end, found
-    return "", {}
+        found = _of_end(names, measured_m, plain_m, links)
+        if len(found) > 1 and _coarse(found) > _coarse(best[1]):
+            best = end, found
+    return best
+
+
+def _coarse(found: dict[str, Comb]) -> float:
+    """Return the mean square of the steps of grids, 0 without any."""
+    return sum(one.step_m**2 for one in found.values()) / max(len(found), 1)
 
 
 def _of_end(

@@ -30,10 +30,13 @@ def rows(steps_m: Floats, origins_m: Floats, after_m: float = 0.0) -> pd.DataFra
 
 SAME: Floats = np.full(4, 0.13)
 TWO: Floats = np.array([0.07, 0.0425, 0.07, 0.0425])
+PRINTED: Floats = np.array([0.28, 0.17, 0.28, 0.17])  # of whole centimetres, which all lie on
 ORIGINS: Floats = np.array([0.01, 0.047, -0.031, 0.055])
 
 
-@pytest.mark.parametrize(("steps_m", "origins_m"), [(SAME, ORIGINS), (TWO, 0 * ORIGINS)])
+@pytest.mark.parametrize(
+    ("steps_m", "origins_m"), [(SAME, ORIGINS), (TWO, 0 * ORIGINS), (PRINTED, 0 * ORIGINS)]
+)
 def test_grids_of_devices_are_found_and_what_they_do(steps_m: Floats, origins_m: Floats) -> None:
     table = rows(steps_m, origins_m)
     read, true = (table[name].to_numpy() for name in ("range_m", "true_range_m"))
@@ -61,3 +64,11 @@ def test_one_device_with_a_grid_is_no_rounding_of_all() -> None:
     table.loc[OF != 2, "range_m"] = plain["range_m"][OF != 2]
     left = table["range_m"].to_numpy() - table["true_range_m"].to_numpy()
     assert RangeRounding.fit_values(table, left) is None
+
+
+def test_what_is_printed_to_centimetres_has_no_grids_of_devices() -> None:
+    table = rows(SAME, ORIGINS, 0.02).round({"range_m": 2})
+    left = table["range_m"].to_numpy() - table["true_range_m"].to_numpy()
+    made = RangeRounding.fit_values(table, left)
+    assert isinstance(made, RangeRounding)
+    assert (made.of, made.step_m) == ("", pytest.approx(0.01))

@@ -24,6 +24,7 @@ LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
 SAME_STEP = 0.1  # by which two steps may differ, of their size, that one firmware prints
+COARSER = 2.0  # steps of devices over that of all: else they are its own
 GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
 REFERENCE_M = 10.0  # of even steps, which are the same everywhere
 LEAST_M = 1e-3  # of a range, of which a logarithm is taken
@@ -148,8 +149,8 @@ class RangeRounding(Effect):
         """Return the rounding whose grid the measured ranges lie on, None without one.
 
         On the grid are the ranges themselves or, where others corrected them after, what is left
-        of them without these corrections. Where all together lie on none exactly, the ranges of
-        each device may lie on one of its own.
+        of them without these corrections. Where all together lie on none exactly, or on a much
+        finer one to which ranges are printed, the ranges of each device may lie on one of its own.
         """
         if not {"range_m", "true_range_m"} <= set(frame):
             return None
@@ -167,8 +168,9 @@ class RangeRounding(Effect):
         ]
         seen = [one for one in found if one]
         best = max(seen, key=lambda one: one[0], default=(0.0, None))
-        own = None if best[0] > EXACT[0] else _by_device(rows, measured, late, links)
-        return own or best[1]
+        own = _by_device(rows, measured, late, links)
+        print_m = best[1].step_m if best[1] and best[0] > EXACT[0] else 0.0
+        return own if own and own.step_m > COARSER * print_m else best[1]
 
     def borne_by(self, frame: pd.DataFrame) -> bool:
         """Return whether the ranges of another table lie on a grid of about this step."""
