@@ -91,8 +91,5 @@ GROUND_SIZES: Final = (-0.9, -0.7, -0.5, -0.3, -0.15, 0.15, 0.3, 0.5, 0.7, 0.9) 
 # of the ground in levels [cost]
 GROUND_STEEPNESSES: Final = (0.0, 0.5, 1.5)  # how much weaker where it is steep [cost]
 OTHER_LEVELS_DB: Final = 3.0  # typical, of what else levels do: obstacles, antennas [convention]
-LEVELS_MOST_NATS: Final = (
-    4.0  # that levels may bring for a name of ranges, which must bring some of
-)
-# its price themselves [convention]
+LEVELS_MOST_NATS: Final = 4.0  # of the price of a name of ranges, that levels may pay [convention]
 LEVEL_TURNS: Final = 3  # of names that share what levels do [cost]

@@ -134,10 +134,8 @@ class GroundRay(Effect):
         best = self._sized(found, known, left_db)
         if known.sum() < LEAST_ROWS:
             return best
-        fall, ways = (
-            -10 * np.log10(np.maximum(rows.true_range_m, 1.0)),
-            fades_db(found, self.carrier_ghz)[known],
-        )
+        fall = -10 * np.log10(np.maximum(rows.true_range_m, 1.0))
+        ways = fades_db(found, self.carrier_ghz)[known]
         fallen = taken(ways, left_db[known], fall[known], _repeats(frame), CONSTANT_DB)
         if fallen is not None:
             left_db = left_db.copy()
