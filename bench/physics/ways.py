@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.physics.batch import REPORTED_LEVELS
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
 LEAST_EIGENVALUE = 1e-3  # of the largest: directions with less say nothing
-LEVELS = "rx_power_dbm", "first_path_power_dbm"
 
 
 def device_columns(rows: Scene) -> tuple[Floats, Floats]:
@@ -55,4 +55,4 @@ def lacking_levels(frame: pd.DataFrame) -> str:
 
     What acts on levels alone, or by them, is a mere curve over the distance without.
     """
-    return "" if {*LEVELS, "cir"} & {*frame.columns} else LEVELS[0]
+    return "" if {*REPORTED_LEVELS, "cir"} & {*frame.columns} else REPORTED_LEVELS[0]

@@ -22,7 +22,7 @@ from bench.discrepancy.settings import (
     RESIDUAL_MEMBERS,
 )
 from bench.physics.effects.fitted.pattern_curve import PatternCurve, closed
-from bench.physics.effects.fitted.ridge import taken
+from bench.physics.effects.fitted.ridge import without_fall
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
 
 Floats = NDArray[np.float64]
@@ -72,20 +72,18 @@ def gain_over(comparison: Comparison, view: View, added: Added) -> tuple[float, 
 
 
 def _fallen_less(view: View, heading: Floats, left_db: Floats) -> Floats:
-    """Return levels [n] without a fall over the distance, where headings do not do for it.
-
-    A path loss, which the mean of a gain would take a part of.
-    """
+    """Return levels [n] without a fall over the distance, where headings do not do for it."""
     known = np.isfinite(left_db) & np.isfinite(heading)
-    hats = np.stack([closed(heading[known], HEADINGS_DEG, tuple(row)) for row in _EYE], axis=1)
-    fall_db = -10 * np.log10(np.maximum(view.scene.true_range_m, 1.0))
+    ways, far = USUAL_GAIN_DB * _hats(heading[known]), view.scene.true_range_m[known]
     counts = len(np.unique(view.links)) / len(view.rows)
-    fallen = taken(USUAL_GAIN_DB * hats, left_db[known], fall_db[known], counts)
-    if fallen is None:
-        return left_db
     out = left_db.copy()
-    out[known] -= fallen
+    out[known] = without_fall(ways, left_db[known], far, counts)
     return out
+
+
+def _hats(heading: Floats) -> Floats:
+    """Return how much of each of HEADINGS_DEG a heading [n] is, [n, headings]."""
+    return np.stack([closed(heading, HEADINGS_DEG, tuple(row)) for row in _EYE], axis=1)
 
 
 def curve_over(heading: Floats, residual: Floats, smooth: float, around: bool = True) -> Floats:
@@ -94,7 +92,7 @@ def curve_over(heading: Floats, residual: Floats, smooth: float, around: bool = 
     `around` 0, for a constant is no delay of a pattern; its gain may be one.
     """
     known = np.isfinite(residual) & np.isfinite(heading)
-    hats = np.stack([closed(heading[known], HEADINGS_DEG, tuple(row)) for row in _EYE], axis=1)
+    hats = _hats(heading[known])
     bend = (np.roll(_EYE, 1, axis=1) + np.roll(_EYE, -1, axis=1) - 2 * _EYE) * smooth
     design = np.vstack([hats, bend * np.sqrt(known.sum())])
     target = np.concatenate([residual[known], np.zeros(len(bend))])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bench.physics.batch import Batch
 from bench.physics.effect import Effect, parameter
 from bench.physics.effects.fitted.device_values import as_tuples
-from bench.physics.effects.fitted.ridge import Ridge, taken
+from bench.physics.effects.fitted.ridge import Ridge, without_fall
 from bench.physics.effects.propagation.two_rays import (
     Rays,
     carriers_ghz,
@@ -131,24 +131,20 @@ class GroundRay(Effect):
         found = rays(rows)
         if found is None or not known.any():
             return self
-        best = self._sized(found, known, left_db)
+        left, far = left_db[known], rows.true_range_m[known]
         if known.sum() < LEAST_ROWS:
-            return best
-        fall = -10 * np.log10(np.maximum(rows.true_range_m, 1.0))
+            return self._sized(found, known, left)
         ways = fades_db(found, self.carrier_ghz)[known]
-        fallen = taken(ways, left_db[known], fall[known], _repeats(frame), CONSTANT_DB)
-        if fallen is not None:
-            left_db = left_db.copy()
-            left_db[known] -= fallen
-            best = self._sized(found, known, left_db)
-        left = (left_db - best._faded(found))[known]
-        return replace(best, louder=tuple(Ridge(ways, left, CONSTANT_DB).factors.tolist()))
+        left = without_fall(ways, left, far, _repeats(frame), CONSTANT_DB)
+        best = self._sized(found, known, left)
+        more = Ridge(ways, left - best._faded(found)[known], CONSTANT_DB)
+        return replace(best, louder=tuple(more.factors.tolist()))
 
     def _sized(self, found: Rays, known: NDArray[np.bool_], left_db: Floats) -> GroundRay:
-        """Return it with the size that leaves least of residual levels [n]."""
+        """Return it with the size that leaves least of residual levels [k] of known rows."""
         bare = replace(self, louder=())
         sizes = [replace(bare, level_size=float(size)) for size in (*GRID, *-GRID[1:])]
-        return min(sizes, key=lambda one: _missed(left_db[known], one._faded(found)[known]))
+        return min(sizes, key=lambda one: _missed(left_db, one._faded(found)[known]))
 
 
 def _repeats(frame: pd.DataFrame) -> float:

@@ -46,7 +46,7 @@ class Ridge:
         """
         variance = scatter**2 / counts
         rest = self._left_of(others, variance)
-        folded = np.linalg.slogdet(self._square(variance) / variance)[1]
+        folded = np.linalg.slogdet(self._square(self._weight, variance) / variance)[1]
         known = (self._weight[:, None] * others * rest).sum(axis=0) / variance
         return np.asarray(-0.5 * (known + folded))
 
@@ -62,7 +62,7 @@ class Ridge:
         for _ in range(FITS):
             variance = _variance(rest)
             weight = _weight(rest, variance)
-            square = (design * weight[:, None]).T @ design + variance * np.eye(len(factors))
+            square = self._square(weight, variance)
             factors = np.asarray(np.linalg.solve(square, design.T @ (weight * self.left)))
             rest = self.left - design @ factors
         return factors, _variance(rest)
@@ -72,15 +72,16 @@ class Ridge:
         factors, variance = self._solved
         return _weight(self.left - self._design @ factors, variance)
 
-    def _square(self, variance: float) -> Floats:
+    def _square(self, weight: Floats, variance: float) -> Floats:
         design = self._design
-        return (design * self._weight[:, None]).T @ design + variance * np.eye(design.shape[1])
+        return (design * weight[:, None]).T @ design + variance * np.eye(design.shape[1])
 
     def _left_of(self, others: Floats, variance: float) -> Floats:
         """Return what the ways leave of values [n, m]."""
         design = self._design
         told = design.T @ (self._weight[:, None] * others)
-        return np.asarray(others - design @ np.linalg.solve(self._square(variance), told))
+        square = self._square(self._weight, variance)
+        return np.asarray(others - design @ np.linalg.solve(square, told))
 
 
 def taken(
@@ -98,6 +99,22 @@ def taken(
     bare, whole = (float(one.evidences(own, scatter, counts)[0]) for one in (alone, beside))
     small = abs(float(beside.factors[-1])) < LEAST_FACTOR
     return None if small or whole - bare < OTHER_NATS else beside.factors[-1] * does
+
+
+def without_fall(
+    ways: Floats,
+    left_db: Floats,
+    true_range_m: Floats,
+    counts: float = 1.0,
+    constant: float = 1.0,
+) -> Floats:
+    """Return levels [n] without a fall over the distance [n] where `ways` [n, k] do not do for it.
+
+    A path loss, which a receiver's freedom or the mean of a gain would take a part of.
+    """
+    fall_db = -10 * np.log10(np.maximum(true_range_m, 1.0))
+    fallen = taken(ways, left_db, fall_db, counts, constant)
+    return left_db if fallen is None else left_db - fallen
 
 
 def _variance(rest: Floats) -> float:
