@@ -308,6 +308,14 @@ class Effect(ABC):
         """Return the forms that its mark cannot tell apart, the simplest first."""
         return (self,)
 
+    def not_told_from(self, alike: tuple[Effect, ...]) -> Effect:
+        """Return it with what is known of its forms that recordings speak for as much."""
+        return self
+
+    def forms_as_likely(self) -> tuple[Effect, ...]:
+        """Return other forms of it that recordings speak for as much, as far as that is known."""
+        return ()
+
     def leant_m(self, rows: Scene) -> NDArray[np.float64]:
         """Return what its mark does to the ranges of rows [n] in the mean, in metres."""
         return np.zeros(len(rows))

@@ -39,7 +39,7 @@ def parameter_lines(
         first = _told(first) if long else first
         first = [one for one in values if one in first]  # levels and angles stay in order
         out += [f"  - {one} (90 %){_meaning(one, kind)}" for one in first if one.determined]
-        open_ones += [one.name for one in first if not one.determined]
+        open_ones += [_unknown(one, kind) for one in first if not one.determined]
         out += [f"  - {_rest(name, values, first)}"] if long else []
     named = ", ".join(open_ones)
     return out + ([f"  - not determined by these recordings: {named}"] if open_ones else [])
@@ -49,6 +49,12 @@ def _meaning(one: ParameterEstimate, kind: type[Effect] | None) -> str:
     """Return what a parameter means, after a colon; "" for values per device and along curves."""
     known = () if kind is None else kind.parameters()
     return next((f": {item.meaning}" for item in known if item.name == one.name), "")
+
+
+def _unknown(one: ParameterEstimate, kind: type[Effect] | None) -> str:
+    """Return the name of a parameter that is not determined, and what it means."""
+    meaning = _meaning(one, kind).removeprefix(": ")
+    return f"{one.name} ({meaning})" if meaning else one.name
 
 
 def _told(first: list[ParameterEstimate]) -> list[ParameterEstimate]:

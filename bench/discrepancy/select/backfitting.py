@@ -191,16 +191,24 @@ def settled(comparison: Comparison, rows: View, added: Added) -> Added:
     The choice of effects rests on held-out links; once made, more rows only sharpen it.
     """
     for effect in added:
-        if effect.fitted:
-            better, _ = _again(comparison, rows, added, effect, False, True)
-        else:
-            better = _relearnt(comparison, rows, added, effect)
-        added = swapped(added, better)
+        added = swapped(added, once_more(comparison, rows, added, effect))
     return added
 
 
+def once_more(comparison: Comparison, rows: View, added: Added, effect: Effect) -> Effect:
+    """Return one effect fitted once more beside all others that are added."""
+    if effect.fitted:
+        return _again(comparison, rows, added, effect, False, True)[0]
+    return _relearnt(comparison, rows, added, effect)
+
+
 def _relearnt(comparison: Comparison, rows: View, added: Added, effect: Effect) -> Effect:
-    """Return an effect with values per device or level learnt from these rows, if it scores."""
+    """Return an effect with values per device or level learnt from these rows, if it scores.
+
+    A mark stays in the form that was chosen by what others can do beside it.
+    """
+    if type(effect).marked:
+        return effect
     rest = without(added, effect)
     again = with_values(comparison, rows, rest, type(effect))
     if again is None:

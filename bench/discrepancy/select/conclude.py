@@ -10,6 +10,7 @@ from bench.discrepancy.compare.view import Added, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.doubt import with_doubt
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
+from bench.discrepancy.select.as_likely import over_forms
 from bench.discrepancy.select.backfitting import rivals
 from bench.discrepancy.select.candidates import Explanation, equivalents, nearly_as_good
 from bench.discrepancy.select.controls import negative_control, struck_control
@@ -333,7 +334,8 @@ def left_out(
     sizes = guard.safely("intervals", intervals_of, ())
     view = search.fitted_on(effect)
     comparison = beside_faults(search, view)
-    intervals = told_otherwise(search, others, effect, sizes(comparison, view, others, effect))
+    fitted = over_forms(sizes, comparison, view, others, effect)
+    intervals = told_otherwise(search, others, effect, fitted)
     if effect.physics in search.choice.unsure:
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]

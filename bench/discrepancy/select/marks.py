@@ -113,7 +113,9 @@ def _likeliest(search: Search, effect: Effect) -> Effect:
         return effect
     worth = [worth_beside(search, (form,)) - form.chosen_nats for form in forms]
     best = int(np.argmax(worth))
-    return forms[best if worth[best] > worth[0] + FORM_LEAD_NATS else 0]
+    best = best if worth[best] > worth[0] + FORM_LEAD_NATS else 0
+    alike = [f for f, w in zip(forms, worth, strict=True) if w > worth[best] - FORM_LEAD_NATS]
+    return forms[best].not_told_from(tuple(alike))
 
 
 def _first_round(search: Search, located: Located, before: Added, effect: Effect) -> Round:

@@ -40,7 +40,8 @@ class RangeRounding(Effect):
     grid itself (see `bench.physics.comb`): where none is seen, there is no rounding that matters.
     `devices` at the end `of` have `steps_m` and `origins_m` of their own; `step_m` is then what
     they scatter by in the mean square. Or they have `leans` of their own. Steps grow as the range
-    to the power of `growth`, and are of `step_m` at `reference_m`.
+    to the power of `growth`, and are of `step_m` at `reference_m`. `untold`: other leans that
+    recordings, of which it was fitted, do not tell from its own; they change nothing here.
     """
 
     name = "range-rounding"
@@ -63,6 +64,7 @@ class RangeRounding(Effect):
     steps_m: tuple[float, ...] = ()
     origins_m: tuple[float, ...] = ()
     leans: tuple[float, ...] = ()
+    untold: tuple[float, ...] = ()
     growth: float = parameter(0.0, "1", 0, 1, "0: even steps, 1: steps in proportion to ranges")
     reference_m: float = parameter(
         REFERENCE_M, "m", 1e-3, 1e4, "range at which steps are of `step_m`"
@@ -73,7 +75,7 @@ class RangeRounding(Effect):
         count = len(tuple(self.devices))
         able = {"steps_m": self.steps_m, "origins_m": self.origins_m, "leans": self.leans}
         lengths = {name: count if len(tuple(values)) else 0 for name, values in able.items()}
-        as_tuples(self, devices=None, **lengths)
+        as_tuples(self, devices=None, untold=None, **lengths)
 
     @property
     def last(self) -> bool:  # type: ignore[override]
@@ -131,6 +133,16 @@ class RangeRounding(Effect):
             return tuple(replace(self, lean=lean) for lean in LEANS)
         alike = replace(self, of="", devices=(), leans=())
         return *alike.forms(), self
+
+    def not_told_from(self, alike: tuple[Effect, ...]) -> Effect:
+        """Return it with the leans of other forms, which differ from it by a constant."""
+        others = [one for one in alike if isinstance(one, RangeRounding) and not one.leans]
+        leans = {one.lean for one in others if replace(one, lean=self.lean) == self}
+        return replace(self, untold=tuple(sorted(leans - {self.lean})))
+
+    def forms_as_likely(self) -> tuple[Effect, ...]:
+        """Return it with every lean that is not told from its own."""
+        return tuple(replace(self, lean=lean) for lean in self.untold)
 
     @property
     def chosen_nats(self) -> float:
