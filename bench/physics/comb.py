@@ -25,6 +25,7 @@ CLEARER = 2.0  # times the simulated ranges' own
 HARMONIC = 0.7  # of the length at the step that was found, that a multiple of it keeps
 MULTIPLES = 100  # of the finest step, that the coarsest is
 EXACT = (0.999, 6)  # a phase so long on so many links is no accident, however they stand still
+ON_POINT = 1e-3  # of a step: how far a range may be from a point that it is
 MAD_TO_STD = 1.4826
 
 
@@ -48,15 +49,26 @@ def comb(measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]) -> Comb |
     (frequency, length), (_, clear) = (_spectrum(v, span) for v in (measured_m, plain_m))
     found = _fundamental(measured_m, float(frequency[int(np.argmax(length - clear))]))
     own, other = _phase(measured_m, found), _phase(plain_m, found)
-    if abs(own) < max(COHERENT, CLEARER * abs(other)):
+    several = links.max() + 1 >= EXACT[1]
+    certain = several and abs(other) < EXACT[0] and on_points(measured_m, found, own)
+    if abs(own) < max(COHERENT, CLEARER * abs(other)) and not certain:
         return None
-    exact = abs(own) > EXACT[0] and links.max() + 1 >= EXACT[1]
+    exact = abs(own) > EXACT[0] and several
     tried = np.ptp(measured_m) * (1 / STEPS_M[0] - 1 / STEPS_M[1])
     beyond = (abs(own) * len(measured_m)) ** 2 / _by_chance(measured_m, plain_m, links, found)
     if not exact and beyond - np.log(max(tried, 1.0)) < NATS:
         return None
     origin = float(np.angle(own)) / (2 * np.pi * found)
     return Comb(1 / found, origin, float(abs(own)))
+
+
+def on_points(values: Floats, frequency: float, phase: complex) -> bool:
+    """Return whether all of some values [n], six of them at least, are points of a grid.
+
+    Places that are few and stand still have phases alike by chance, but not as exactly as this.
+    """
+    off = np.angle(np.exp(2j * np.pi * frequency * values) / phase) / (2 * np.pi)
+    return len(np.unique(values)) >= EXACT[1] and bool(np.abs(off).max() < ON_POINT)
 
 
 def _phase(values: Floats, frequency: float) -> complex:
@@ -80,9 +92,13 @@ def _spectrum(values: Floats, span_m: float) -> tuple[Floats, Floats]:
 
 
 def _fundamental(values: Floats, frequency: float) -> float:
-    """Return the lowest frequency that the one found is a multiple of, sharpened."""
+    """Return the lowest frequency that the one found is a multiple of, sharpened.
+
+    Points of an exact grid are those of a coarser one only where they all lie on that.
+    """
     best = _sharpened(values, frequency)
-    enough = HARMONIC * abs(_phase(values, best))
+    length = abs(_phase(values, best))
+    enough = EXACT[0] if length > EXACT[0] else HARMONIC * length
     for multiple in range(MULTIPLES, 1, -1):
         lower = best / multiple
         if lower > 1 / STEPS_M[1] - 1e-9 and abs(_phase(values, lower)) >= enough:

@@ -1,6 +1,7 @@
 """Combs of devices: each may round to steps of its own, or count them from an end of its own.
 
-Ranges of all devices together then lie on no grid, but those of each do, without any scatter.
+Ranges of all devices together then lie on no grid, but those of each do, without any scatter; or
+those of one alone, whose firmware is an older one.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.physics.comb import EXACT, Comb, comb
+from bench.physics.comb import EXACT, STEPS_M, Comb, comb
 from bench.physics.units import Floats
 
 ENDS = ("tx", "rx")
-FEWEST = 12  # ranges of a device that differ: on a grid of any step by chance in one of e^9
-MOST = 0.5  # of all rows, that must be of devices with a grid: else it is no firmware's
+FEWEST = 6  # ranges of a device that differ: of fewer any lie on some grid
+GRID_NATS = 20.0  # against ranges on a grid by chance: of some 1 000 steps and 40 devices, 1e-4
+LEAST_PRINT_M = 1e-6  # less is how numbers are stored
+POINT_NATS = 3.5  # of a range, at most: coherent ones lie within 1.5 % of a step of its points
 
 
 def device_combs(
@@ -29,7 +32,7 @@ def device_combs(
     for end in (one for one in ENDS if one in frame):
         names = frame[end].astype(str).to_numpy(object)
         found = _of_end(names, measured_m, plain_m, links)
-        if len(found) > 1 and _coarse(found) > _coarse(best[1]):
+        if found and _coarse(found) > _coarse(best[1]):
             best = end, found
     return best
 
@@ -42,22 +45,31 @@ def _coarse(found: dict[str, Comb]) -> float:
 def _of_end(
     names: NDArray[np.object_], measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]
 ) -> dict[str, Comb]:
-    """Return the grids that all ranges of devices lie on, by device; none where few have one."""
-    out, without = dict[str, Comb](), 0
-    every, counts = np.unique(names, return_counts=True)
-    for name in every[np.argsort(-counts, kind="stable")]:
-        mine = names == name
-        grid = _of_device(measured_m[mine], plain_m[mine], links[mine])
-        if grid is not None:
-            out[str(name)] = grid
-        elif (without := without + int(mine.sum())) >= (1 - MOST) * len(names):
-            return {}  # whatever the others have
-    return out
+    """Return the grids that all ranges of devices lie on, by device; those without are left out."""
+    mine = {str(name): names == name for name in np.unique(names)}
+    print_m = _print_m(measured_m)
+    made = {n: _of_device(measured_m[m], plain_m[m], links[m], print_m) for n, m in mine.items()}
+    return {name: grid for name, grid in made.items() if grid is not None}
 
 
-def _of_device(measured_m: Floats, plain_m: Floats, links: NDArray[np.intp]) -> Comb | None:
-    """Return the grid that all ranges [n] of one device lie on, None without one."""
-    if len(np.unique(measured_m)) < FEWEST:
+def _print_m(measured_m: Floats) -> float:
+    """Return what ranges [n] of all devices differ by at least, as they are printed, in metres."""
+    gaps = np.diff(np.unique(measured_m))
+    return float(gaps[gaps > LEAST_PRINT_M].min(initial=STEPS_M[1]))
+
+
+def _of_device(
+    measured_m: Floats, plain_m: Floats, links: NDArray[np.intp], print_m: float
+) -> Comb | None:
+    """Return the grid that all ranges [n] of one device lie on, None without one.
+
+    Of ranges that are printed to centimetres one in five lies on a grid of five by chance.
+    """
+    differ = len(np.unique(measured_m))
+    if differ < FEWEST:
         return None
     grid = comb(measured_m, plain_m, np.unique(links, return_inverse=True)[1])
-    return grid if grid is not None and grid.coherence > EXACT[0] else None
+    if grid is None or grid.coherence <= EXACT[0]:
+        return None
+    each = min(float(np.log(max(grid.step_m / print_m, 1.0))), POINT_NATS)
+    return grid if (differ - 1) * each > GRID_NATS else None

@@ -41,6 +41,7 @@ from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
 from bench.physics.effects.fitted.wall_delay import WallDelay
 from bench.physics.effects.propagation.antenna_pattern import heading_rad
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.slabs import crossed
 
 Floats = NDArray[np.float64]
@@ -127,12 +128,22 @@ def _of_walls(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
     return tuple(effect.values()), lambda rows, left, _: delays_of_kinds(walls[rows], left[rows])
 
 
+def _of_grids(view: View, effect: Effect) -> tuple[tuple[str, ...], Values]:
+    """Return the grid of all, found again; steps of devices as they are: their ranges are on it."""
+    assert isinstance(effect, RangeRounding)
+    if not effect.steps_m:
+        return _refitted(view, effect)
+    steps_m = np.array([*effect.values().values()])
+    return tuple(effect.values()), lambda _, __, ___: steps_m
+
+
 # How values are estimated that are fitted by code of ours; other effects are fitted again.
 ESTIMATORS: Mapping[type[Effect], Callable[[View, Effect], tuple[tuple[str, ...], Values]]] = {
     DeviceClock: _of_clocks,
     DeviceDelay: _of_delays,
     PowerCurve: _of_levels,
     PatternCurve: _of_headings,
+    RangeRounding: _of_grids,
     WallDelay: _of_walls,
 }
 

@@ -28,7 +28,7 @@ def over_forms(
         moved = once_more(comparison, view, (*beside, effect), effect)
         made = {one.name: one for one in intervals_of(comparison, view, beside, moved)}
         found = tuple(_spanning(one, made.get(one.name, one), effect) for one in found)
-    return (*found, *_of_its_own(effect))
+    return (*found, *_of_its_own(effect, found))
 
 
 def _others_as_likely(others: Added) -> list[Added]:
@@ -50,12 +50,17 @@ def _spanning(
     return replace(one, low=low, high=high, determined=bool(one.determined and known))
 
 
-def _of_its_own(effect: Effect) -> Estimates:
-    """Return the parameters in which its forms differ, where these are not told apart."""
-    forms, out = effect.forms_as_likely(), []
-    for item in effect.parameters() if forms else ():
-        values = [float(getattr(form, item.name)) for form in (effect, *forms)]
-        if len(set(values)) > 1:
+def _of_its_own(effect: Effect, found: Estimates) -> Estimates:
+    """Return the parameters of the form of a mark beside those that were found.
+
+    Not determined where forms are not told apart; else where they are not as by default.
+    """
+    known = {one.name.partition("[")[0] for one in found}
+    forms, out = (effect, *effect.forms_as_likely()), []
+    for item in effect.parameters() if type(effect).marked else ():
+        values = [float(getattr(form, item.name)) for form in forms]
+        told = len(set(values)) == 1
+        if item.name not in known and not (told and values[0] == item.default):
             span = (item.name, values[0], min(values), max(values), item.unit)
-            out.append(ParameterEstimate(*span, determined=False))
+            out.append(ParameterEstimate(*span, determined=told))
     return tuple(out)

@@ -124,10 +124,13 @@ def _missing_m2(search: Search, added: Added, bare: Added) -> float:
 
 
 def _rounded(rows: View, effect: Effect) -> tuple[RangeRounding, Floats] | None:
-    """Return a rounding and the recorded ranges [n], in metres, that it acts on, else None."""
-    if not isinstance(effect, RangeRounding) or not effect.step_m or "range_m" not in rows.frame:
+    """Return a rounding of all and the recorded ranges [n], in metres, that it acts on, else None.
+
+    Of devices with steps of their own all ranges lie on these: nothing is coarser.
+    """
+    if not isinstance(effect, RangeRounding) or not effect.step_m or effect.steps_m:
         return None
-    return effect, numeric(rows.frame, "range_m")
+    return (effect, numeric(rows.frame, "range_m")) if "range_m" in rows.frame else None
 
 
 def own_grids_m(rows: View, effect: Effect) -> float:

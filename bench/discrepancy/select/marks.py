@@ -71,18 +71,20 @@ def _borne(search: Search, effect: Effect) -> bool:
 def _matters(search: Search, effect: Effect) -> bool:
     """Return whether what an effect does to ranges is no small part of how rows of a link scatter.
 
-    What links keep by themselves, such as a delay, is not found yet and hides no rounding.
+    To those that it moves at all, which may be of one device of many. What links keep by
+    themselves, such as a delay, is not found yet and hides no rounding.
     """
     made, bare = (
         search.comparison.ensemble(search.sharpest, some, RESIDUAL_MEMBERS)
         for some in ((effect,), ())
     )
     change = made.simulated_of(RANGE) - bare.simulated_of(RANGE)
+    moved = change[:, (np.abs(change) > 0).any(axis=0)]
     left = bare.residual_of(RANGE)
     links = pd.Series(left).groupby(search.sharpest.links)
     within = (left - links.transform("median"))[links.transform("count") > 1]
     own = MAD_TO_STD * float(np.nanmedian(np.abs(within if len(within) else left)))
-    return float(np.nanstd(change)) > MARK_SHARE * own
+    return bool(moved.size) and float(np.nanstd(moved)) > MARK_SHARE * own
 
 
 def seen_first(state: State, located: Located) -> State:

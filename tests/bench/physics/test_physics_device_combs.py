@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 
 from bench.physics.base import Base
+from bench.physics.comb import comb
+from bench.physics.device_combs import _of_device
 from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -59,11 +61,41 @@ def test_devices_that_scatter_after_have_no_grids() -> None:
     assert RangeRounding.fit_values(table, left) is None
 
 
-def test_one_device_with_a_grid_is_no_rounding_of_all() -> None:
+def test_one_device_with_a_grid_rounds_and_the_others_do_not() -> None:
     table, plain = rows(SAME, ORIGINS), rows(SAME, ORIGINS, 0.02)
     table.loc[OF != 2, "range_m"] = plain["range_m"][OF != 2]
-    left = table["range_m"].to_numpy() - table["true_range_m"].to_numpy()
-    assert RangeRounding.fit_values(table, left) is None
+    read, true = (table[name].to_numpy() for name in ("range_m", "true_range_m"))
+    made = RangeRounding.fit_values(table, read - true)
+    assert isinstance(made, RangeRounding)
+    assert (made.of, made.lean) == ("rx", -0.5)
+    assert made.values() == pytest.approx({"step_m[a2]": 0.13})
+    given = scene(table.drop(columns=["range_m"]))
+    whole, bare = (
+        np.asarray(Simulator(Base(), some, 0).observe(given, 0, cir=False).range_m)
+        for some in ((made,), ())
+    )
+    assert np.array_equal(whole[OF != 2], bare[OF != 2])
+    place = (whole[OF == 2] - ORIGINS[2]) / SAME[2]
+    assert np.abs(place - np.rint(place)).max() < 0.01
+
+
+def test_places_of_few_links_do_not_hide_an_exact_grid() -> None:
+    rng = np.random.default_rng(5)
+    links = np.repeat(np.arange(6), 20)
+    true = rng.uniform(3, 15, 6)[links]
+    for kind in ("cut", "free"):
+        read = true + rng.normal(0, 0.02, len(links))
+        read = np.floor(read / 0.1) * 0.1 if kind == "cut" else read
+        made = comb(read, true + rng.normal(0, 0.02, len(links)), links)
+        assert (made is not None and made.step_m == pytest.approx(0.1)) == (kind == "cut")
+
+
+def test_centimetres_lie_on_a_grid_of_five_by_chance() -> None:
+    rng, links = np.random.default_rng(0), np.arange(12)
+    read = 0.05 * rng.choice(np.arange(60, 260), 12, replace=False)
+    plain = read + rng.normal(0, 0.05, 12)
+    assert _of_device(read, plain, links, 0.01) is None
+    assert _of_device(read, plain, links, 0.0001) is not None
 
 
 def test_what_is_printed_to_centimetres_has_no_grids_of_devices() -> None:

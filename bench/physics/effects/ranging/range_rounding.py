@@ -24,6 +24,7 @@ LEAST_ORIGIN = 1e-6  # of a step: less is how numbers are stored
 CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step; steps that are
 # half filled, as a bit that is stuck leaves them, have 2 / pi
 SAME_STEP = 0.1  # by which two steps may differ, of their size, that one firmware prints
+LEAN_CHI2 = 2 * 3.0  # another way of rounding is as likely that is within 3 nats
 COARSER = 2.0  # steps of devices over that of all: else they are its own
 GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
 REFERENCE_M = 10.0  # of even steps, which are the same everywhere
@@ -38,10 +39,11 @@ class RangeRounding(Effect):
     one of them. `lean` -0.5 cuts down to the grid, 0.5 up. `early` 1: rounded before the other
     effects on the range act, as where a host corrects what firmware printed. It is fitted by the
     grid itself (see `bench.physics.comb`): where none is seen, there is no rounding that matters.
-    `devices` at the end `of` have `steps_m` and `origins_m` of their own; `step_m` is then what
-    they scatter by in the mean square. Or they have `leans` of their own. Steps grow as the range
-    to the power of `growth`, and are of `step_m` at `reference_m`. `untold`: other leans that
-    recordings, of which it was fitted, do not tell from its own; they change nothing here.
+    `devices` at the end `of` have `steps_m` and `origins_m` of their own, 0 where they do not
+    round; `step_m` is then what they scatter by in the mean square. Or they have `leans` of their
+    own. Steps grow as the range to the power of `growth`, and are of `step_m` at `reference_m`.
+    `untold`: other leans that recordings, of which it was fitted, do not tell from its own; they
+    change nothing here.
     """
 
     name = "range-rounding"
@@ -93,9 +95,9 @@ class RangeRounding(Effect):
             return batch
         step, origin = self._grids(batch.rows)
         even = evened(np.asarray(batch.range_m), self.growth, self.reference_m)
-        number = np.rint((even - origin) / step + self._leans(batch.rows))
-        made = unevened(number * step + origin, self.growth, self.reference_m)
-        return altered(batch, range_m=made)
+        number = np.rint((even - origin) / np.where(step > 0, step, 1) + self._leans(batch.rows))
+        made = np.where(step > 0, number * step + origin, even)
+        return altered(batch, range_m=unevened(made, self.growth, self.reference_m))
 
     def place(self, range_m: Floats) -> Floats:
         """Return the number of the grid's point that is nearest to ranges [n]."""
@@ -115,10 +117,9 @@ class RangeRounding(Effect):
         """Return step and origin for every row [n], in metres."""
         if not self.steps_m:
             return np.full(len(rows), self.step_m), np.full(len(rows), self.origin_m)
-        own, origin = (
-            at_end(rows, self.of, self.devices, values) for values in (self.steps_m, self.origins_m)
-        )
-        return np.where(own > 0, own, self.step_m), np.where(own > 0, origin, self.origin_m)
+        every = ((1.0,) * len(self.devices), self.steps_m, self.origins_m)
+        listed, own, origin = (at_end(rows, self.of, self.devices, values) for values in every)
+        return np.where(listed, own, self.step_m), np.where(listed, origin, self.origin_m)
 
     def _leans(self, rows: Scene) -> Floats:
         """Return the lean of every row [n], in steps: of devices that are not listed the common."""
@@ -128,7 +129,12 @@ class RangeRounding(Effect):
         return np.where(listed, at_end(rows, self.of, self.devices, self.leans), self.lean)
 
     def forms(self) -> tuple[Effect, ...]:
-        """Return it to the nearest, down and up: a constant apart; and as devices lean."""
+        """Return it to the nearest, down and up: a constant apart; and as devices lean.
+
+        Of devices with steps of their own their mean tells, beside that of the others.
+        """
+        if self.steps_m:
+            return (self,)
         if not self.leans:
             return tuple(replace(self, lean=lean) for lean in LEANS)
         alike = replace(self, of="", devices=(), leans=())
@@ -136,6 +142,8 @@ class RangeRounding(Effect):
 
     def not_told_from(self, alike: tuple[Effect, ...]) -> Effect:
         """Return it with the leans of other forms, which differ from it by a constant."""
+        if self.steps_m:
+            return self
         others = [one for one in alike if isinstance(one, RangeRounding) and not one.leans]
         leans = {one.lean for one in others if replace(one, lean=self.lean) == self}
         return replace(self, untold=tuple(sorted(leans - {self.lean})))
@@ -153,7 +161,7 @@ class RangeRounding(Effect):
         """Return step and origin of the grid in metres; of devices the step of each."""
         if self.steps_m:
             pairs = zip(self.devices, self.steps_m, strict=True)
-            return {f"step_m[{device}]": step for device, step in pairs}
+            return {f"step_m[{device}]": step for device, step in pairs if step}
         return {"step_m": self.step_m, "origin_m": self.origin_m} if self.step_m else {}
 
     @classmethod
@@ -265,14 +273,27 @@ def _by_device(
     if not found:
         return None
     names = frame[end].astype(str).to_numpy(object)
-    steps = {name: grid.step_m for name, grid in found.items()}
-    mine = np.isin(names, list(steps))
-    step = np.array([steps[name] for name in names[mine]])
+    steps = {str(n): found[n].step_m if n in found else 0.0 for n in np.unique(names)}
+    origins = (found[name].origin_m if name in found else 0.0 for name in steps)
+    step = np.array([steps[name] for name in names])
+    mine = step > 0
     codes = np.unique(links[mine], return_inverse=True)[1]
-    lean = _lean((measured_m - plain_m)[mine] / step, codes)
-    typical, made = float(np.sqrt(np.mean(step**2))), tuple(found.values())
-    own = tuple(grid.step_m for grid in made), tuple(grid.origin_m for grid in made)
-    return RangeRounding(typical, 0.0, lean, 0, end, tuple(found), *own)
+    lean, untold = _leans_of((measured_m - plain_m)[mine] / step[mine], codes)
+    scatter_m, own = float(np.sqrt(np.mean(step**2))), (tuple(steps.values()), tuple(origins))
+    return RangeRounding(scatter_m, 0.0, lean, 0, end, tuple(steps), *own, untold=untold)
+
+
+def _leans_of(off_steps: Floats, links: NDArray[np.intp]) -> tuple[float, tuple[float, ...]]:
+    """Return the lean nearest to the mean of what is off [n], in steps, and others as likely.
+
+    What rounding leaves of a link that stands still is anything within half a step.
+    """
+    mean = np.bincount(links, off_steps) / np.bincount(links)
+    error = max(float(np.std(mean)), np.sqrt(1 / 12)) / np.sqrt(len(mean))
+    off = {lean: abs(float(mean.mean()) - lean) / error for lean in LEANS}
+    best = min(off, key=lambda lean: off[lean])
+    near = {lean for lean in LEANS if off[lean] ** 2 < off[best] ** 2 + LEAN_CHI2}
+    return best, tuple(sorted(near - {best}))
 
 
 def _lean(off_steps: Floats, links: NDArray[np.intp]) -> float:
