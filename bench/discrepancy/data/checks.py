@@ -16,6 +16,7 @@ from bench.discrepancy.data.settings import (
     SAME_RANGE_M,
     SAMPLE_PERIOD_NS,
     SHORTEST_MEDIAN_RANGE_M,
+    SIGN_TURNED,
     STUCK_APART_M,
     STUCK_ROWS,
     TURNS,
@@ -182,11 +183,22 @@ def _check_units(frame: pd.DataFrame, source: str) -> None:
         ratio = float(np.nanmedian(measured_m / truth)) if np.isfinite(measured_m).any() else 1.0
     if ratio > UNIT_MISTAKE or 0 < ratio < 1 / UNIT_MISTAKE:
         raise BenchError(f"{source}: range_m is {ratio:.3g} times true_range_m: expected metres")
+    if ratio < 0 and _falls(measured_m, truth):
+        raise BenchError(
+            f"{source}: range_m is below zero and falls where true_range_m grows: expected "
+            "distances in metres (is its sign turned?)"
+        )
     _check_positions(frame, source)
     check_truth(frame, source)
     period = typical(frame, "sample_period_ns")
     if not SAMPLE_PERIOD_NS[0] <= period <= SAMPLE_PERIOD_NS[1]:
         raise BenchError(f"{source}: sample_period_ns is {period:.4g}: expected nanoseconds")
+
+
+def _falls(measured_m: NDArray[np.float64], truth_m: NDArray[np.float64]) -> bool:
+    """Return whether measured ranges [n] go down as true ones go up; a long delay keeps them up."""
+    known = np.isfinite(measured_m) & np.isfinite(truth_m)
+    return bool(pd.Series(measured_m[known]).corr(pd.Series(truth_m[known])) < SIGN_TURNED)
 
 
 def _check_positions(frame: pd.DataFrame, source: str) -> None:

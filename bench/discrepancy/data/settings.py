@@ -7,6 +7,7 @@ from typing import Final
 LONGEST_MEDIAN_RANGE_M: Final = 500.0  # [source] UWB at -41.3 dBm/MHz is not heard so far
 SHORTEST_MEDIAN_RANGE_M: Final = 0.02  # [derived] shorter than an antenna: kilometres were meant
 UNIT_MISTAKE: Final = 300.0  # [derived] measured / true: mistakes of units are by 1000
+SIGN_TURNED: Final = -0.5  # [convention] correlation of negative ranges with true ones
 SAME_PERIOD: Final = 0.05  # of a sample period, up to which two tables have the same [convention]
 SAMPLE_PERIOD_NS: Final = (0.2, 5.0)  # [source] receivers sample at 0.2 to 5 GS/s
 LOUDEST_DBM: Final = 10.0  # [source] UWB is sent at -14 dBm: what is received is far below

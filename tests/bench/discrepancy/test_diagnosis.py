@@ -221,6 +221,7 @@ def _bad(**changes) -> Recordings:
         (lambda: _bad(error_m=np.nan, range_m=np.nan), "no truth"),
         (lambda: _bad(true_range_m=5000.0), "expected metres"),
         (lambda: _bad(range_m=5e6), "expected metres"),
+        (lambda: _bad(range_m=-_recorded().frame["true_range_m"]), "is its sign turned"),
         (lambda: _bad(time_s=np.arange(384)[::-1] * 1.0), "backwards"),
         (lambda: _bad(range_m=7.0, true_range_m=np.linspace(3, 9, 384)), "receiver that is stuck"),
         (lambda: replace(_recorded(), frame=_recorded().frame.iloc[:0]), "no rows"),

@@ -1,0 +1,37 @@
+"""What crystals do beside standing still, in words: their offsets change over hours or degrees."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bench.discrepancy.settings import SHOWN_VALUES
+from bench.physics.effect import Effect
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.text import significant
+
+
+def slope_lines(effect: Effect) -> list[str]:
+    """Return how offsets of devices change, a line each over hours and over degrees, if at all.
+
+    Beside the median device, as offsets are: only differences act. They have no intervals.
+    """
+    if not isinstance(effect, DeviceClock):
+        return []
+    changes = (
+        (effect.drifts_ppm_per_hour, "ppm per hour", f"time_s = {effect.reference_s:g}"),
+        (effect.slopes_ppm_per_c, "ppm per degC", f"{effect.reference_c:g} degC"),
+    )
+    return [_line(effect.devices, *one) for one in changes if one[0] and np.ptp(one[0]) > 0]
+
+
+def _line(devices: tuple[str, ...], values: tuple[float, ...], unit: str, where: str) -> str:
+    """Return the largest changes of some devices, beside the median one."""
+    beside = np.asarray(values) - np.median(values)
+    first = np.argsort(-np.abs(beside), kind="stable")[:SHOWN_VALUES]
+    shown = ", ".join(f"{devices[i]} {significant(float(beside[i]), 3)}" for i in first)
+    more = len(devices) - len(first)
+    rest = f" and {more} more in diagnosis.json" if more > 0 else ""
+    return (
+        f"  - offsets change, in {unit} beside the median device (fitted, without intervals): "
+        f"{shown}{rest}; offsets are those at {where}"
+    )

@@ -1,0 +1,20 @@
+"""Crystals whose offsets change are said to, with their slopes."""
+
+from __future__ import annotations
+
+from bench.discrepancy.report.clock_words import slope_lines
+from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.ranging.range_scale import RangeScale
+
+
+def test_slopes_over_degrees_and_hours_are_said_beside_the_median_device() -> None:
+    devices, zeros = ("a", "b", "t"), (0.0, 0.0, 0.0)
+    steady = DeviceClock(devices, (0.1, 0.2, 0.3), zeros)
+    assert slope_lines(steady) == slope_lines(RangeScale()) == []
+    slopes = (-0.125, 0.0, 0.25)
+    (warm,) = slope_lines(DeviceClock(devices, zeros, zeros, slopes_ppm_per_c=slopes))
+    assert "ppm per degC beside the median device" in warm
+    assert "t 0.25, a -0.125, b 0; offsets are those at 25 degC" in warm
+    (late,) = slope_lines(DeviceClock(devices, zeros, (0.0, 0.5, 0.0), reference_s=60.0))
+    assert "ppm per hour" in late
+    assert "b 0.5" in late
