@@ -40,7 +40,7 @@ def undone(
     for gone in (able, *((one,) for one in able if len(able) > 1)):
         kept = tuple(effect for effect in found.added if effect not in gone)
         alone = proposed(search, gathered(search.comparison, views, kept)) if gone else None
-        if alone is None or any(has_form(type(one), search.discover, alone) for one in gone):
+        if alone is None or does_the_same(search, gone, alone):
             continue
         if leads(alone, rest if after else _about_constant(rest), after, gone):
             return without_names(found, kept), alone
@@ -141,6 +141,15 @@ def leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added)
     lead = alone.best.nats - library
     both = lead - (max(after.best.nats, 0.0) if after else 0.0)
     return lead >= LAW_INSTEAD_NATS and both >= -LAW_TIED_NATS
+
+
+def does_the_same(search: Search, named: Added, alone: Proposal) -> bool:
+    """Return whether a law is one that a named effect has itself: a constant of one device, say.
+
+    Fewer constants are then no other physics: the values of the others are about nothing.
+    """
+    kinds = (search.kinds.get(effect.physics, type(effect)) for effect in named)
+    return any(has_form(kind, search.discover, alone) for kind in kinds)
 
 
 def without_names(found: Selection, kept: Added) -> Selection:

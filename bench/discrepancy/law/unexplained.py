@@ -12,6 +12,7 @@ from bench.discrepancy.law.found import FoundLaw, SetupFault
 from bench.discrepancy.law.gather import gathered, proposed
 from bench.discrepancy.law.instead import (
     calms,
+    does_the_same,
     effect_of,
     leads,
     narrowed,
@@ -110,7 +111,7 @@ def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
         return beside
     struck = [effect for effect in named if type(effect).strikes]
     better = calms(search, kept, alone) if struck else leads(alone, rest, after, named)
-    if not better:
+    if not better or (not struck and does_the_same(search, named, alone)):
         return beside
     narrower = None if struck else narrowed(search, found, alone, views)
     if narrower is not None:

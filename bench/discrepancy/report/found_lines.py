@@ -13,7 +13,7 @@ from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
 from bench.discrepancy.locate.hypotheses import Cell
 from bench.discrepancy.locate.permutation_test import Finding
-from bench.discrepancy.report.clock_words import slope_lines
+from bench.discrepancy.report.beside_values import beside_values
 from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.parameters import detectable_line, parameter_lines
 from bench.discrepancy.select.remainder import beyond_names
@@ -165,7 +165,7 @@ def _option_lines(option: LeftOut, does: Mapping[str, str]) -> list[str]:
     if not option.tried:
         return [*out, f"  - {option.note}: it has no values and no evidence of its own"]
     out += [f"  - {option.note}"] if option.note else []
-    out += parameter_lines(option.parameters, type(effect)) + slope_lines(effect)
+    out += parameter_lines(option.parameters, type(effect)) + beside_values(effect)
     if not option.parameters:
         out += [f"  - {_short(effect)}"]
     out += [f"  - {option.judged}: {option.gain}"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,8 +17,9 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.verdicts import LEFT_OF_RANGES, LEFT_OF_WAVES
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.select.candidates import library, offered
-from bench.discrepancy.select.state import Search, Selection
+from bench.discrepancy.select.state import Round, Search, Selection
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
+from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
 from tests.bench.discrepancy.numpy_tables import tables
 
@@ -80,6 +82,32 @@ def test_of_what_is_named_a_law_is_another_curve() -> None:
     named = LeftOut(RangeScale(), (), Estimate(1.0, 0.9, 1.1), 1.0, Control("", None))
     said = words_of(scaled, "", (named,))
     assert said.startswith("a law of the form of range-scale, which is named: its curve")
+
+
+def of_one(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:
+    return np.where(frame["tx"] == "d2", 0.2, 0.0)
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_a_delay_of_one_device_stays_a_delay(monkeypatch: pytest.MonkeyPatch, same: bool) -> None:
+    """The law of one device has fewer constants than the delays of all, and is one of these."""
+    if not same:
+        monkeypatch.setattr("bench.discrepancy.law.unexplained.does_the_same", lambda *_: False)
+    recorded, simulated = tables(5, of_one)
+    frame, codes = recorded.frame, link_codes(recorded.frame)
+    parts = [np.flatnonzero(codes % 3 == part) for part in range(2)]
+    views = [view(frame, codes, rows, Window(), None, False) for rows in parts]
+    kinds = offered(library()[0], frame, False, False)[0]
+    search = Search(TableComparison(simulated.frame, Window()), views[0], views[1], kinds, 0)
+    devices = tuple(f"d{i}" for i in range(11))
+    noise = np.random.default_rng(0).normal(0, 0.1, 11)
+    delays = DeviceDelay(devices, tuple(noise + np.where(np.arange(11) == 2, 1.34, 0.0)))
+    named = LeftOut(delays, (), Estimate(1.0, 0.9, 1.1), 1.0, Control("", None))
+    unknown = Unknown((), Estimate(1.0, 0.9, 1.1), {}, LEFT_OF_WAVES)
+    explained = SimpleNamespace(contenders=(), removable=Estimate(1.0, 0.9, 1.1))
+    turn = Round(SimpleNamespace(findings=()), explained, delays)  # type: ignore[arg-type]
+    made = weighed(search, Selection((named, unknown), (delays,), (turn,)))
+    assert (made.instead is None) is same
 
 
 def bent(frame: pd.DataFrame, _: np.random.Generator) -> np.ndarray:

@@ -1,10 +1,13 @@
-"""Crystals whose offsets change are said to, with their slopes."""
+"""Beside listed values: slopes of crystals, and of which walls delays and losses are."""
 
 from __future__ import annotations
 
-from bench.discrepancy.report.clock_words import slope_lines
+from bench.discrepancy.report.beside_values import beside_values, slope_lines
 from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.wall_delay import WallDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
+from bench.physics.materials import obstacle
+from bench.physics.slabs import UNLISTED
 
 
 def test_slopes_over_degrees_and_hours_are_said_beside_the_median_device() -> None:
@@ -18,3 +21,11 @@ def test_slopes_over_degrees_and_hours_are_said_beside_the_median_device() -> No
     (late,) = slope_lines(DeviceClock(devices, zeros, (0.0, 0.5, 0.0), reference_s=60.0))
     assert "ppm per hour" in late
     assert "b 0.5" in late
+
+
+def test_delays_say_how_thick_their_walls_are_and_what_these_lose() -> None:
+    walls = WallDelay(("brick", UNLISTED), (0.14, 0.2), (5.5, 0.0))
+    thick, lost = beside_values(walls)
+    assert thick.endswith(f"as thick as: brick {obstacle('brick').thickness_m:.3g} m")
+    assert f"brick 5.5 dB, {UNLISTED} 0 dB" in lost
+    assert beside_values(RangeScale()) == []

@@ -1,4 +1,4 @@
-"""What crystals do beside standing still, in words: their offsets change over hours or degrees."""
+"""What values leave unsaid: how crystals change, of which walls delays and losses are."""
 
 from __future__ import annotations
 
@@ -7,7 +7,29 @@ import numpy as np
 from bench.discrepancy.settings import SHOWN_VALUES
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.wall_delay import WallDelay
+from bench.physics.materials import obstacle
+from bench.physics.slabs import UNLISTED
 from bench.text import significant
+
+
+def beside_values(effect: Effect) -> list[str]:
+    """Return lines about what an effect does beside the values that it lists, none of most."""
+    return [*slope_lines(effect), *wall_lines(effect)]
+
+
+def wall_lines(effect: Effect) -> list[str]:
+    """Return of how thick an obstacle delays are, and what one loses; none of other effects."""
+    if not isinstance(effect, WallDelay):
+        return []
+    listed = [kind for kind in effect.kinds if kind != UNLISTED]
+    thick = ", ".join(f"{kind} {significant(obstacle(kind).thickness_m, 3)} m" for kind in listed)
+    losses = zip(effect.kinds, effect.losses_db, strict=False)
+    lost = ", ".join(f"{kind} {significant(loss, 3)} dB" for kind, loss in losses)
+    return [
+        *([f"  - delays are of one obstacle at a right angle, as thick as: {thick}"] * bool(thick)),
+        *([f"  - one loses besides (fitted, without intervals): {lost}"] * bool(lost)),
+    ]
 
 
 def slope_lines(effect: Effect) -> list[str]:
