@@ -13,6 +13,7 @@ from bench.physics.effects.ranging.law import Law, with_constants
 from bench.text import significant
 
 FAULT, LAW = "a fault of the set-up", "a law"
+UNNAMED = ", which is not named: "  # between an effect and why it is not said
 
 
 def _in_words(unit: str) -> str:
@@ -112,11 +113,12 @@ class FoundLaw:
         return f"; not excluded: {rival.words}" if rival else ""
 
     def __str__(self) -> str:
-        what = f"{LAW} of the form of {self.of_library}"
-        what = what if self.of_library else f"{LAW} without a name"
+        name, _, why = self.of_library.partition(UNNAMED)
+        what = f"{LAW} of the form of {name}" if name else f"{LAW} without a name"
         what = FAULT if self.fault else what
+        unnamed = f" ({name} is not named: {why})" if why and not self.fault else ""
         other = f"; and another beside it: {self.beside.words}" if self.beside else ""
-        return f"{what}: {self.words}; looks like: {self.looks_like}{other}"
+        return f"{what}: {self.words}; looks like: {self.looks_like}{unnamed}{other}"
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import View
+from bench.discrepancy.law.found import UNNAMED
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import material
 from bench.discrepancy.law.search import Proposal
@@ -44,7 +45,7 @@ def form_words(search: Search, found: Selection, law: Proposal, detectors: bool)
     notes = (one.note for one in found.verdicts if isinstance(one, Unknown))
     refused = [note for note in notes if any(name in note for name in names)]
     why = next(iter(refused), OF_DETECTORS if detectors else NOT_ALONE)
-    return f"{' or '.join(names)}, which is not named: {why}"
+    return f"{' or '.join(names)}{UNNAMED}{why}"
 
 
 def has_form(kind: type[Effect], rows: View, law: Proposal, logged: bool = False) -> bool:

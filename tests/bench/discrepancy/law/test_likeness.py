@@ -15,6 +15,7 @@ from bench.discrepancy.compare.view import Added, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint.verdicts import LEFT_OF_RANGES, LEFT_OF_WAVES
+from bench.discrepancy.law.likeness import NOT_ALONE
 from bench.discrepancy.law.unexplained import borne_out, weighed
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.state import Round, Search, Selection
@@ -69,13 +70,14 @@ def test_a_law_says_of_which_effects_form_it_is(
     hidden: Callable[[pd.DataFrame, np.random.Generator], np.ndarray], name: str
 ) -> None:
     said = words_of(hidden, "")
-    start = f"a law of the form of {name}, which is not named: it" if name else "a law without a"
-    assert said.startswith(start)
+    assert said.startswith(f"a law of the form of {name}: " if name else "a law without a name: ")
+    assert said.endswith(f" ({name} is not named: {NOT_ALONE})") == bool(name)
 
 
 def test_a_law_says_why_the_effect_of_its_form_was_refused() -> None:
     said = words_of(scaled, "range-scale gains most, but it is there too in rows at one place")
-    assert "range-scale, which is not named: range-scale gains most" in said
+    assert said.startswith("a law of the form of range-scale: error = ")
+    assert "(range-scale is not named: range-scale gains most" in said
 
 
 def test_of_what_is_named_a_law_is_another_curve() -> None:
