@@ -22,7 +22,7 @@ from bench.discrepancy.compare.crps import LIKELIHOOD, Estimate, cluster_bootstr
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
-from bench.discrepancy.select.settings import FEWEST_SEVERAL
+from bench.discrepancy.select.settings import FEWEST_SEVERAL, MOST_STRUCK
 from bench.discrepancy.select.shared_variance import shared_variance
 from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
 from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
@@ -157,8 +157,33 @@ def strike(
 def _one(
     comparison: Comparison, view: View, added: Added, kind: type[Effect]
 ) -> tuple[Strike, float] | None:
-    """Return a kind of effect with its evidence and penalised log likelihood."""
+    """Return a kind of effect with its evidence and penalised log likelihood.
+
+    Where nearly all links seem struck, a delay or a scale moves them all: what strikes is asked
+    beside what most of them have in common.
+    """
     seen = offsets(comparison, view, added, kind)
+    found = _beside(comparison, view, added, kind, seen)
+    if found is None or len(found[0].struck) <= MOST_STRUCK * len(seen.links):
+        return found
+    common = replace(seen, offset_m=seen.offset_m - _in_common(seen.offset_m))
+    beside = _beside(comparison, view, added, kind, common)
+    return beside and (beside[0], beside[1] - float(np.log(len(seen.links)) / 2))  # of a constant
+
+
+def _in_common(offset_m: Floats) -> float:
+    """Return the middle of the shortest stretch that half of the offsets [L] lie in, in metres."""
+    ordered = np.sort(offset_m)
+    half = (len(ordered) + 1) // 2
+    wide = ordered[half - 1 :] - ordered[: len(ordered) - half + 1]
+    first = int(np.argmin(wide))
+    return float(ordered[first] + ordered[first + half - 1]) / 2
+
+
+def _beside(
+    comparison: Comparison, view: View, added: Added, kind: type[Effect], seen: Offsets
+) -> tuple[Strike, float] | None:
+    """Return the same for the offsets of links as they are `seen`."""
     bare = comparison.ensemble(view, added, OFFSET_MEMBERS // 2, OFFSET_FIRST)
     sizes = {
         size: struck_m(comparison, view, added, kind, size, seen, bare) for size in sizes_of(kind)

@@ -9,6 +9,7 @@ from typing import Final
 
 # --- Rows of one link are alike (select/adequacy) -------------------------------------------------
 FEWEST_SEVERAL: Final = 12  # links of several rows, to say whether they are alike [convention]
+MOST_STRUCK: Final = 0.8  # of links: where more seem struck, all are moved [convention]
 KIND_LINKS: Final = 4  # with another number of a kind of obstacle, to say what one adds [derived]
 SEVERAL_ROWS: Final = 2.0  # of a link, in the mean, to say what they have in common [derived]
 OF_LINKS_SHARE: Final = 0.5  # of a mismatch of levels, that rows of a link must have in common

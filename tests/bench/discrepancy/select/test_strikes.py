@@ -69,6 +69,26 @@ def test_a_few_struck_links_are_found_and_counted():
     assert len(found.struck) == 3
 
 
+@pytest.mark.parametrize("struck", [0, 20])
+def test_what_moves_all_links_strikes_none_of_them(struck: int) -> None:
+    """A delay and a scale of 0.3 to 0.8 m leave no link calm; some are blocked beside it, or none.
+
+    Which ways are clear is not told.
+    """
+    rows = _recorded(0, 0.0)
+    rng, code = np.random.default_rng(2), np.unique(rows.links, return_inverse=True)[1]
+    detours = np.where(rng.permutation(LINKS) < struck, 0.8 + rng.exponential(1.0, LINKS), 0.0)
+    true = rows.frame["true_range_m"].to_numpy()
+    error = rows.frame["error_m"].to_numpy() + 0.25 + 0.03 * true + detours[code]
+    frame = rows.frame.assign(error_m=error, range_m=true + error).drop(columns="los")
+    links, every = link_codes(frame), np.arange(len(frame))
+    moved = view(frame, links, every, Window(), ("error_m",), False)
+    found = strike(WORLD, moved, (), (), KINDS)
+    assert (found is not None) is (struck > 0)
+    if found is not None:
+        assert set(found.struck) == set(links[detours[code] > 0])
+
+
 def test_no_evidence_where_nothing_struck():
     assert strike(WORLD, _recorded(0, 0.0), (), (), KINDS) is None
 
