@@ -6,7 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.physics.effects.ranging.range_rounding import RangeRounding, evened, unevened
+from bench.physics.effects.ranging.range_rounding import (
+    GROWTHS,
+    RangeRounding,
+    evened,
+    unevened,
+)
 
 TRUE_M = np.random.default_rng(1).uniform(3, 40, 300)
 PLAIN_M = TRUE_M + 0.03 * np.random.default_rng(2).normal(size=300)
@@ -39,6 +44,13 @@ def test_logarithms_in_whole_steps_are_found() -> None:
     assert found.step_at(np.array([10.0]))[0] == pytest.approx(0.1, rel=0.02)
 
 
+def test_squares_in_whole_steps_are_found() -> None:
+    found = _found(np.sqrt(3.0 * np.rint(PLAIN_M**2 / 3.0)))
+    assert found is not None
+    assert found.growth == -1.0
+    assert found.step_at(np.array([10.0]))[0] == pytest.approx(3.0 / (2 * 10.0), rel=0.02)
+
+
 def test_even_steps_stay_even_and_scatter_is_no_grid() -> None:
     found = _found(0.15 * np.rint(PLAIN_M / 0.15))
     assert found is not None
@@ -47,5 +59,5 @@ def test_even_steps_stay_even_and_scatter_is_no_grid() -> None:
 
 
 def test_scales_lead_back() -> None:
-    for growth in (0.0, 0.5, 1.0):
+    for growth in GROWTHS:
         assert unevened(evened(TRUE_M, growth, 7.0), growth, 7.0) == pytest.approx(TRUE_M)

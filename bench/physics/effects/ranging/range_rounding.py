@@ -26,7 +26,7 @@ CLEAR = 0.75  # coherence of a grid whose points scatter by an eighth of a step;
 SAME_STEP = 0.1  # by which two steps may differ, of their size, that one firmware prints
 LEAN_CHI2 = 2 * 3.0  # another way of rounding is as likely that is within 3 nats
 COARSER = 2.0  # steps of devices over that of all: else they are its own
-GROWTHS = (0.0, 0.5, 1.0)  # even steps; codes of roots and of logarithms, as of compressed words
+GROWTHS = (0.0, 0.5, 1.0, -1.0)  # even steps; codes of roots, of logarithms and of squares
 REFERENCE_M = 10.0  # of even steps, which are the same everywhere
 LEAST_M = 1e-3  # of a range, of which a logarithm is taken
 
@@ -67,7 +67,9 @@ class RangeRounding(Effect):
     origins_m: tuple[float, ...] = ()
     leans: tuple[float, ...] = ()
     untold: tuple[float, ...] = ()
-    growth: float = parameter(0.0, "1", 0, 1, "0: even steps, 1: steps in proportion to ranges")
+    growth: float = parameter(
+        0.0, "1", -1, 1, "0: even steps, 1: steps in proportion to ranges, -1: to their inverse"
+    )
     reference_m: float = parameter(
         REFERENCE_M, "m", 1e-3, 1e4, "range at which steps are of `step_m`"
     )
