@@ -61,18 +61,24 @@ def rows_off(ensemble: Ensemble) -> float:
 
     A blocked path stays blocked: all rows of a link are struck alike. Where devices move its detour
     changes, so a row is off a link that is itself off only by half of that. Of links of three rows.
+    Beyond the share of simulated rows: what is rounded to a coarse step jumps by one.
     """
     code = np.unique(ensemble.links, return_inverse=True)[1]
+    left = ensemble.versions_of(RANGE) - ensemble.simulated_of(RANGE).mean(axis=0)
+    recorded, *simulated = (_share_off(one, code) for one in left)
+    return max(recorded - float(np.mean(simulated)), 0.0) if simulated else recorded
+
+
+def _share_off(left: Floats, code: NDArray[np.intp]) -> float:
+    """Return the same of one version, of what is left of its rows [n] in metres."""
     several = (np.bincount(code) > 2)[code]
-    left = ensemble.residual_of(RANGE)
     own = link_medians(left[None], code)[0][code]
     off, changes = np.abs(left - own)[several], np.abs(own)[several] / 2
     if not len(off):
         return 0.0
     within = MAD_TO_STD * float(np.nanmedian(off))
-    return float(
-        np.mean(off > np.maximum(changes, max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)))
-    )
+    least = max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)
+    return float(np.mean(off > np.maximum(changes, least)))
 
 
 def rows_beyond(ensemble: Ensemble) -> int:

@@ -72,6 +72,16 @@ def test_detours_strike_links_and_jumps_strike_rows() -> None:
     assert rows_off(ensemble(rng.normal(0, 0.1, 300), 0.022)) < 0.02
 
 
+def test_rows_that_jump_by_a_step_as_simulated_ones_do_are_not_off() -> None:
+    rng = np.random.default_rng(4)
+    true = rng.uniform(3, 20, 60)[LINKS]
+    errors = 0.5 * np.rint((true + rng.normal(0, 0.04, (13, 300))) / 0.5) - true
+    both = Ensemble(("error_m",), ("m",), errors[..., None], LINKS)
+    assert rows_off(both) < 0.01
+    alone = np.concatenate([errors[:1], rng.normal(0, 0.04, (12, 300))])
+    assert rows_off(Ensemble(("error_m",), ("m",), alone[..., None], LINKS)) > 0.02
+
+
 def test_where_rows_of_a_link_scatter_as_simulated_nothing_scatters_them() -> None:
     rng = np.random.default_rng(4)
     steady_rows = rng.normal(0, 0.03, 300) + rng.normal(0, 0.1, 60)[LINKS]  # links differ alone
