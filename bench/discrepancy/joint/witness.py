@@ -32,8 +32,13 @@ Floats = NDArray[np.float64]
 
 
 def rows_jump(made: Ensemble, struck: NDArray[np.bool_]) -> bool:
-    """Return whether rows lie off their links more often than so many struck ones [L] explain."""
-    return bool(rows_off(made) > ROWS_STRUCK_SHARE * struck.mean())
+    """Return whether rows lie off their links more often than so many struck ones [L] explain.
+
+    Those of the others, which nothing stands before: of a first path that is weak noise decides,
+    row by row, how late it is found.
+    """
+    spared = ~struck[np.unique(made.links, return_inverse=True)[1]]
+    return bool(spared.any() and rows_off(made.rows(spared)) > ROWS_STRUCK_SHARE * struck.mean())
 
 
 def read_long(offset_m: Floats, struck: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -257,6 +257,16 @@ def test_links_that_read_long_are_struck_though_waveforms_find_few_of_them() -> 
     assert not rows_jump(made, few | all_long)
 
 
+def test_rows_of_struck_links_may_jump_as_noise_finds_weak_first_paths_late() -> None:
+    rng, links = np.random.default_rng(2), np.repeat(np.arange(30), 5)
+    struck = np.arange(30) < 9
+    ranges = 0.01 * rng.normal(size=(3, 150))
+    ranges[0] += np.where(struck[links], 0.4 + rng.exponential(0.4, 150), 0.0)
+    assert not rows_jump(Ensemble(("error_m",), ("m",), ranges[..., None], links), struck)
+    ranges[0] += np.where(rng.random(150) < 0.2, 0.6, 0.0)  # rows of all links do
+    assert rows_jump(Ensemble(("error_m",), ("m",), ranges[..., None], links), struck)
+
+
 def test_one_odd_link_strikes_no_others() -> None:
     mixture = Mixture(Statistics(*compared(recordings(()))), (), ObstructedPath)
     assert mixture.begun
