@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +81,8 @@ def strike_beside(
     None where neither says more than these or nothing, or links are not as one struck.
     """
     able = [kind for kind in kinds if kind.strikes is not None]
-    given = _known(Statistics(comparison, rows), able)
     bases = list(dict.fromkeys(((), added)))
+    given = _known(Statistics(comparison, rows), able, bases)
     shared = [_common(given, base) for base in bases]
     common = max(shared)
     found = [one for kind in able if (one := _found(given, bases, kind))]
@@ -137,15 +138,18 @@ def least_nats(explained: float, found: Found, seen: float) -> float:
     return max(NAME_NATS, share) + found.mixture.by_chance(found.best)
 
 
-def _known(given: Statistics, kinds: Sequence[type[Effect]]) -> Statistics:
-    """Return the statistics that every kind of strike leaves known, however hard."""
-    for kind in kinds:
+def _known(given: Statistics, kinds: Sequence[type[Effect]], bases: Sequence[Added]) -> Statistics:
+    """Return the statistics that every kind of strike leaves known, however hard.
+
+    Beside every base: what is rounded to coarse steps loses the weak paths of struck links.
+    """
+    for kind, base in product(kinds, bases):
         assert kind.strikes is not None
         share, size = kind.strikes
         item = next(p for p in kind.parameters() if p.name == size)
         for point in (STRIKE_POINTS[0], STRIKE_HARD):
             value = between(item, item.low, item.high, point)
-            given = given.knowing((valued(kind, {share: 1.0, size: value}),))
+            given = given.knowing((*base, valued(kind, {share: 1.0, size: value})))
     return given
 
 

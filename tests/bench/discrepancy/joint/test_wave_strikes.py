@@ -19,6 +19,7 @@ from bench.discrepancy.joint.settings import CLASS_NATS, NAME_NATS, NAME_SHARE
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strikes import (
+    _known,
     as_often_short,
     but_devices,
     by_one,
@@ -265,6 +266,21 @@ def test_rows_of_struck_links_may_jump_as_noise_finds_weak_first_paths_late() ->
     assert not rows_jump(Ensemble(("error_m",), ("m",), ranges[..., None], links), struck)
     ranges[0] += np.where(rng.random(150) < 0.2, 0.6, 0.0)  # rows of all links do
     assert rows_jump(Ensemble(("error_m",), ("m",), ranges[..., None], links), struck)
+
+
+def test_strikes_are_weighed_by_what_is_known_beside_effects_too() -> None:
+    """A coarse quantisation loses the weak paths of struck links, and with them an observable."""
+    coarse: Added = (PathLoss(),)
+    asked: set[Added] = set()
+
+    class Given:
+        def knowing(self, added: tuple[Effect, ...]) -> Given:
+            asked.add(added[:-1])
+            assert isinstance(added[-1], ObstructedPath)
+            return self
+
+    _known(Given(), [ObstructedPath], [(), coarse])  # type: ignore[arg-type]
+    assert asked == {(), coarse}
 
 
 def test_one_odd_link_strikes_no_others() -> None:
