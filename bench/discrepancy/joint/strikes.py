@@ -58,6 +58,7 @@ from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
+from bench.errors import BenchError
 from bench.physics.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -141,7 +142,7 @@ def least_nats(explained: float, found: Found, seen: float) -> float:
 def _known(given: Statistics, kinds: Sequence[type[Effect]], bases: Sequence[Added]) -> Statistics:
     """Return the statistics that every kind of strike leaves known, however hard.
 
-    Beside every base: what is rounded to coarse steps loses the weak paths of struck links.
+    Beside every base, too: what is rounded to coarse steps loses the weak paths of struck links.
     """
     for kind, base in product(kinds, bases):
         assert kind.strikes is not None
@@ -149,8 +150,17 @@ def _known(given: Statistics, kinds: Sequence[type[Effect]], bases: Sequence[Add
         item = next(p for p in kind.parameters() if p.name == size)
         for point in (STRIKE_POINTS[0], STRIKE_HARD):
             value = between(item, item.low, item.high, point)
-            given = given.knowing((*base, valued(kind, {share: 1.0, size: value})))
+            struck = valued(kind, {share: 1.0, size: value})
+            given = _knowing(given, (*base, struck)) if base else given.knowing((struck,))
     return given
+
+
+def _knowing(given: Statistics, added: Added) -> Statistics:
+    """Return the statistics that effects leave known; all where they leave nothing to compare."""
+    try:
+        return given.knowing(added)
+    except BenchError:  # then nothing is struck beside them
+        return given
 
 
 def _common(given: Statistics, added: Added) -> float:
