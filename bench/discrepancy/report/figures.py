@@ -187,7 +187,8 @@ def ladder_figure(axes: Axes, diagnosis: Diagnosis) -> None:
     judged = [place for place in range(len(steps)) if place not in scored]
     if scored or not steps:
         _gains(axes, steps, scored, AFTER)
-        axes.set_xlabel("gain on held-out links (nats of log CRPS); marks: others in its place")
+        marks = "; marks: others in its place" * any(len(steps[place]) > 1 for place in scored)
+        axes.set_xlabel(f"gain on held-out links (nats of log CRPS){marks}")
     if judged:
         likely = axes.twiny() if scored else axes
         _gains(likely, steps, judged, RECORDED)

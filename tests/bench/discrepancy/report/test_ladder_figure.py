@@ -39,6 +39,15 @@ def test_one_unit_has_one_axis() -> None:
     assert "likelihood" in likelihood.get_xlabel()
 
 
+def test_marks_are_promised_where_there_are_any() -> None:
+    (alone,) = _axes(_turn("delay", 0.9, "nats"))
+    turn, other = _turn("delay", 0.9, "nats"), _turn("clock", 0.5, "nats")
+    turn.explanation.contenders += other.explanation.contenders
+    (both,) = _axes(turn)
+    assert "marks" not in alone.get_xlabel()
+    assert "marks: others in its place" in both.get_xlabel()
+
+
 def test_the_first_step_stands_on_top() -> None:
     low, high = _axes(_turn("first", 0.9, "nats"), _turn("second", 0.4, "nats"))[0].get_ylim()
     assert low > high
