@@ -119,16 +119,23 @@ class RangeRounding(Effect):
         """Return step and origin for every row [n], in metres."""
         if not self.steps_m:
             return np.full(len(rows), self.step_m), np.full(len(rows), self.origin_m)
-        every = ((1.0,) * len(self.devices), self.steps_m, self.origins_m)
-        listed, own, origin = (at_end(rows, self.of, self.devices, values) for values in every)
+        own, origin = (
+            at_end(rows, self.of, self.devices, values) for values in (self.steps_m, self.origins_m)
+        )
+        listed = self._listed(rows)
         return np.where(listed, own, self.step_m), np.where(listed, origin, self.origin_m)
+
+    def _listed(self, rows: Scene) -> NDArray[np.bool_]:
+        """Return which rows [n] are of a device that is listed."""
+        ones = (1.0,) * len(self.devices)
+        return np.asarray(at_end(rows, self.of, self.devices, ones) > 0)
 
     def _leans(self, rows: Scene) -> Floats:
         """Return the lean of every row [n], in steps: of devices that are not listed the common."""
         if not self.leans:
             return np.full(len(rows), self.lean)
-        listed = at_end(rows, self.of, self.devices, (1.0,) * len(self.devices)) > 0
-        return np.where(listed, at_end(rows, self.of, self.devices, self.leans), self.lean)
+        own = at_end(rows, self.of, self.devices, self.leans)
+        return np.where(self._listed(rows), own, self.lean)
 
     def forms(self) -> tuple[Effect, ...]:
         """Return it to the nearest, down and up: a constant apart; and as devices lean.
@@ -144,8 +151,6 @@ class RangeRounding(Effect):
 
     def not_told_from(self, alike: tuple[Effect, ...]) -> Effect:
         """Return it with the leans of other forms, which differ from it by a constant."""
-        if self.steps_m:
-            return self
         others = [one for one in alike if isinstance(one, RangeRounding) and not one.leans]
         leans = {one.lean for one in others if replace(one, lean=self.lean) == self}
         return replace(self, untold=tuple(sorted(leans - {self.lean})))
