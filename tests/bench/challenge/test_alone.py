@@ -7,17 +7,18 @@ import pytest
 
 from bench.challenge.alone import shift_of
 from bench.challenge.cases import Case, drawn_of, make_case, recorded_with
-from bench.challenge.families.vineyard_wave_effects import OF_RANGES
+from bench.challenge.families.ropewalk_wave_effects import OF_RANGES
 
-FAMILY = ("vineyard",)
+FAMILY = ("ropewalk",)
 
 
 @pytest.fixture(scope="module")
 def both() -> Case:
-    """The first case with waveforms that hides a clock's offset beside a changed waveform."""
+    """The first case with waveforms that hides a clock's large offset beside a changed waveform."""
     for number in range(1, 1500, 2):
         turn, drawn = drawn_of(number, 5, FAMILY)
         wanted = "clock-offset" in drawn.hidden and len(drawn.hidden) == 2
+        wanted = wanted and drawn.strength >= 1.0
         if turn.mode == "CIR" and wanted and {*drawn.hidden} - {*OF_RANGES}:
             return make_case(number, 5, FAMILY)
     raise AssertionError("no such case")

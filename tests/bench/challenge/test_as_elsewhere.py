@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard", "ropewalk",
+    "shipyard", "ropewalk", "planetarium",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -48,6 +48,7 @@ OWN = {
     "breadworks": "cams-worn-between-stands",
     "shipyard": "drums-roll-on-thinner-flanges",
     "ropewalk": "strands-harden-and-draw-sledges-sooner",
+    "planetarium": "ushers-walk-a-heptagon",
 }
 ALIKE = [
     (family, name)
@@ -138,6 +139,11 @@ OWN_PARTS = {
         "late-sizes-follow-at-a-winchs-pace": (0.1, 0.6),
         "late-sizes-left-as-places-among-sevens": (0.1, 0.6),
     },
+    "planetarium": {
+        "late-sizes-told-as-magnitudes-of-stars": (0.1, 0.6),
+        "late-half-shown-before-the-other": (0.1, 0.6),
+        "late-sizes-held-from-fibonacci-on": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -210,6 +216,13 @@ FAULTS = {
         "annexe-rebuilt-askew-since-the-survey", "north-row-taped-from-the-outer-face",
         "answers-booked-to-who-answers-next", "hemp-dust-hangs-by-the-hackles",
         "strut-shoved-by-a-bale-truck",
+    ),
+    "planetarium": (
+        "planets-driven-by-an-equant", "moons-slip-on-their-wheels", "ushers-walk-a-heptagon",
+        "wires-sag-under-comets", "trolleys-roll-back", "places-read-off-a-tape-that-wows",
+        "dome-swells-in-the-sun", "bearings-from-magnetic-north", "heights-taped-along-the-dome",
+        "answers-smoothed-as-they-come", "weak-answers-told-as-the-last",
+        "haze-gathers-under-the-dome", "cove-leant-on-by-a-ladder",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -27,11 +27,11 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
 WITH_BOTH = (
-    "foundry", "garage", "vineyard", "crag",
+    "foundry", "garage", "crag",
     "chairlift", "atrium", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
-    "ropewalk",
+    "ropewalk", "planetarium",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

@@ -23,6 +23,7 @@ from bench.challenge.families import (
     manege_handset,
     observatory_plate,
     opera_console,
+    planetarium_almanac,
     printworks_console,
     ropewalk_telltale,
     roundhouse_recorder,
@@ -56,6 +57,7 @@ OF_ITS_OWN = {
     "breadworks": {"kind", "toward", "into_s"},
     "shipyard": {"bears", "begins", "into_s"},
     "ropewalk": {"heads", "turn", "into_s"},
+    "planetarium": {"bears", "sense", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -87,6 +89,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (breadworks_balance.kneading, breadworks_balance.OF_SIZES, -0.2),
         (shipyard_lookout.surf, shipyard_lookout.OF_SIZES, -0.2),
         (ropewalk_telltale.creaking, ropewalk_telltale.OF_SIZES, -0.2),
+        (planetarium_almanac.starlight, planetarium_almanac.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -123,6 +126,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (breadworks_balance.loaves, breadworks_balance.proved_later, 0.02),
         (shipyard_lookout.combers, shipyard_lookout.hove_to, 0.02),
         (ropewalk_telltale.tufts, ropewalk_telltale.strung_out, 0.02),
+        (planetarium_almanac.glows, planetarium_almanac.set_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
