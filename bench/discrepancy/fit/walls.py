@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from bench.discrepancy.compare.residual_range import residual_range
 from bench.discrepancy.compare.view import Added, Comparison, View, common
-from bench.discrepancy.data.observables import LEVEL
+from bench.discrepancy.data.observables import LEVEL, REPORTED_LEVELS
 from bench.discrepancy.fit.least_squares import robust
 from bench.discrepancy.fit.settings import WALL_PRIOR_DB, WALL_PRIOR_M, WALL_TURNS
 from bench.discrepancy.settings import RESIDUAL_MEMBERS
@@ -44,20 +44,40 @@ def wall_delay(comparison: Comparison, view: View, added: Added) -> WallDelay | 
 def of_every_kind(
     comparison: Comparison, view: View, added: Added, effect: MaterialDelay
 ) -> MaterialDelay | None:
-    """Return an effect on waveforms with delays of every kind of obstacle's own, as ranges say.
+    """Return an effect on waveforms with every kind of obstacle's own delays and losses.
 
-    What it weakens a receiver may find later, too: delays are what is left beside that, so they are
-    sought in turns. None without obstacles or ranges.
+    Losses as levels say, delays as ranges: what is weakened a receiver may find later, too, so they
+    are sought in turns, delays beside the losses. None without obstacles or ranges.
     """
     kinds = kinds_crossed(view.scene)
     walls, delays = crossed(view.scene, kinds), np.zeros(len(kinds))
-    found = replace(effect, delay_scale=1.0, kinds=kinds, delays_m=tuple(delays.tolist()))
+    bare = replace(effect, delay_scale=1.0, kinds=kinds, delays_m=(0.0,) * len(kinds))
+    found = _with_losses(comparison, view, added, bare)
     for _ in range(WALL_TURNS):
         made = residual_range(comparison, view, common((*added, found), view), RESIDUAL_MEMBERS)
         if not kinds or made is None:
             return None
         delays = delays_of_kinds(walls, made[1] + walls @ delays)
         found = replace(found, delays_m=tuple(delays.tolist()))
+    return found
+
+
+def _with_losses(
+    comparison: Comparison, view: View, added: Added, effect: MaterialDelay
+) -> MaterialDelay:
+    """Return an effect on waveforms with what one obstacle of every kind takes of first paths.
+
+    As levels of first paths say, else of all that arrives, in turns. Unchanged where none is known.
+    """
+    kinds, walls = effect.kinds, crossed(view.scene, effect.kinds)
+    found = replace(effect, loss_scale=1.0, losses_db=(0.0,) * len(kinds))
+    for _ in range(WALL_TURNS):
+        made = comparison.ensemble(view, (*added, found), RESIDUAL_MEMBERS)
+        level = next((name for name in reversed(REPORTED_LEVELS) if name in made.names), None)
+        if level is None:
+            return effect
+        left = made.residual_of(level) - walls @ np.array(found.losses_db)
+        found = replace(found, losses_db=_losses(view, kinds, left))
     return found
 
 

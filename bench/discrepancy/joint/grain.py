@@ -18,6 +18,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
@@ -158,10 +159,23 @@ class Grain:
         power = np.mean([magnitude**2 for magnitude, _ in self.samples(rest)], axis=0)
         return growing(added_of(self.recorded, power, self.given))
 
-    def samples(self, added: Added) -> list[Samples]:
+    def steadies(self, effects: Added, rest: Added) -> bool:
+        """Return whether late samples are surely as alike as a set with more at one delay has them.
+
+        Not as in the `rest`, as fitted by itself: none of what that has is alike in all rows.
+        """
+        more = [effect for effect in effects if effect.name not in {one.name for one in rest}]
+        if self.recorded is None or not any(type(one).at_one_delay for one in more):
+            return False
+        grain, error = self._of_recorded
+        (after, sure), (before, other) = self._simulated(effects), self._simulated(rest)
+        wide = np.sqrt(error**2 + sure**2 + other**2)
+        return in_part((grain - before) / wide, (after - before) / wide) >= NAME_NATS
+
+    def samples(self, added: Added, members: int = GRAIN_MEMBERS) -> list[Samples]:
         """Return the samples of simulated versions."""
         given, effects = self.given, (*self.given.beside, *added)
-        numbers = range(GRAIN_MEMBERS)
+        numbers = range(members)
         made = (simulated_samples(given.comparison, given.rows, effects, n) for n in numbers)
         return [one for one in made if one is not None]
 
@@ -173,6 +187,16 @@ class Grain:
             return np.mean(every, axis=0), np.std(every, axis=0, ddof=1) / np.sqrt(len(every))
 
         return self._seen.get(added, made)
+
+
+def in_part(left: Floats, whole: Floats) -> float:
+    """Return the nats by which figures that are `left` are a part of the `whole`, any as likely.
+
+    Rather than nothing of it; both in standard errors.
+    """
+    parts = np.linspace(0, 1, 11)[:, None]
+    each = 0.5 * (left**2 - (left - parts * whole) ** 2).sum(axis=1)
+    return float(logsumexp(each) - np.log(len(parts)))
 
 
 def grain_of(samples: Samples, given: Statistics) -> Figures:
@@ -244,10 +268,12 @@ def added_of(recorded: Samples, power: Floats, given: Statistics) -> Floats:
 def growing(added: Floats) -> bool:
     """Return whether surely more is added in any later stretch than in an earlier one [L, s].
 
-    Where less than nothing is added early, more than nothing must be added late.
+    Where less than nothing is added early, more than nothing must be added late; what is added
+    early is as unsure as links differ in it, there too.
     """
     for early, late in combinations(added.T, 2):
         step = late - (GROWN_TIMES * early if early.mean() > 0 else 0.0)
-        if step.mean() > GROWN_ERRORS * step.std() / np.sqrt(len(step)):
+        error = (late - GROWN_TIMES * early).std() / np.sqrt(len(late))
+        if step.mean() > GROWN_ERRORS * error:
             return True
     return False

@@ -1,13 +1,14 @@
-"""Sets of effects grow by one effect at a time: which larger ones are worth a fit."""
+"""Where sets of effects begin, and how they grow by one at a time: which are worth a fit."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.joint.polish import Fit, key_of
+from bench.discrepancy.joint.polish import Fit, key_of, likeliest
 from bench.discrepancy.joint.screen import Screen
 from bench.discrepancy.joint.settings import GROWN, NAME_NATS
+from bench.discrepancy.joint.statistics import Statistics
 
 Fits = Mapping[frozenset[str], Fit]
 
@@ -33,3 +34,17 @@ def all_used(fit: Fit, known: Fits) -> bool:
     """
     less = [known.get(key_of(fit.effects) - {name}) for name in fit.names]
     return all(fit.nats > one.nats - NAME_NATS for one in less if one)
+
+
+def begun(given: Statistics, tries: Sequence[Added]) -> tuple[Statistics, Fit | None]:
+    """Return the likeliest of some sets, and the statistics that are known beside it.
+
+    A coarse rounding leaves nothing of weak samples, so no level of them: where no set leaves all
+    statistics known, those that every one leaves known.
+    """
+    found = likeliest(given, tries)
+    if found is None:
+        for effects in tries:
+            given = given.knowing(effects)
+        found = likeliest(given, tries)
+    return given, found

@@ -14,15 +14,16 @@ from collections.abc import Iterable, Sequence
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.joint.agreement import brings_its_own
 from bench.discrepancy.joint.apart import beside_a_gain, brought_alone, logged, refuted, unlogged
+from bench.discrepancy.joint.beneath import beneath
 from bench.discrepancy.joint.chance import by_chance
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.curve import beside_own_curve
 from bench.discrepancy.joint.form import beyond_forms, of_form, scatters_more
 from bench.discrepancy.joint.grain import Grain
-from bench.discrepancy.joint.growth import larger
+from bench.discrepancy.joint.growth import begun, larger
 from bench.discrepancy.joint.nested import Nested
 from bench.discrepancy.joint.plainer import flat_gain
-from bench.discrepancy.joint.polish import Fit, fitted, key_of, likeliest, polished
+from bench.discrepancy.joint.polish import Fit, fitted, key_of, polished
 from bench.discrepancy.joint.quiet import Quiet
 from bench.discrepancy.joint.remains import coloured, remains
 from bench.discrepancy.joint.screen import Screen
@@ -65,12 +66,12 @@ class Sets:
         struck: bool = False,
     ) -> None:
         self.struck = struck
-        self.given, begun = _begun(Statistics(comparison, rows), tries)
+        self.given, marked = begun(Statistics(comparison, rows), tries)
         bare = fitted(self.given, ())
         if bare is None:
             raise BenchError("nothing can be simulated at these rows")
         self.none = bare
-        self.start = begun or bare
+        self.start = marked or bare
         have = set(self.start.names)
         able = [kind for kind in kinds if kind.name not in have]
         some = Statistics(comparison, few).knowing(self.start.effects)
@@ -196,6 +197,8 @@ class Sets:
             beam = self._fit(larger(followed, self.fits, self.screen))
             if not beam or max(fit.nats for fit in beam) < known + NAME_NATS:
                 break
+        most = max(self.fits.values(), key=lambda fit: fit.nats)
+        self._fit(one for one in [beneath(self.grain, most.effects)] if one)
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in in_forks(lambda one: polished(self.given, one, steps), sets) if fit]
@@ -252,6 +255,8 @@ class Sets:
         if not formed and NAME_SHARE * whole <= NAME_NATS:
             return NAME_NATS
         if alone >= NAME_NATS or beside_a_gain(self.given, fit, rest, name):
+            return NAME_NATS
+        if self.grain.steadies(fit.effects, rest.effects):
             return NAME_NATS
         return float("inf") if formed else NAME_SHARE * whole
 
@@ -334,17 +339,3 @@ class Sets:
         """Return what may do the same as a member, of the effects that can be tried."""
         effect = next(one for one in fit.effects if one.name == name)
         return tuple(one for one in counterparts(effect) if one.name in self.screen.points)
-
-
-def _begun(given: Statistics, tries: Sequence[Added]) -> tuple[Statistics, Fit | None]:
-    """Return the likeliest of some sets, and the statistics that are known beside it.
-
-    A coarse rounding leaves nothing of weak samples, so no level of them: where no set leaves all
-    statistics known, those that every one leaves known.
-    """
-    begun = likeliest(given, tries)
-    if begun is None:
-        for effects in tries:
-            given = given.knowing(effects)
-        begun = likeliest(given, tries)
-    return given, begun

@@ -219,6 +219,23 @@ DENSE_SHARE: Final = 0.5  # of the power of a zone that was added, to say of how
 # made: half, of which a quarter shows [convention]
 GRAIN_ABOUT: Final = 4  # samples on both sides, over which a profile is smooth [convention]
 GRAIN_ALIKE: Final = 3.0  # samples that a pulse makes alike, which count once [derived]
+BENEATH_DELAYS_NS: Final = (
+    3.0,
+    5.0,
+    8.0,
+    12.0,
+)  # of a ringing beside a tail, where its fit begins:
+BENEATH_DECAYS_NS: Final = (
+    0.01,
+    2.0,
+    4.0,
+    6.0,
+    8.0,
+    10.0,
+)  # one echo, and what rings on [convention]
+BENEATH_DB: Final = 2.0  # by which both are weaker there than each would be [convention]
+BENEATH_LEAST: Final = 0.15  # of a late power that is alike in all rows, to begin with [convention]
+BENEATH_ABOUT: Final = 2  # samples on both sides, over which it is smooth [convention]
 PULSE_NS: Final = 2.0  # so long a pulse rises, and falls [derived]
 GROWTH_NS: Final = (14.0, 30.0, 46.0, 62.0, 78.0, 94.0, 110.0)  # stretches of delay, of which later
 # ones must not have more of what dies away: past the build-up of a room [convention]

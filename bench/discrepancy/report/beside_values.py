@@ -8,6 +8,7 @@ from bench.discrepancy.settings import SHOWN_VALUES
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.wall_delay import WallDelay
+from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.materials import obstacle
 from bench.physics.slabs import UNLISTED
 from bench.text import significant
@@ -20,7 +21,7 @@ def beside_values(effect: Effect) -> list[str]:
 
 def wall_lines(effect: Effect) -> list[str]:
     """Return of how thick an obstacle delays are, and what one loses; none of other effects."""
-    if not isinstance(effect, WallDelay):
+    if not (isinstance(effect, WallDelay) or (isinstance(effect, MaterialDelay) and effect.kinds)):
         return []
     listed = [kind for kind in effect.kinds if kind != UNLISTED]
     thick = ", ".join(f"{kind} {significant(obstacle(kind).thickness_m, 3)} m" for kind in listed)

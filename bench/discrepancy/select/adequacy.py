@@ -130,7 +130,8 @@ def adequacy(
     if not views[0].waveform and (words := link_by_link(whole, rest)):
         return Adequacy(False, 1.0, note=words)
     parts = kept(whole, names), kept(rest, names)
-    found = judged(*parts, places, np.stack(weights, 1), crowding)
+    around = bool(type(effect).logged_as)  # noise is made by whatever runs there
+    found = judged(*parts, places, np.stack(weights, 1), crowding, around)
     if not found.adequate or not views[0].waveform:
         return found
     return brought(*parts, [(cell, place_weight(views, cell.place)) for cell in wanted])
@@ -218,15 +219,20 @@ def _part(share: float) -> str:
 
 
 def judged(
-    whole: Ensemble, rest: Ensemble, places: tuple[Place, ...], weights: Floats, crowding: float
+    whole: Ensemble,
+    rest: Ensemble,
+    places: tuple[Place, ...],
+    weights: Floats,
+    crowding: float,
+    around: bool = False,
 ) -> Adequacy:
     """Return the adequacy of an effect that `whole` has and `rest` has not.
 
     Both are of the same rows and observables; `weights` [n, C] say which rows a place has. It is
     refused where what it leaves is beyond chance and a considerable share of its response in most
     of what it acts on; what it has cut down enough is not held against it: other causes may have
-    left the rest. Refused too where a covariate of no channel tells what is left, and where it
-    moves what did not differ.
+    left the rest. Refused too where a covariate of no channel tells what is left - but of what is
+    made `around` the radios - and where it moves what did not differ.
     """
     cells = response_cells(whole, rest, weights)
     cells = cells[0], cells[1] / crowding, cells[2] / crowding
@@ -236,8 +242,9 @@ def judged(
     beyond = norm.isf(ADEQUACY_ALPHA / 2 / max(left[:, acts].size, 1))
     seen = (left > beyond) & (left > ADEQUACY_CUT * before) & acts
     told = told_by_places(whole, rest, weights) > beyond
+    elsewhere = None if around else _elsewhere(whole.names, places, cells, seen & told)
     return (
-        _elsewhere(whole.names, places, cells, seen & told)
+        elsewhere
         or _most(whole.names, places, cells, seen, acts)
         or _needless(whole.names, cells, acts)
         or Adequacy(True)

@@ -13,10 +13,11 @@ from bench.physics.effects.fitted.device_values import as_tuples
 from bench.physics.materials import excess_m, loss_db, material, obstacle
 from bench.physics.randomness import Draws
 from bench.physics.scene import Scene
-from bench.physics.slabs import crossed, of_kind, opaque, slabs, unlisted
+from bench.physics.slabs import UNLISTED, crossed, of_kind, opaque, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Floats
 
 TYPICAL_M = 0.1  # of one wall
+WALL = "wall"
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class MaterialDelay(Effect):
     between other paths too: they lose `spill` of its loss in dB. Nothing goes through metal and
     bodies: these block, and what goes around is `Diffraction`'s. Where `delays_m` say what one
     obstacle of each of `kinds` delays that is as thick as usual and hit at a right angle, in
-    metres, it delays so: tables name kinds, and neither make nor thickness.
+    metres, it delays so, and where `losses_db` say what it takes, in dB, it takes that: tables
+    name kinds, and neither make nor thickness.
     """
 
     name = "material-delay"
@@ -50,10 +52,12 @@ class MaterialDelay(Effect):
     spill: float = parameter(0, "ratio", 0, 1, "of a wall's loss that every other path has too")
     kinds: tuple[str, ...] = ()
     delays_m: tuple[float, ...] = ()
+    losses_db: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        as_tuples(self, kinds=None, delays_m=len(self.kinds))
+        losses = len(self.kinds) if self.losses_db else 0
+        as_tuples(self, kinds=None, delays_m=len(self.kinds), losses_db=losses)
 
     @classmethod
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
@@ -79,13 +83,20 @@ class MaterialDelay(Effect):
         whole = slabs(batch.rows, batch.centre_ghz, self.thickness_scale)
         delay_m, loss = (np.where(through, each, 0) for each in whole)
         wall_m, wall_loss = self._unlisted(batch)
-        common = self.spill * (
-            np.where(of_kind(batch.rows, "wall"), loss, 0).sum(axis=1) + wall_loss
-        )
-        alone = np.minimum((loss.sum(axis=1) + wall_loss) * self.loss_scale, 90.0)
+        of_walls = np.where(of_kind(batch.rows, WALL), loss, 0).sum(axis=1) + wall_loss
+        every, of_walls = self._losses_db(batch.rows, loss.sum(axis=1) + wall_loss, of_walls)
+        alone = np.minimum(every * self.loss_scale, 90.0)
         delay = self._delay_m(batch.rows, delay_m.sum(axis=1) + wall_m) / C_M_PER_NS
-        common = np.minimum(common * self.loss_scale, alone)
+        common = np.minimum(self.spill * of_walls * self.loss_scale, alone)
         return batch.louder(-common).direct_changed(alone - common, delay)
+
+    def _losses_db(self, rows: Scene, listed: Floats, of_walls: Floats) -> tuple[Floats, Floats]:
+        """Return what all obstacles take of each row [n], in dB, and what walls take of it."""
+        if not self.losses_db:
+            return listed, of_walls
+        each = crossed(rows, self.kinds) * np.array(self.losses_db)
+        walls = np.isin(self.kinds, (WALL, UNLISTED))
+        return each.sum(axis=1), each[:, walls].sum(axis=1)
 
     def _delay_m(self, rows: Scene, listed_m: Floats) -> Floats:
         """Return what obstacles delay each row [n]: `listed_m` by the tables if kinds are not."""

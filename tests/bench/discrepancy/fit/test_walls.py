@@ -12,6 +12,7 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.bootstrap import _exchanged, latent_values
 from bench.discrepancy.fit.walls import delays_of_kinds, of_every_kind, wall_delay
+from bench.discrepancy.report.beside_values import wall_lines
 from bench.errors import BenchError
 from bench.physics.base import Base
 from bench.physics.effects.fitted.wall_delay import WallDelay
@@ -116,3 +117,39 @@ def test_a_wall_of_which_ranges_told_delays_so_and_weakens_as_before() -> None:
     later = by_kind.range_m - open_way.range_m
     assert later == pytest.approx(crossed(rows, HIDDEN.kinds) @ HIDDEN.delays_m, abs=1e-3)
     assert by_kind.rx_power_dbm == pytest.approx(walls.rx_power_dbm)
+
+
+def test_beside_waveforms_levels_say_what_each_kind_takes() -> None:
+    """One scale of tabled losses would have brick take more than glass."""
+    frame = _frame()
+    made = Simulator(Base(), (HIDDEN,), 0).observe(scene(frame), 0, cir=False)
+    frame["first_path_power_dbm"] = made.first_path_power_dbm
+    names = ("error_m", "rx_power_dbm", "first_path_power_dbm")
+    rows = view(frame, link_codes(frame), np.arange(len(frame)), Window(), names, False)
+    comparison = Resimulation(SIMULATOR, Window())
+    found = of_every_kind(comparison, rows, (), MaterialDelay(loss_scale=3.0))
+    assert found is not None
+    assert found.loss_scale == 1.0
+    assert found.losses_db == pytest.approx(HIDDEN.losses_db, abs=0.3)
+    assert found.delays_m == pytest.approx(HIDDEN.delays_m, abs=0.01)
+
+
+def test_a_wall_of_which_levels_told_takes_that_of_the_straight_path() -> None:
+    rows = scene(_frame())
+    plain, told = (
+        Simulator(Base(), some, 0).observe(rows, 0, cir=False)
+        for some in (
+            (),
+            (MaterialDelay(kinds=HIDDEN.kinds, losses_db=(3.0, 6.0), delays_m=(0, 0)),),
+        )
+    )
+    assert plain.rx_power_dbm is not None
+    assert told.rx_power_dbm is not None
+    lost = plain.rx_power_dbm - told.rx_power_dbm
+    assert lost == pytest.approx(crossed(rows, HIDDEN.kinds) @ (3.0, 6.0), abs=1e-3)
+
+
+def test_the_report_says_what_walls_take_beside_waveforms() -> None:
+    told = MaterialDelay(kinds=HIDDEN.kinds, losses_db=(3.0, 6.0), delays_m=(0.1, 0.3))
+    assert any("brick 3 dB, glass 6 dB" in line for line in wall_lines(told))
+    assert not wall_lines(MaterialDelay())

@@ -107,6 +107,35 @@ def test_only_surely_more_than_there_was_has_grown():
     assert not growing(dies[:, ::-1] - 1.5)  # less and less is missing: nothing was added
 
 
+def test_what_is_added_late_has_not_grown_where_early_nobody_knows():
+    """Strong reflections of both sides leave early stretches unsure; SIMULATED links."""
+    rng = np.random.default_rng(5)
+    early = rng.normal(-0.2, 2.0, (90, 1))
+    late = 0.02 + 0.02 * rng.normal(size=(90, 1))
+
+    assert late.mean() > 5 * late.std() / np.sqrt(90)
+    assert not growing(np.hstack([early, late]))
+    assert growing(np.hstack([0.01 * early, 10 * late]))
+
+
+@pytest.mark.parametrize("rings", [True, False])
+def test_a_ringing_beneath_a_tail_is_alike_in_all_rows(monkeypatch, rings):
+    steady = 0.35 * np.exp(-np.maximum(DELAY, 0) / 25) * (DELAY > 3) * 1j
+    weaker = (TAIL, RINGING)
+
+    def simulated(comparison, rows, added, number):
+        rng = np.random.default_rng(100 + number)
+        more = steady if RINGING in added else 0.0
+        return _samples(_first(rng) + _tail(rng, 0.25, 25.0) + more)
+
+    recorded = _first(np.random.default_rng(1)) + _tail(np.random.default_rng(2), 0.25, 25.0)
+    shown = _samples(recorded + steady * rings)
+    monkeypatch.setattr(grain, "simulated_samples", simulated)
+    monkeypatch.setattr(grain, "recorded_samples", lambda *_: shown)
+    assert Grain(GIVEN).steadies(weaker, (TAIL,)) is rings
+    assert not Grain(GIVEN).steadies((TAIL,), ())
+
+
 def test_neither_colour_nor_level_is_grain():
     rng = np.random.default_rng(4)
     white = _wave(rng)
@@ -139,6 +168,13 @@ def _samples(wave):
 
 def _wave(rng):
     return rng.normal(size=(ROWS, len(DELAY))) + 1j * rng.normal(size=(ROWS, len(DELAY)))
+
+
+def _first(rng):
+    """Return a first path and a little noise [n, K]."""
+    made = 0.01 * _wave(rng)
+    made[:, BEFORE] += 1.0
+    return made
 
 
 def _echoes(rng):

@@ -48,6 +48,7 @@ def _judged(
     warming: float = 0.0,
     seed: int = 5,
     over: str = "temperature_c",
+    around: bool = False,
 ) -> Adequacy:
     """Return the adequacy of an effect that shifts means by `fitted`; the truth by `recorded`.
 
@@ -60,7 +61,7 @@ def _judged(
     whole = _ensemble(truth, np.tile(fitted, (rows, 1)), seed)
     rest = _ensemble(truth, np.zeros((rows, len(NAMES))), seed)
     weights = np.stack([np.ones(rows), trend], axis=1)
-    return judged(whole, rest, (Place(), Place(over, trend=True)), weights, 1.0)
+    return judged(whole, rest, (Place(), Place(over, trend=True)), weights, 1.0, around)
 
 
 def test_the_right_effect_in_another_form_is_adequate() -> None:
@@ -81,6 +82,11 @@ def test_a_trend_over_what_the_effect_does_not_know_is_not_left_unsaid() -> None
     found = _judged([0, 0, 0, -3], [0, 0, 0, -3], warming=-2.0)
     assert not found.adequate
     assert "as a trend over temperature_c" in found.where
+
+
+def test_noise_may_go_with_whatever_runs_around() -> None:
+    """A motor's current tells how much it disturbs: that is no other form of a path."""
+    assert _judged([0, 0, 0, -3], [0, 0, 0, -3], warming=-2.0, around=True).adequate
 
 
 def test_what_links_differ_by_anyway_is_told_by_no_covariate() -> None:
