@@ -9,13 +9,14 @@ how much of each late sample rings.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
+from operator import itemgetter
 
 import numpy as np
 
 from bench.discrepancy.compare.records import Samples
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.joint.grain import Grain, levels_of
 from bench.discrepancy.joint.quiet_moments import mean_known
 from bench.discrepancy.joint.settings import (
@@ -28,9 +29,11 @@ from bench.discrepancy.joint.settings import (
     GRAIN_ZONES_NS,
 )
 from bench.discrepancy.joint.statistics import Floats
-from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
+
+BEGUN = PulseRinging(ring_db=-10.0, on_top=1.0)
+QUIETEST_DB, LOUDEST_DB = -60.0, 6.0  # of a ringing, and a tail is no quieter
 
 
 def beneath(grain: Grain, effects: Added) -> Added | None:
@@ -44,7 +47,7 @@ def beneath(grain: Grain, effects: Added) -> Added | None:
     rest = tuple(one for one in effects if not isinstance(one, PulseRinging))
     bare = tuple(one for one in rest if one is not tail)
     ringing = _ringing(grain, bare, *_in_common(grain, rest))
-    weaker = revalued(tail, {"level_db": max(tail.level_db - BENEATH_DB, -60.0)})
+    weaker = replace(tail, level_db=max(tail.level_db - BENEATH_DB, QUIETEST_DB))
     return None if ringing is None else (*bare, weaker, ringing)
 
 
@@ -66,21 +69,25 @@ def _in_common(grain: Grain, rest: Added) -> tuple[Floats, Floats]:
     return recorded.mean(axis=0) * steady, steady
 
 
-def _ringing(grain: Grain, bare: Added, power: Floats, steady: Floats) -> Effect | None:
+def _ringing(grain: Grain, bare: Added, power: Floats, steady: Floats) -> PulseRinging | None:
     """Return the ringing whose mean late power beside the crest is most like `power` [K]."""
     if not steady.any():
         return None
-    alone, wanted = _mean_power(grain, bare), np.sqrt(power)
-    begun = PulseRinging(ring_db=-10.0, on_top=1.0)
-    found: list[tuple[float, Effect]] = []
+    alone, amplitude = _mean_power(grain, bare), np.sqrt(power)
+    found: list[tuple[float, PulseRinging]] = []
     for delay_ns, decay_ns in product(BENEATH_DELAYS_NS, BENEATH_DECAYS_NS):
-        one = revalued(begun, {"ring_delay_ns": delay_ns, "ring_decay_ns": decay_ns})
+        one = replace(BEGUN, ring_delay_ns=delay_ns, ring_decay_ns=decay_ns)
         more = np.sqrt(np.maximum(_mean_power(grain, (*bare, one)) - alone, 0)) * (steady > 0)
-        size = float(wanted @ more / max(float(more @ more), np.finfo(float).tiny))
-        level_db = begun.ring_db + 20 * np.log10(max(size, GRAIN_WEAKEST)) - BENEATH_DB
-        level_db = float(np.clip(level_db, -60, 6))
-        found.append((size * float(wanted @ more), revalued(one, {"ring_db": level_db})))
-    return max(found, key=lambda pair: pair[0])[1]
+        alike = float(amplitude @ more)
+        size = alike / max(float(more @ more), np.finfo(float).tiny)
+        found.append((size * alike, _louder(one, 20 * np.log10(max(size, GRAIN_WEAKEST)))))
+    return max(found, key=itemgetter(0))[1]
+
+
+def _louder(ringing: PulseRinging, by_db: float) -> PulseRinging:
+    """Return a ringing that is so much louder, less what the fit begins with less."""
+    level_db = ringing.ring_db + by_db - BENEATH_DB
+    return replace(ringing, ring_db=float(np.clip(level_db, QUIETEST_DB, LOUDEST_DB)))
 
 
 def _mean_power(grain: Grain, effects: Added) -> Floats:

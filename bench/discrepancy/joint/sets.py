@@ -47,6 +47,7 @@ from bench.errors import BenchError
 from bench.forked import in_forks
 from bench.physics.effect import Effect
 from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 
 
 class Sets:
@@ -197,8 +198,13 @@ class Sets:
             beam = self._fit(larger(followed, self.fits, self.screen))
             if not beam or max(fit.nats for fit in beam) < known + NAME_NATS:
                 break
+        self._fit_ringing()
+
+    def _fit_ringing(self) -> None:
+        """Fit the likeliest set with a ringing beneath its tail (`beneath`), if it has one."""
         most = max(self.fits.values(), key=lambda fit: fit.nats)
-        self._fit(one for one in [beneath(self.grain, most.effects)] if one)
+        able = PulseRinging.name in self.screen.points
+        self._fit(one for one in [beneath(self.grain, most.effects)] if one and able)
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in in_forks(lambda one: polished(self.given, one, steps), sets) if fit]
