@@ -25,7 +25,13 @@ from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
 from bench.discrepancy.select.settings import FEWEST_SEVERAL, MOST_STRUCK
 from bench.discrepancy.select.shared_variance import shared_variance
 from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
-from bench.discrepancy.select.within_links import as_loud, link_medians, rows_off, weakened
+from bench.discrepancy.select.within_links import (
+    as_loud,
+    coarsest_m,
+    link_medians,
+    rows_off,
+    weakened,
+)
 from bench.discrepancy.settings import (
     BEHIND_M,
     CALM_EXTRA_M,
@@ -200,7 +206,7 @@ def _beside(
     short = mixed.size < SHORTEST_DETOUR_M and not _behind_any(view, seen)
     if mixed.nats + weaker - plain.nats < STRIKE_NATS or short or strays:
         return None
-    if rows_off(bare) > ROWS_STRUCK_SHARE * outlying.mean():
+    if rows_off(bare, coarsest_m(added)) > ROWS_STRUCK_SHARE * outlying.mean():
         return None  # what strikes rows, not links
     effect = as_loud(striking(kind, mixed.share, mixed.size), bare, likeliest)
     each = np.log(mixed.density(seen, sizes[mixed.size]) / plain.density(seen))

@@ -9,8 +9,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import LEVEL, RANGE
-from bench.discrepancy.select.settings import FEWEST_SEVERAL, SEVERAL_ROWS
+from bench.discrepancy.select.settings import FEWEST_SEVERAL, ONE_STEP, SEVERAL_ROWS
 from bench.discrepancy.settings import (
     LEAST_SCATTER_M,
     MAD_TO_STD,
@@ -22,6 +23,7 @@ from bench.discrepancy.settings import (
     STRUCK_LEVEL_LINKS,
 )
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 
 Floats = NDArray[np.float64]
 
@@ -56,20 +58,27 @@ def _beside_mean(values: Floats, code: NDArray[np.intp], known: NDArray[np.bool_
         return np.asarray((values - mean) * whole)
 
 
-def rows_off(ensemble: Ensemble) -> float:
+def rows_off(ensemble: Ensemble, step_m: float = 0.0) -> float:
     """Return the share of the rows that lie off their own link by as much as a detour does.
 
     A blocked path stays blocked: all rows of a link are struck alike. Where devices move its detour
     changes, so a row is off a link that is itself off only by half of that. Of links of three rows.
-    Beyond the share of simulated rows: what is rounded to a coarse step jumps by one.
+    Beyond the share of simulated rows: what is rounded to a coarse step `step_m` jumps by one, and
+    how often hangs on where between two points a link lies.
     """
     code = np.unique(ensemble.links, return_inverse=True)[1]
     left = ensemble.versions_of(RANGE) - ensemble.simulated_of(RANGE).mean(axis=0)
-    recorded, *simulated = (_share_off(one, code) for one in left)
+    recorded, *simulated = (_share_off(one, code, step_m) for one in left)
     return max(recorded - float(np.mean(simulated)), 0.0) if simulated else recorded
 
 
-def _share_off(left: Floats, code: NDArray[np.intp]) -> float:
+def coarsest_m(added: Added) -> float:
+    """Return the coarsest step that effects round ranges to, in metres; 0 where none does."""
+    grids = (one for one in added if isinstance(one, RangeRounding))
+    return max((step for one in grids for step in (one.step_m, *one.steps_m)), default=0.0)
+
+
+def _share_off(left: Floats, code: NDArray[np.intp], step_m: float) -> float:
     """Return the same of one version, of what is left of its rows [n] in metres."""
     several = (np.bincount(code) > 2)[code]
     own = link_medians(left[None], code)[0][code]
@@ -77,7 +86,7 @@ def _share_off(left: Floats, code: NDArray[np.intp]) -> float:
     if not len(off):
         return 0.0
     within = MAD_TO_STD * float(np.nanmedian(off))
-    least = max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2)
+    least = max(ROW_OFF_STD * within, SHORTEST_DETOUR_M / 2, ONE_STEP * step_m)
     return float(np.mean(off > np.maximum(changes, least)))
 
 

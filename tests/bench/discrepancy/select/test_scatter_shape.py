@@ -10,7 +10,9 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.select.scatter_shape import bounded, overdone, scatters_alike, shape, steady
-from bench.discrepancy.select.within_links import rows_off
+from bench.discrepancy.select.within_links import coarsest_m, rows_off
+from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 LINKS = np.repeat(np.arange(60), 5)
@@ -80,6 +82,18 @@ def test_rows_that_jump_by_a_step_as_simulated_ones_do_are_not_off() -> None:
     assert rows_off(both) < 0.01
     alone = np.concatenate([errors[:1], rng.normal(0, 0.04, (12, 300))])
     assert rows_off(Ensemble(("error_m",), ("m",), alone[..., None], LINKS)) > 0.02
+
+
+def test_one_step_of_a_rounding_is_no_jump_however_often_rows_take_it() -> None:
+    """Recorded links may lie between two points of a grid more often than simulated ones."""
+    rng = np.random.default_rng(4)
+    error_m = 0.27 * np.rint(rng.normal(0.13, 0.05, 300) / 0.27)
+    between = ensemble(error_m + 0.8 * (rng.random(60) < 0.2)[LINKS], 0.001)
+    assert rows_off(between) > 0.1
+    assert coarsest_m((RangeRounding(step_m=0.27), AntennaDelay())) == 0.27
+    assert rows_off(between, 0.27) == 0
+    assert rows_off(ensemble(error_m + 2.0 * (rng.random(300) < 0.3), 0.001), 0.27) > 0.15
+    assert coarsest_m(()) == 0
 
 
 def test_where_rows_of_a_link_scatter_as_simulated_nothing_scatters_them() -> None:
