@@ -54,6 +54,29 @@ def with_obstacles(
     return Ambiguous(options, separating(options)) if kinds else said
 
 
+def with_lost_walls(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """Return verdicts of ranges alone, with walls beside struck links where these have no name.
+
+    Walls that stood beside the strike, the same in every way that is not clear, and lost their name
+    on held-out links are excluded as little as what was never tried: of which make each is nobody
+    listed.
+    """
+    names = {name for one in said for name in one.names}
+    kinds = [kind for kind in tried_alike(search, ()) if kind.name not in names]
+    if search.fit.waveform or not kinds:
+        return tuple(said)
+    return tuple(_or_walls(one, kinds) for one in said)
+
+
+def _or_walls(said: Verdict, kinds: Sequence[type[Effect]]) -> Verdict:
+    """Return one verdict, with walls where it is of links that are struck by short detours."""
+    able = options_of(said)
+    if not any(map(_short, able)):
+        return said
+    whole = (*able, *(not_tried(able[0], kind(), NOT_LISTED) for kind in kinds))
+    return Ambiguous(whole, separating(whole))
+
+
 def with_edges(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """Return verdicts, with what goes around objects beside what would go through or block them.
 
