@@ -53,7 +53,7 @@ from bench.discrepancy.select.stepwise import (
 )
 from bench.discrepancy.select.struck_links import with_struck_links
 from bench.discrepancy.select.uncounted import with_uncounted
-from bench.discrepancy.select.unlisted import with_edges, with_lost_walls
+from bench.discrepancy.select.unlisted import with_edges
 from bench.discrepancy.select.unnamed import unnamed, with_mean
 from bench.discrepancy.select.unseen import without_unseen
 from bench.discrepancy.sets import turn as sets
@@ -105,7 +105,7 @@ def confirmed(ready: Prepared, search: Search, found: Selection) -> Diagnosis:
     law = with_second(search, comparison, sealed, found, law) if law else None
     found = found if law else as_it_stands(search, found)
     found = found if law or said.fault or kept_more else without_unseen(found)
-    around = with_edges(search, with_lost_walls(search, named_once(found.verdicts)))
+    around = with_edges(search, named_once(found.verdicts))
     found = with_struck_links(search, replace(found, verdicts=around))
     added = (*found.added, *((law.whole,) if law else kept_more))
     fits = confirm(untimed(comparison, found.untimed), sealed, added, seed)

@@ -282,4 +282,4 @@ def _struck(state: State, turn: Round, found: Strike) -> Verdict:
     said = struck_out(search, turn, found, state.added)
     if found.effect in every:
         return with_untried(search, every, (said,))[0]
-    return with_unlisted(search, said, state.added)
+    return with_unlisted(search, said)

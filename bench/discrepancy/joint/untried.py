@@ -72,8 +72,8 @@ def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Eff
     return Ambiguous(options, separating(options))
 
 
-def with_unlisted(search: Search, said: Verdict, added: Added = ()) -> Verdict:
-    """Return the verdict on what struck links beside `added`, with what unlisted obstacles do.
+def with_unlisted(search: Search, said: Verdict) -> Verdict:
+    """Return the verdict on what struck links, with what unlisted obstacles do.
 
     An obstructed path is what these do to a link that they stand in the way of. In a table that is
     what a blocked path does, too: of the rays round what stands there the table has none.
@@ -81,7 +81,7 @@ def with_unlisted(search: Search, said: Verdict, added: Added = ()) -> Verdict:
     fitted = options_of(said)
     known = {type(one.effect) for one in fitted}
     if ObstructedPath in known:
-        return with_obstacles(search, fitted, said, tried_alike(search, added))
+        return with_obstacles(search, fitted, said, tried_alike(search))
     again = isinstance(search.comparison, Resimulation)
     if BlockedPath not in known or again or ObstructedPath.name not in search.kinds:
         return said

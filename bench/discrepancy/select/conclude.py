@@ -68,7 +68,7 @@ def verdicts(
     last = rounds[-1]
     beside = whole or added
     strikes = (struck_out(search, turn, turn.strike, beside) for turn in rounds if turn.strike)
-    struck = tuple(with_walls(search, one, beside) for one in strikes)
+    struck = tuple(with_walls(search, one) for one in strikes)
     if doubts:
         held = verdicts(search, rounds, added, whole=whole) if added else struck
         known = tuple(v for v in held if not isinstance(v, Unknown))

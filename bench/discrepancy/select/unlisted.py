@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from bench.discrepancy.compare.view import Added
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import MOST_OBJECTS, WALLS_M
 from bench.discrepancy.select.state import Search
@@ -29,17 +28,17 @@ NO_EDGES = "it could not be tried: it needs to know where edges are (obstacle_cl
 NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
 
 
-def with_walls(search: Search, said: Verdict, added: Added = ()) -> Verdict:
+def with_walls(search: Search, said: Verdict) -> Verdict:
     """Return a verdict on struck links, of ranges alone, with what obstacles that nobody listed do.
 
-    Beside `added`. Where a table tells which ways are clear alone, walls were tried as if the same
-    stood in every other, which is no trial of those that differ.
+    Where a table tells which ways are clear alone, walls were tried as if the same stood in every
+    other, which is no trial of those that differ.
 
     As it is where detours are longer than walls make, for all that is known of their mean.
     """
     if search.fit.waveform or not (isinstance(said, LeftOut) and _short(said)):
         return said
-    return with_obstacles(search, (said,), said, tried_alike(search, added))
+    return with_obstacles(search, (said,), said, tried_alike(search))
 
 
 def with_obstacles(
@@ -52,29 +51,6 @@ def with_obstacles(
     kinds = [*needing(search.untried.values()), *alike]
     options = (*fitted, *(not_tried(fitted[0], kind(), NOT_LISTED) for kind in kinds))
     return Ambiguous(options, separating(options)) if kinds else said
-
-
-def with_lost_walls(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
-    """Return verdicts of ranges alone, with walls beside struck links where these have no name.
-
-    Walls that stood beside the strike, the same in every way that is not clear, and lost their name
-    on held-out links are excluded as little as what was never tried: of which make each is nobody
-    listed.
-    """
-    names = {name for one in said for name in one.names}
-    kinds = [kind for kind in tried_alike(search, ()) if kind.name not in names]
-    if search.fit.waveform or not kinds:
-        return tuple(said)
-    return tuple(_or_walls(one, kinds) for one in said)
-
-
-def _or_walls(said: Verdict, kinds: Sequence[type[Effect]]) -> Verdict:
-    """Return one verdict, with walls where it is of links that are struck by short detours."""
-    able = options_of(said)
-    if not any(map(_short, able)):
-        return said
-    whole = (*able, *(not_tried(able[0], kind(), NOT_LISTED) for kind in kinds))
-    return Ambiguous(whole, separating(whole))
 
 
 def with_edges(search: Search, said: Sequence[Verdict]) -> tuple[Verdict, ...]:
@@ -112,13 +88,14 @@ def needing(kinds: Iterable[type[Effect]]) -> list[type[Effect]]:
     return [kind for kind in kinds if any(OBSTACLES in way for way in kind.needs)]
 
 
-def tried_alike(search: Search, added: Added) -> list[type[Effect]]:
+def tried_alike(search: Search) -> list[type[Effect]]:
     """Return the effects of obstacles that were tried with the same one in every way.
 
     A table that tells which ways are clear, and not what stands in the others, has walls of any
-    make in some of these: they strike links as by chance.
+    make in some of these: they strike links as by chance, beside what all of these have in common,
+    too, whether or not that keeps its name.
     """
-    kinds = needing(kind for kind in search.kinds.values() if kind not in map(type, added))
+    kinds = needing(search.kinds.values())
     return kinds if kinds and unlisted(search.fit.scene).any() else []
 
 

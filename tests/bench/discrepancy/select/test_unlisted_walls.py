@@ -11,7 +11,7 @@ import pytest
 import bench
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.select.unlisted import with_edges, with_lost_walls, with_walls
+from bench.discrepancy.select.unlisted import with_edges, with_walls
 from bench.discrepancy.select.verdict import Control, LeftOut, as_dict
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction
@@ -51,20 +51,7 @@ def test_walls_of_any_make_are_said_where_a_table_tells_only_which_ways_are_clea
     fit = SimpleNamespace(waveform=False, scene=scene(rows))
     kinds = {"material-delay": MaterialDelay, "blocked-path": BlockedPath}
     search = SimpleNamespace(fit=fit, untried={}, kinds=kinds)
-    assert with_walls(search, said, (BlockedPath(),)).names == names  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("named", [True, False])
-def test_walls_that_lost_their_name_are_as_little_excluded_as_untried_ones(named: bool) -> None:
-    """Walls of unlike makes were a "blocked path or diffraction": a mean delay is no trial."""
-    said = [of_walls("blocked-path"), *([of_walls("material-delay")] if named else [])]
-    rows = pd.DataFrame({"true_range_m": [4.0, 7.0], "los": [True, False]})
-    fit = SimpleNamespace(waveform=False, scene=scene(rows))
-    kinds = {"material-delay": MaterialDelay, "blocked-path": BlockedPath}
-    search = SimpleNamespace(fit=fit, untried={}, kinds=kinds)
-    made = with_lost_walls(search, said)  # type: ignore[arg-type]
-    assert made[0].names == ("blocked-path", *(() if named else ("material-delay",)))
-    assert with_lost_walls(search, [of_walls("material-delay")])[0].names == ("material-delay",)  # type: ignore[arg-type]
+    assert with_walls(search, said).names == names  # type: ignore[arg-type]
 
 
 def of_walls(named: str) -> LeftOut:
