@@ -21,6 +21,7 @@ from bench.discrepancy.joint.grain import Grain, levels_of
 from bench.discrepancy.joint.quiet_moments import mean_known
 from bench.discrepancy.joint.settings import (
     BENEATH_ABOUT,
+    BENEATH_BEGUN_DB,
     BENEATH_DB,
     BENEATH_DECAYS_NS,
     BENEATH_DELAYS_NS,
@@ -29,11 +30,11 @@ from bench.discrepancy.joint.settings import (
     GRAIN_ZONES_NS,
 )
 from bench.discrepancy.joint.statistics import Floats
+from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 
-BEGUN = PulseRinging(ring_db=-10.0, on_top=1.0)
-QUIETEST_DB, LOUDEST_DB = -60.0, 6.0  # of a ringing, and a tail is no quieter
+BEGUN = PulseRinging(ring_db=BENEATH_BEGUN_DB, on_top=1.0)
 
 
 def beneath(grain: Grain, effects: Added) -> Added | None:
@@ -47,7 +48,7 @@ def beneath(grain: Grain, effects: Added) -> Added | None:
     rest = tuple(one for one in effects if not isinstance(one, PulseRinging))
     bare = tuple(one for one in rest if one is not tail)
     ringing = _ringing(grain, bare, *_in_common(grain, rest))
-    weaker = replace(tail, level_db=max(tail.level_db - BENEATH_DB, QUIETEST_DB))
+    weaker = replace(tail, level_db=_bounded(tail, "level_db", tail.level_db - BENEATH_DB))
     return None if ringing is None else (*bare, weaker, ringing)
 
 
@@ -87,7 +88,13 @@ def _ringing(grain: Grain, bare: Added, power: Floats, steady: Floats) -> PulseR
 def _louder(ringing: PulseRinging, by_db: float) -> PulseRinging:
     """Return a ringing that is so much louder, less what the fit begins with less."""
     level_db = ringing.ring_db + by_db - BENEATH_DB
-    return replace(ringing, ring_db=float(np.clip(level_db, QUIETEST_DB, LOUDEST_DB)))
+    return replace(ringing, ring_db=_bounded(ringing, "ring_db", level_db))
+
+
+def _bounded(effect: Effect, name: str, value: float) -> float:
+    """Return a value within the bounds of a parameter."""
+    item = next(p for p in effect.parameters() if p.name == name)
+    return float(np.clip(value, item.low, item.high))
 
 
 def _mean_power(grain: Grain, effects: Added) -> Floats:

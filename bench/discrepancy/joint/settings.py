@@ -233,6 +233,9 @@ BENEATH_DECAYS_NS: Final = (
     8.0,
     10.0,
 )  # one echo, and what rings on [convention]
+BENEATH_BEGUN_DB: Final = (
+    -10.0
+)  # of a ringing whose shape is compared: its size follows [convention]
 BENEATH_DB: Final = 2.0  # by which both are weaker there than each would be [convention]
 BENEATH_LEAST: Final = 0.15  # of a late power that is alike in all rows, to begin with [convention]
 BENEATH_ABOUT: Final = 2  # samples on both sides, over which it is smooth [convention]
