@@ -50,12 +50,14 @@ def of_every_kind(
     are sought in turns, delays beside the losses. None without obstacles or ranges.
     """
     kinds = kinds_crossed(view.scene)
+    if not kinds:
+        return None
     walls, delays = crossed(view.scene, kinds), np.zeros(len(kinds))
     bare = replace(effect, delay_scale=1.0, kinds=kinds, delays_m=(0.0,) * len(kinds))
     found = _with_losses(comparison, view, added, bare)
     for _ in range(WALL_TURNS):
         made = residual_range(comparison, view, common((*added, found), view), RESIDUAL_MEMBERS)
-        if not kinds or made is None:
+        if made is None:
             return None
         delays = delays_of_kinds(walls, made[1] + walls @ delays)
         found = replace(found, delays_m=tuple(delays.tolist()))
@@ -77,7 +79,9 @@ def _with_losses(
         if level is None:
             return effect
         left = made.residual_of(level) - walls @ np.array(found.losses_db)
-        found = replace(found, losses_db=_losses(view, kinds, left))
+        if not (losses := _losses(view, kinds, left)):
+            return effect
+        found = replace(found, losses_db=losses)
     return found
 
 

@@ -17,7 +17,8 @@ import numpy as np
 
 from bench.discrepancy.compare.records import Samples
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.joint.grain import Grain, levels_of
+from bench.discrepancy.fit.starts import inside
+from bench.discrepancy.joint.grain import Grain, levels_of, mean_about
 from bench.discrepancy.joint.quiet_moments import mean_known
 from bench.discrepancy.joint.settings import (
     BENEATH_ABOUT,
@@ -59,10 +60,11 @@ def _in_common(grain: Grain, rest: Added) -> tuple[Floats, Floats]:
     """
     assert grain.recorded is not None
     recorded = _powers(grain.recorded)
-    by_chance = np.mean([_ratio(_powers(one)) for one in grain.samples(rest)], axis=0)
+    every = np.mean([_ratio(_powers(one)) for one in grain.samples(rest)], axis=0)
+    by_chance, seen = (mean_about(one, BENEATH_ABOUT) for one in (every, _ratio(recorded)))
     share = np.linspace(0, 1, 101)[:, None]
-    foreseen = share**2 + 4 * share * (1 - share) + _smooth(by_chance) * (1 - share) ** 2
-    nearest = np.abs(foreseen - _smooth(_ratio(recorded))).argmin(axis=0)
+    foreseen = share**2 + 4 * share * (1 - share) + by_chance * (1 - share) ** 2
+    nearest = np.abs(foreseen - seen).argmin(axis=0)
     delay = mean_known(grain.recorded[1], 0)
     late = (delay > GRAIN_ZONES_NS[0]) & (delay < GRAIN_ZONES_NS[-2])
     steady = np.where(late, share[nearest, 0], 0.0)
@@ -92,9 +94,8 @@ def _louder(ringing: PulseRinging, by_db: float) -> PulseRinging:
 
 
 def _bounded(effect: Effect, name: str, value: float) -> float:
-    """Return a value within the bounds of a parameter."""
-    item = next(p for p in effect.parameters() if p.name == name)
-    return float(np.clip(value, item.low, item.high))
+    """Return a value within the bounds of a parameter of an effect."""
+    return inside(next(p for p in effect.parameters() if p.name == name), value)
 
 
 def _mean_power(grain: Grain, effects: Added) -> Floats:
@@ -110,10 +111,3 @@ def _powers(samples: Samples) -> Floats:
 def _ratio(power: Floats) -> Floats:
     """Return the mean squared power over the squared mean power, sample by sample [K]."""
     return np.asarray((power**2).mean(axis=0) / power.mean(axis=0) ** 2)
-
-
-def _smooth(values: Floats) -> Floats:
-    """Return the means of values [K] about each."""
-    wide = np.pad(values, BENEATH_ABOUT, mode="edge")
-    count = 2 * BENEATH_ABOUT + 1
-    return np.asarray(np.convolve(wide, np.full(count, 1 / count), "valid"))

@@ -18,12 +18,17 @@ from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from bench.discrepancy.compare.records import Samples, recorded_samples, simulated_samples
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.joint.quiet_moments import error_of, mean_known, moments_of, ratio_of
+from bench.discrepancy.joint.quiet_moments import (
+    error_of,
+    in_part,
+    mean_known,
+    moments_of,
+    ratio_of,
+)
 from bench.discrepancy.joint.settings import (
     GRAIN_ABOUT,
     GRAIN_ALIKE,
@@ -170,7 +175,7 @@ class Grain:
         grain, error = self._of_recorded
         (after, sure), (before, other) = self._simulated(effects), self._simulated(rest)
         wide = np.sqrt(error**2 + sure**2 + other**2)
-        return in_part((grain - before) / wide, (after - before) / wide) >= NAME_NATS
+        return in_part(grain - before, after - before, wide) >= NAME_NATS
 
     def samples(self, added: Added, members: int = GRAIN_MEMBERS) -> list[Samples]:
         """Return the samples of simulated versions."""
@@ -187,16 +192,6 @@ class Grain:
             return np.mean(every, axis=0), np.std(every, axis=0, ddof=1) / np.sqrt(len(every))
 
         return self._seen.get(added, made)
-
-
-def in_part(left: Floats, whole: Floats) -> float:
-    """Return the nats by which figures that are `left` are a part of the `whole`, any as likely.
-
-    Rather than nothing of it; both in standard errors.
-    """
-    parts = np.linspace(0, 1, 11)[:, None]
-    each = 0.5 * (left**2 - (left - parts * whole) ** 2).sum(axis=1)
-    return float(logsumexp(each) - np.log(len(parts)))
 
 
 def grain_of(samples: Samples, given: Statistics) -> Figures:
@@ -246,9 +241,14 @@ def _between(level: Floats, given: Statistics) -> tuple[float, float]:
 
 def _sharp(levels: Floats) -> Floats:
     """Return levels [k] less their mean about each: what a smooth profile has not."""
-    wide = np.pad(levels, GRAIN_ABOUT, mode="edge")
-    about = np.convolve(wide, np.full(2 * GRAIN_ABOUT + 1, 1 / (2 * GRAIN_ABOUT + 1)), "valid")
-    return np.asarray(levels - about)
+    return np.asarray(levels - mean_about(levels, GRAIN_ABOUT))
+
+
+def mean_about(values: Floats, samples: int) -> Floats:
+    """Return the means of values [K] over so many samples on both sides of each."""
+    wide = np.pad(values, samples, mode="edge")
+    count = 2 * samples + 1
+    return np.asarray(np.convolve(wide, np.full(count, 1 / count), "valid"))
 
 
 def added_of(recorded: Samples, power: Floats, given: Statistics) -> Floats:

@@ -18,7 +18,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from bench.discrepancy.compare.records import Record, Samples, recorded_samples, simulated_record
 from bench.discrepancy.compare.view import Added
@@ -29,6 +28,7 @@ from bench.discrepancy.joint.own_log import logs_scatter
 from bench.discrepancy.joint.quiet_moments import (
     early_samples,
     error_of,
+    in_part,
     log_moments,
     loud_moments,
     mean_known,
@@ -183,9 +183,7 @@ def speaks(left: Floats, tone: Floats, errors: Floats) -> float:
     the error says that the error is larger.
     """
     errors, steady = np.maximum(errors, left), np.minimum(tone, 0.0)
-    parts = np.linspace(*STEADY_PARTS, 11)[:, None] * steady
-    each = 0.5 * ((left**2 - np.square(left - parts)) / errors**2).sum(axis=1)
-    nats = float(logsumexp(each)) - np.log(len(parts))
+    nats = in_part(left, steady, errors, STEADY_PARTS)
     return float(np.clip(nats, -QUIET_MOST_NATS, QUIET_MOST_NATS))
 
 

@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from bench.discrepancy.joint.settings import COLOUR_SAMPLES
 from bench.discrepancy.joint.statistics import Floats
@@ -68,6 +69,19 @@ def log_moments(magnitude: Floats, logged: Floats) -> Floats:
     both = np.stack([logged**2 / SQUARE, power], axis=1)
     told = known.any(axis=1) & np.isfinite(logged)
     return np.asarray(np.where(told[:, None], both, 0.0))
+
+
+def in_part(
+    left: Floats, whole: Floats, errors: Floats, parts: tuple[float, float] = (0.0, 1.0)
+) -> float:
+    """Return the nats by which figures [m] that are `left` are a part of the `whole`, not nothing.
+
+    Any of `parts` from the first to the second is as likely. All are differences from the
+    figures without it, with standard `errors`.
+    """
+    some = np.linspace(*parts, 11)[:, None] * whole
+    each = 0.5 * ((left**2 - np.square(left - some)) / errors**2).sum(axis=1)
+    return float(logsumexp(each)) - float(np.log(len(some)))
 
 
 def mean_known(values: Floats, axis: int) -> Floats:

@@ -202,9 +202,11 @@ class Sets:
 
     def _fit_ringing(self) -> None:
         """Fit the likeliest set with a ringing beneath its tail (`beneath`), if it has one."""
+        if PulseRinging.name not in self.screen.points:
+            return
         most = max(self.fits.values(), key=lambda fit: fit.nats)
-        able = PulseRinging.name in self.screen.points
-        self._fit(one for one in [beneath(self.grain, most.effects)] if one and able)
+        rung = beneath(self.grain, most.effects)
+        self._fit([rung] if rung else [])
 
     def _fit(self, sets: Iterable[Added], steps: int = STEPS) -> list[Fit]:
         made = [fit for fit in in_forks(lambda one: polished(self.given, one, steps), sets) if fit]

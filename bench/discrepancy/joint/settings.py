@@ -219,23 +219,10 @@ DENSE_SHARE: Final = 0.5  # of the power of a zone that was added, to say of how
 # made: half, of which a quarter shows [convention]
 GRAIN_ABOUT: Final = 4  # samples on both sides, over which a profile is smooth [convention]
 GRAIN_ALIKE: Final = 3.0  # samples that a pulse makes alike, which count once [derived]
-BENEATH_DELAYS_NS: Final = (
-    3.0,
-    5.0,
-    8.0,
-    12.0,
-)  # of a ringing beside a tail, where its fit begins:
-BENEATH_DECAYS_NS: Final = (
-    0.01,
-    2.0,
-    4.0,
-    6.0,
-    8.0,
-    10.0,
-)  # one echo, and what rings on [convention]
-BENEATH_BEGUN_DB: Final = (
-    -10.0
-)  # of a ringing whose shape is compared: its size follows [convention]
+BENEATH_DELAYS_NS: Final = (3.0, 5.0, 8.0, 12.0)  # of a ringing where its fit beside a tail
+# begins, and how it decays: one echo, or what rings on [convention]
+BENEATH_DECAYS_NS: Final = (0.01, 2.0, 4.0, 6.0, 8.0, 10.0)  # the same [convention]
+BENEATH_BEGUN_DB: Final = -10.0  # while its shape is compared: its size follows [convention]
 BENEATH_DB: Final = 2.0  # by which both are weaker there than each would be [convention]
 BENEATH_LEAST: Final = 0.15  # of a late power that is alike in all rows, to begin with [convention]
 BENEATH_ABOUT: Final = 2  # samples on both sides, over which it is smooth [convention]

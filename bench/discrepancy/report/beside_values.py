@@ -21,7 +21,7 @@ def beside_values(effect: Effect) -> list[str]:
 
 def wall_lines(effect: Effect) -> list[str]:
     """Return of how thick an obstacle delays are, and what one loses; none of other effects."""
-    if not (isinstance(effect, WallDelay) or (isinstance(effect, MaterialDelay) and effect.kinds)):
+    if not isinstance(effect, WallDelay | MaterialDelay):
         return []
     listed = [kind for kind in effect.kinds if kind != UNLISTED]
     thick = ", ".join(f"{kind} {significant(obstacle(kind).thickness_m, 3)} m" for kind in listed)
