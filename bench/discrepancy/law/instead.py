@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.law.gather import gathered, proposed
-from bench.discrepancy.law.likelihood import unmoved
+from bench.discrepancy.law.likelihood import linear, unmoved
 from bench.discrepancy.law.likeness import has_form
 from bench.discrepancy.law.material import Material
 from bench.discrepancy.law.search import Proposal
@@ -20,6 +20,7 @@ from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Unknown
 from bench.discrepancy.sets.settings import EXPLAINED_STRAYS
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.law import Law, with_constants
+from bench.physics.effects.ranging.range_scale import RangeScale
 
 
 def undone(
@@ -133,14 +134,31 @@ def leads(alone: Proposal, rest: Material, after: Proposal | None, named: Added)
 
     The law pays for its form among all and for its constants; a library effect only what its
     values gain from noise, so that one that is the truth is not beaten. One law goes before names
-    and a law that do about as well.
+    and a law that do about as well. A scale may be every device's own (see `sets.own_scale`).
     """
     before = unmoved(alone.given.residual_m).likelihood
-    library = alone.share * (unmoved(rest.residual_m).likelihood - before)
-    library -= LAW_VALUE_NATS * sum(effect.freed for effect in named)
+    scales = any(isinstance(effect, RangeScale) for effect in named)
+    library = max(_left(alone, rest), _own_scales(alone, rest) if scales else -np.inf)
+    library -= alone.share * before + LAW_VALUE_NATS * sum(effect.freed for effect in named)
     lead = alone.best.nats - library
     both = lead - (max(after.best.nats, 0.0) if after else 0.0)
     return lead >= LAW_INSTEAD_NATS and both >= -LAW_TIED_NATS
+
+
+def _left(alone: Proposal, rest: Material) -> float:
+    """Return how likely what names leave is, in nats of as many rows as `alone` counts."""
+    return alone.share * unmoved(rest.residual_m).likelihood
+
+
+def _own_scales(alone: Proposal, rest: Material) -> float:
+    """Return how likely it is beside a share of the range of every device's own, which pays."""
+    ends = rest.devices.values()
+    own = [rest.true_range_m * (names == one) for names in ends for one in np.unique(names)]
+    if not own:
+        return -np.inf
+    design = np.stack(own, axis=1)
+    free = int(np.linalg.matrix_rank(design)) - 1  # one is the share of all, which has a name
+    return alone.share * linear(design, rest.residual_m).likelihood - LAW_VALUE_NATS * free
 
 
 def does_the_same(search: Search, named: Added, alone: Proposal) -> bool:

@@ -10,7 +10,7 @@ likelihoods is the evidence. A rival that all links share is put to the same lik
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -22,6 +22,7 @@ from bench.discrepancy.compare.crps import LIKELIHOOD, Estimate, cluster_bootstr
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.estimate import ParameterEstimate, profiled
+from bench.discrepancy.select.alike_behind import alike_behind, in_common
 from bench.discrepancy.select.settings import FEWEST_SEVERAL, MOST_STRUCK
 from bench.discrepancy.select.shared_variance import shared_variance
 from bench.discrepancy.select.struck_shifts import share_and_size, sizes_of, striking, struck_m
@@ -36,7 +37,6 @@ from bench.discrepancy.settings import (
     BEHIND_M,
     CALM_EXTRA_M,
     FEW_VERSIONS,
-    LEAD_NATS,
     LEAST_SCATTER_M,
     OFFSET_FIRST,
     OFFSET_MEMBERS,
@@ -55,6 +55,7 @@ from bench.physics.slabs import unlisted
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Kinds = Mapping[str, type[Effect]]
 EXTRA_M = (CALM_EXTRA_M[0], *np.geomspace(*CALM_EXTRA_M[1:]).tolist())
 SHARES: Floats = np.array(STRUCK_SHARES)
 
@@ -139,7 +140,7 @@ def strike(
     view: View,
     added: Added,
     rival: Added,
-    kinds: Mapping[str, type[Effect]],
+    kinds: Kinds,
     lead: float = 0.0,
 ) -> Strike | None:
     """Return the effect of `kinds` that strikes links of `view`, None without evidence for one.
@@ -150,7 +151,7 @@ def strike(
     able = [kind for kind in kinds.values() if strikable(kind, view)]
     if not able or RANGE not in view.recorded.names:
         return None
-    found = [one for one in (_one(comparison, view, added, kind) for kind in able) if one]
+    found = [one for one in (_one(comparison, view, added, kind, kinds) for kind in able) if one]
     if not found:
         return None
     best, nats = max(found, key=lambda one: one[0].evidence.value)
@@ -161,7 +162,7 @@ def strike(
 
 
 def _one(
-    comparison: Comparison, view: View, added: Added, kind: type[Effect]
+    comparison: Comparison, view: View, added: Added, kind: type[Effect], kinds: Kinds
 ) -> tuple[Strike, float] | None:
     """Return a kind of effect with its evidence and penalised log likelihood.
 
@@ -170,20 +171,38 @@ def _one(
     """
     seen = offsets(comparison, view, added, kind)
     found = _beside(comparison, view, added, kind, seen)
-    if found is None or len(found[0].struck) <= MOST_STRUCK * len(seen.links):
-        return found
-    common = replace(seen, offset_m=seen.offset_m - _in_common(seen.offset_m))
+    if found is None:
+        return None
+    if len(found[0].struck) <= MOST_STRUCK * len(seen.links):
+        ways = alike_behind(kinds, view, seen.links, seen.inert)
+        return _apart_from_alike(comparison, view, added, found, seen, ways)
+    common = replace(seen, offset_m=seen.offset_m - in_common(seen.offset_m))
     beside = _beside(comparison, view, added, kind, common)
     return beside and (beside[0], beside[1] - float(np.log(len(seen.links)) / 2))  # of a constant
 
 
-def _in_common(offset_m: Floats) -> float:
-    """Return the middle of the shortest stretch that half of the offsets [L] lie in, in metres."""
-    ordered = np.sort(offset_m)
-    half = (len(ordered) + 1) // 2
-    wide = ordered[half - 1 :] - ordered[: len(ordered) - half + 1]
-    first = int(np.argmin(wide))
-    return float(ordered[first] + ordered[first + half - 1]) / 2
+def _apart_from_alike(
+    comparison: Comparison,
+    view: View,
+    added: Added,
+    found: tuple[Strike, float],
+    seen: Offsets,
+    ways: Iterable[Floats],
+) -> tuple[Strike, float]:
+    """Return what strikes, beside what obstacles of one kind do to all links behind them, if more.
+
+    Else links are held to be struck that are late by as much as all others behind the same.
+    """
+    constant = float(np.log(len(seen.links)) / 2)
+    for way in ways:
+        acting = way != 0
+        size = in_common(seen.offset_m[acting] / way[acting])
+        other = replace(seen, offset_m=seen.offset_m - size * way)
+        kind = type(found[0].effect)
+        made = _beside(comparison, view, added, kind, other)
+        if made and made[1] - constant > found[1] + STRIKE_NATS:
+            found, seen = (made[0], made[1] - constant), other
+    return found
 
 
 def _beside(
@@ -236,36 +255,6 @@ def apart(comparison: Comparison, view: View, added: Added) -> float:
     every = _chances(offsets(comparison, view, added, None))
     none = max(one.nats for one in every if one.extra_m == 0)
     return max(one.nats for one in every) - none
-
-
-def witnessed(
-    comparison: Comparison, view: View, added: Added, effects: tuple[Effect, ...]
-) -> Effect | None:
-    """Return the effect that the offsets of links speak for, None where they do for none alone.
-
-    For causes so rare (a few walls, one device) that a mean over all links hardly sees them. Each
-    effect pays for its parameters (Schwarz 1978) and must be ahead of the others.
-    """
-    if RANGE not in view.recorded.names:
-        return None
-    able = [e for e in effects if not (type(e).per_link or type(e).independent)]
-    nats = [_alone(comparison, view, (*added, e)) - _cost(e, view) for e in able]
-    ranked = sorted(range(len(able)), key=lambda i: -nats[i])
-    if not ranked or nats[ranked[0]] - _alone(comparison, view, added) < STRIKE_NATS:
-        return None
-    if len(ranked) > 1 and nats[ranked[0]] - nats[ranked[1]] < LEAD_NATS:
-        return None
-    return able[ranked[0]]
-
-
-def _alone(comparison: Comparison, view: View, added: Added) -> float:
-    """Return the log likelihood of the offsets with some effects, in nats."""
-    return unstruck(offsets(comparison, view, added, None)).nats
-
-
-def _cost(effect: Effect, view: View) -> float:
-    """Return what the parameters, or values per device or level, of an effect cost in nats."""
-    return 0.5 * effect.freed * float(np.log(len(np.unique(view.links))))
 
 
 def offsets(comparison: Comparison, view: View, added: Added, kind: type[Effect] | None) -> Offsets:

@@ -63,7 +63,8 @@ def _in_its_place(
 def named_once(verdicts: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
     """Return the verdicts, no class with a name that another verdict gives for sure.
 
-    What is there in any case is no alternative to the others of the class.
+    What is there in any case is no alternative to the others of the class. What could not be tried
+    is: walls of other makes beside one that all ways have in common.
     """
     sure = {verdict.names[0] for verdict in verdicts if isinstance(verdict, LeftOut)}
     return tuple(_but(verdict, sure) for verdict in verdicts)
@@ -73,5 +74,6 @@ def _but(verdict: Verdict, sure: set[str]) -> Verdict:
     """Return a verdict, of a class what is not among some names; as it is if nothing is left."""
     if not isinstance(verdict, Ambiguous):
         return verdict
-    left = tuple(option for option in verdict.options if option.names[0] not in sure)
-    return one_of(left) if left and len(left) < len(verdict.options) else verdict
+    able = verdict.options
+    left = tuple(one for one in able if one.names[0] not in sure or not one.tried)
+    return one_of(left) if left and len(left) < len(able) else verdict

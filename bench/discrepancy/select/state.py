@@ -32,7 +32,7 @@ class Search:
     set of causes that ranges speak for. `doubtful`: columns of all recorded rows that were set
     aside as measured by their scatter alone. `untried`: effects that cannot be tried: no table can
     have them, or columns lack. `logged`: effects that logs of the receiver show beside ranges (see
-    `bench.discrepancy.select.logged`).
+    `bench.discrepancy.select.logged`). `whole`: working rows with struck links.
     """
 
     comparison: Comparison
@@ -46,11 +46,17 @@ class Search:
     doubtful: pd.DataFrame = field(default_factory=pd.DataFrame)
     untried: Mapping[str, type[Effect]] = field(default_factory=dict)
     logged: Added = ()
+    whole: View | None = None
 
     @property
     def both(self) -> View:
         """The rows of both working views."""
         return joined(self.fit, self.discover) if self.work is None else self.work
+
+    @property
+    def every(self) -> View:
+        """The rows of both working views, with those of links that were struck."""
+        return self.whole or self.both
 
     @property
     def sharpest(self) -> View:
@@ -76,6 +82,7 @@ class Search:
             discover=self.discover.leaving(found.struck),
             fit=self.fit.leaving(found.struck),
             work=self.work and self.work.leaving(found.struck),
+            whole=self.every,
         )
         return calm.without(found.effect)
 

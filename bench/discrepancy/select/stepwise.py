@@ -17,8 +17,9 @@ from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.locate.permutation_test import Located, locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
+from bench.discrepancy.select.by_offsets import witnessed
 from bench.discrepancy.select.candidates import Contender, Explanation, explain
-from bench.discrepancy.select.link_mixture import Strike, strikable, strike, witnessed
+from bench.discrepancy.select.link_mixture import Strike, strikable, strike
 from bench.discrepancy.select.own_draws import (
     beside_similar,
     beyond_own_draws,

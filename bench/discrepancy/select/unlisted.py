@@ -96,7 +96,7 @@ def tried_alike(search: Search) -> list[type[Effect]]:
     too, whether or not that keeps its name.
     """
     kinds = needing(search.kinds.values())
-    return kinds if kinds and unlisted(search.fit.scene).any() else []
+    return kinds if kinds and unlisted(search.every.scene).any() else []
 
 
 def _short(said: LeftOut) -> bool:

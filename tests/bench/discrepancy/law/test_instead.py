@@ -16,6 +16,7 @@ from bench.discrepancy.law.search import propose
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.state import Round, Search, Selection
 from bench.discrepancy.select.verdict import Control, LeftOut
+from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 
 LINKS = np.repeat(np.arange(60), 5)
@@ -77,3 +78,24 @@ def test_a_name_that_a_law_undoes_goes(
         assert made[0].added == ()
         assert not made[0].names
         assert set(made[1].best.structure.columns) <= {"hours", "temperature_c"}
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_a_scale_of_every_devices_own_gives_way_to_no_cycle_of_when_they_were_used(
+    own: bool,
+) -> None:
+    """Six hooks count by beats of their own, one after the other: a cycle over the time, nearly."""
+    frame, rng = rows(3, 0)
+    device = LINKS % 6
+    frame["tx"] = np.char.add("hook", device.astype(str)).astype(object)
+    frame["time_s"] = 300.0 * device + rng.uniform(0, 300, len(frame))
+    far_m, phase = frame["true_range_m"].to_numpy(), frame["time_s"].to_numpy() / 1800
+    sizes = np.array([0.009, 0.013, 0.012, 0.008, 0.005, 0.006])[device]
+    scale = sizes if own else 0.009 + 0.004 * np.sin(2 * np.pi * phase)
+    error = scale * far_m + rng.normal(0, 0.005, len(frame))
+    alone = propose(material(frame, error, LINKS), 0)
+    assert alone is not None
+    rest = material(frame, error - 0.009 * far_m, LINKS)
+    named = (RangeScale(0.009),)
+    assert instead.leads(alone, rest, None, named) is not own
+    assert instead.leads(alone, rest, None, (TemperatureDrift(slope_mm_per_c=5.0),))

@@ -16,7 +16,7 @@ from bench.discrepancy.select import sealed
 from bench.discrepancy.select.sealed import unrefused
 from bench.discrepancy.select.sealed_class import named_once
 from bench.discrepancy.select.state import Round, Selection
-from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut
+from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, not_tried
 from bench.physics.effect import Effect
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_scale import RangeScale
@@ -119,3 +119,10 @@ def test_a_class_has_no_name_that_is_given_for_sure() -> None:
     assert named_once((several, named(LAG)))[0] is several
     of_two = Ambiguous((named(DELAY), named(SCALE)), "")
     assert isinstance(named_once((of_two, named(SCALE)))[0], LeftOut)
+
+
+def test_what_could_not_be_tried_is_an_alternative_beside_its_own_name() -> None:
+    """Walls of other makes strike links, beside a wall that all ways have in common."""
+    others = not_tried(named(DELAY), SCALE, "it could not be tried: nobody listed it")
+    several = Ambiguous((named(DELAY), others), "")
+    assert named_once((several, named(SCALE)))[0] is several

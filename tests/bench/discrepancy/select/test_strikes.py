@@ -16,17 +16,18 @@ from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.method import select_effects
 from bench.discrepancy.report.found_lines import describe
+from bench.discrepancy.select.by_offsets import witnessed
 from bench.discrepancy.select.link_mixture import (
     apart,
     link_medians,
     offsets,
     strikable,
     strike,
-    witnessed,
 )
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.propagation.blocked_path import BlockedPath
+from bench.physics.effects.propagation.diffraction import Diffraction
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
@@ -87,6 +88,26 @@ def test_what_moves_all_links_strikes_none_of_them(struck: int) -> None:
     assert (found is not None) is (struck > 0)
     if found is not None:
         assert set(found.struck) == set(links[detours[code] > 0])
+
+
+@pytest.mark.parametrize("around_m", [0.0, 0.24])
+def test_links_around_the_same_are_no_struck_ones(around_m: float) -> None:
+    """Half of what is out of sight is behind metal, all of that a quarter of a metre late."""
+    seen = _recorded(6, 2.0)
+    frame = seen.frame.copy()
+    late = frame["error_m"].to_numpy() > 0.5
+    place = frame["link"].str[1:].astype(int).to_numpy()
+    metal, wood = (~frame["los"]) & (place % 2 == 0), (~frame["los"]) & (place % 2 == 1)
+    frame["obstacles"] = [
+        ["metal"] if a else ["wood"] if b else [] for a, b in zip(metal, wood, strict=True)
+    ]
+    frame["error_m"] += np.where(metal, around_m, 0.0)
+    frame["range_m"] = frame["true_range_m"] + frame["error_m"]
+    codes = link_codes(frame)
+    rows = view(frame, codes, np.arange(len(frame)), Window(), ("error_m",), False)
+    found = strike(WORLD, rows, (), (), KINDS | {"diffraction": Diffraction})
+    assert found is not None
+    assert set(found.struck) == set(codes[late])
 
 
 def test_no_evidence_where_nothing_struck():

@@ -35,7 +35,7 @@ def test_short_detours_may_be_walls_that_nobody_listed(
     said = LeftOut(BlockedPath(), (detour,), Estimate(9, 7, 11), 1.0, Control("", None))
     untried = {} if listed else {"material-delay": MaterialDelay}
     fit = SimpleNamespace(waveform=False)
-    search = SimpleNamespace(fit=fit, untried=untried, kinds={})
+    search = SimpleNamespace(fit=fit, every=fit, untried=untried, kinds={})
     assert with_walls(search, said).names == names  # type: ignore[arg-type]
 
 
@@ -50,7 +50,7 @@ def test_walls_of_any_make_are_said_where_a_table_tells_only_which_ways_are_clea
     rows = pd.DataFrame({"true_range_m": [4.0, 7.0], "los": [True, clear]})
     fit = SimpleNamespace(waveform=False, scene=scene(rows))
     kinds = {"material-delay": MaterialDelay, "blocked-path": BlockedPath}
-    search = SimpleNamespace(fit=fit, untried={}, kinds=kinds)
+    search = SimpleNamespace(fit=fit, every=fit, untried={}, kinds=kinds)
     assert with_walls(search, said).names == names  # type: ignore[arg-type]
 
 
