@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard", "ropewalk", "planetarium",
+    "shipyard", "ropewalk", "planetarium", "cathedral",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -49,6 +49,7 @@ OWN = {
     "shipyard": "drums-roll-on-thinner-flanges",
     "ropewalk": "strands-harden-and-draw-sledges-sooner",
     "planetarium": "ushers-walk-a-heptagon",
+    "cathedral": "labyrinth-laid-oval",
 }
 ALIKE = [
     (family, name)
@@ -144,6 +145,11 @@ OWN_PARTS = {
         "late-half-shown-before-the-other": (0.1, 0.6),
         "late-sizes-held-from-fibonacci-on": (0.1, 0.6),
     },
+    "cathedral": {
+        "late-sizes-rung-in-changes": (0.1, 0.6),
+        "late-sizes-by-a-needle-that-falls-slowly": (0.1, 0.6),
+        "late-counts-begun-anew-when-full": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -223,6 +229,15 @@ FAULTS = {
         "dome-swells-in-the-sun", "bearings-from-magnetic-north", "heights-taped-along-the-dome",
         "answers-smoothed-as-they-come", "weak-answers-told-as-the-last",
         "haze-gathers-under-the-dome", "cove-leant-on-by-a-ladder",
+    ),
+    "cathedral": (
+        "thuribles-swing-wider-than-told", "vergers-halt-for-longer", "doves-sink-as-they-glide",
+        "labyrinth-laid-oval", "winch-drum-fills-as-it-winds", "processions-cut-their-corners",
+        "clock-of-places-set-right-each-quarter", "tower-leans-off-its-plumb",
+        "cross-drawn-askew", "heights-told-in-whole-courses-of-stone",
+        "places-told-as-middles-of-flags", "answers-kept-until-they-differ-enough",
+        "longer-of-two-answers-told", "answers-no-longer-than-a-chain",
+        "candles-warm-ways-that-pass-them", "boss-pushed-in-by-a-scaffold",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -15,6 +15,7 @@ from bench.challenge.families import (
     breadworks_balance,
     brickworks_reader,
     canal_staff,
+    cathedral_lectern,
     circus_lamp,
     colliery_geophone,
     granary_sieve,
@@ -58,6 +59,7 @@ OF_ITS_OWN = {
     "shipyard": {"bears", "begins", "into_s"},
     "ropewalk": {"heads", "turn", "into_s"},
     "planetarium": {"bears", "sense", "into_s"},
+    "cathedral": {"gait", "broad", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -90,6 +92,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (shipyard_lookout.surf, shipyard_lookout.OF_SIZES, -0.2),
         (ropewalk_telltale.creaking, ropewalk_telltale.OF_SIZES, -0.2),
         (planetarium_almanac.starlight, planetarium_almanac.OF_SIZES, -0.2),
+        (cathedral_lectern.sough, cathedral_lectern.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -127,6 +130,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (shipyard_lookout.combers, shipyard_lookout.hove_to, 0.02),
         (ropewalk_telltale.tufts, ropewalk_telltale.strung_out, 0.02),
         (planetarium_almanac.glows, planetarium_almanac.set_later, 0.02),
+        (cathedral_lectern.chimes, cathedral_lectern.lingered, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
