@@ -43,15 +43,19 @@ def as_mere(choice: Choice, fitted_m: Mapping[str, Floats]) -> Choice:
     """Return a choice without names that came out as a small constant, which has no name.
 
     A set speaks for about so much; fitted in the simulator beside the others, where a name moves
-    ranges by `fitted_m` [n], it may be less.
+    ranges by `fitted_m` [n], it may be less. What a set had as no constant does not hold, and
+    nothing is said of it.
     """
     small = {name for name, shift_m in fitted_m.items() if _is_mere(shift_m)}
     if not small:
         return choice
     names = tuple(name for name in choice.names if name not in small)
     shifts_m = {name: m for name, m in choice.shifts_m.items() if name not in small}
-    taken_m = [m for name, m in choice.shifts_m.items() if name in small]
-    shifts_m |= {MERE: np.sum(taken_m, axis=0)} if taken_m else {}
+    taken = [m for name, m in choice.shifts_m.items() if name in small]
+    flat = [m for m in taken if np.ptp(m) <= abs(np.mean(m))]
+    if taken and not flat:
+        return replace(choice, names=names, shifts_m=shifts_m)
+    shifts_m |= {MERE: np.sum(flat, axis=0)} if flat else {}
     return replace(choice, names=names, others=(*choice.others, MERE), shifts_m=shifts_m)
 
 

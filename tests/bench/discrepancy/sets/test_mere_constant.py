@@ -99,3 +99,12 @@ def test_a_name_that_comes_out_as_a_small_constant_is_none(
     choice = as_mere(before, fitted)
     assert (choice.names, choice.others) == ((names, ()) if named else (names[1:], (MERE,)))
     assert set(choice.shifts_m) == {*choice.names, *choice.others}
+
+
+def test_what_a_set_had_as_no_constant_leaves_none() -> None:
+    """Of walls nobody listed a set made a ripple, and a user read of a constant everywhere."""
+    before = Choice(
+        names=("ground-bounce",), shifts_m={"ground-bounce": np.array([-0.1, 0.1, 0.2])}
+    )
+    choice = as_mere(before, {"ground-bounce": np.full(3, 0.01)})
+    assert (choice.names, choice.others, dict(choice.shifts_m)) == ((), (), {})
