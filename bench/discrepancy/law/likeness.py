@@ -61,14 +61,14 @@ def has_form(kind: type[Effect], rows: View, law: Proposal, logged: bool = False
     columns = None if none else (kind.logged_ways if logged else kind.ways)(rows.scene)
     if not columns:
         return False
-    shift = _shift_m(rows, law)
+    shift = shift_m(rows, law)
     ways = np.hstack(columns)
     left = shift - ways @ np.linalg.lstsq(ways, shift, rcond=None)[0]
     same = float((left**2).sum()) <= LAW_OWN_FORM * float((shift**2).sum())
     return bool(same and shift.any() and kind.possible(rows.scene, shift))
 
 
-def _shift_m(rows: View, law: Proposal) -> NDArray[np.float64]:
+def shift_m(rows: View, law: Proposal) -> NDArray[np.float64]:
     """Return what a law says of rows [n], in metres, without a constant that stands beside it."""
     best, every = law.best, np.zeros(len(rows.rows))
     given = material(rows.frame, every, rows.links, law.given)

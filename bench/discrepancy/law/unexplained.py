@@ -25,6 +25,7 @@ from bench.discrepancy.law.likeness import form_words
 from bench.discrepancy.law.named_faults import named_fault
 from bench.discrepancy.law.of_scatter import independent, predicts
 from bench.discrepancy.law.own_forms import forms_of_names
+from bench.discrepancy.law.own_levels import at_right_distances
 from bench.discrepancy.law.search import Proposal
 from bench.discrepancy.law.settings import LAW_INSTEAD_NATS, LAW_NATS
 from bench.discrepancy.law.structures import cost
@@ -78,11 +79,22 @@ def weighed(search: Search, found: Selection) -> Weighed:
         return Weighed(found)
     search.progress("looking for a law without a name")
     made = Guard().safely("law", _weighed, Weighed(found))(search, found, unknown)
-    if made.proposal is None:
+    law = made.proposal
+    if law is None:
         return made
+    if setup_fault(law):
+        made = _with_right_levels(search, made, law)
     words = Guard().safely("form of a law", form_words, "")
     differ = _waveforms_differ(found)
-    return replace(made, form=words(search, made.instead or found, made.proposal, differ))
+    return replace(made, form=words(search, made.instead or found, law, differ))
+
+
+def _with_right_levels(search: Search, made: Weighed, fault: Proposal) -> Weighed:
+    """Return what is said without names of levels that gain only where distances are wrong."""
+    held = Guard().safely("levels", at_right_distances, made.instead or made.found)(
+        search, made.instead or made.found, fault
+    )
+    return replace(made, instead=held) if made.instead else replace(made, found=held)
 
 
 def _weighed(search: Search, found: Selection, unknown: bool) -> Weighed:
