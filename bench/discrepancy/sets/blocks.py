@@ -189,8 +189,13 @@ def deformed(
 
 
 def varies_with(rows: View, kind: type[Effect] | None) -> tuple[str, ...]:
-    """Return the numbers over which an effect of this kind may be of another size."""
+    """Return the numbers over which an effect of this kind may be of another size.
+
+    What follows a measured level does so at any distance.
+    """
     some = tuple(rows.covariates.numbers)
+    if kind is not None and kind.follows:
+        return tuple(name for name in some if name != "true_range_m")
     some = OF_CLOCKS if kind is not None and kind.everywhere else some
     return OF_DELAYS if kind is AntennaDelay else OF_CRYSTALS if kind is ClockOffset else some
 
@@ -199,13 +204,13 @@ def off_by(response: Floats, rows: View, kind: type[Effect] | None = None) -> Fl
     """Return what a response [n] may be off by [n, k]: a constant, and a line over the distance.
 
     The mean of a pattern and the pull of a reflection depend on the make. No line where clocks
-    make it, or the direction, which are the same at all distances, and nothing in rows where it
-    does nothing (nothing is in the way). What crystals make is off by neither: beside them a
-    constant is an antenna's.
+    make it, or the direction, or the level, which are the same at all distances, and nothing in
+    rows where it does nothing (nothing is in the way). What crystals make is off by neither: beside
+    them a constant is an antenna's.
     """
     far = known_mostly(rows.scene.true_range_m)
-    flat = far is None or (kind is not None and (kind.everywhere or kind is AntennaPattern))
-    line = [] if far is None or flat else [np.clip(standard(far), -2, 2)]
+    same = kind is not None and (kind.everywhere or kind.follows or kind is AntennaPattern)
+    line = [] if far is None or same else [np.clip(standard(far), -2, 2)]
     share = 0.0 if kind is ClockOffset else OFF_BY
     size = share * float(np.std(response)) * (response != 0)
     return np.stack([size, *(size * one for one in line)], axis=1)

@@ -11,6 +11,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.sets.blocks import deformed, off_by
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
+from bench.physics.effects.ranging.power_bias import PowerBias
 from bench.physics.effects.ranging.temperature import TemperatureDrift
 from tests.bench.discrepancy.sets.test_same_rows import rows_of
 
@@ -47,6 +48,15 @@ def test_a_pattern_is_the_same_at_all_distances() -> None:
     off = off_by(over_heading, rows, AntennaPattern)
     assert off.shape[1] == 1  # its mean depends on the make, and a line over the distance is none
     assert np.ptp(off) == pytest.approx(0.0)
+
+
+def test_what_follows_a_level_is_of_one_size_at_all_distances() -> None:
+    """Else a bias of the level does for the scale that stands beside it (two tables did)."""
+    rows = seen()
+    bias = np.tanh(np.linspace(-2, 2, len(rows.rows)))
+    assert follows_distance(rows, deformed(bias, rows, GroundBounce), bias) > 0.9
+    assert follows_distance(rows, deformed(bias, rows, PowerBias), bias) < 0.7
+    assert off_by(bias, rows, PowerBias).shape[1] == 1
 
 
 def test_where_nothing_is_in_the_way_a_wall_is_off_by_nothing() -> None:
