@@ -21,6 +21,7 @@ _OVER = {
     ("periodic", "time_s"): "a cycle: heating, a scheduler, a beat of two clocks",
     ("periodic", "azimuth_deg"): "an antenna's pattern, or one that does not turn about its centre",
     ("step", "time_s"): "something that was changed at that time",
+    ("parabola", "temperature_c"): "a crystal's turning point",
 }
 _FORM = {
     "constant": "a delay that was not calibrated",
@@ -33,7 +34,7 @@ _FORM = {
     "relaxation": "settling after the start: warm-up",
     "step": "two regimes",
     "periodic": "something that repeats",
-    "parabola": "something with a turning point, as a crystal's frequency has in temperature",
+    "parabola": "something with a turning point",
     "rounding": "a coarse register or print-out",
     "position": "a plan that is wrong, or an anchor that was moved",
     "plan": "a drawing or a survey whose axes or scale are off",

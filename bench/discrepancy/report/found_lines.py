@@ -29,6 +29,8 @@ from bench.discrepancy.settings import SURE_P
 from bench.physics.effect import Effect
 
 SHOWN_LEFT = 3
+RESEMBLES = "looks most like"  # how notes on refused names begin
+THEIRS = "Beside that differs what is theirs: their mean, or another form (which is simulated, too)"
 _LISTED = "It is seen in differences that are listed above, too."
 
 
@@ -53,13 +55,17 @@ def _once(told: list[list[str]]) -> list[list[str]]:
 
 
 def _explained(verdicts: Sequence[Unknown]) -> list[str]:
-    """Return what differed where a law or a fault of the set-up explains it: once, in one list."""
-    notes = "; ".join(dict.fromkeys(one.told for one in verdicts if one.told))
+    """Return what differed where a law or a fault of the set-up explains it: once, in one list.
+
+    Without names that were refused, which it most resembled until then.
+    """
+    told = [one.told for one in verdicts if one.told and not one.told.startswith(RESEMBLES)]
+    notes = f" ({'; '.join(dict.fromkeys(told))})" if told else ""
     first: dict[Cell, Finding] = {}
     for finding in (one for verdict in verdicts for one in verdict.findings):
         first.setdefault(finding.cell, finding)
     return [
-        f"Without it this differs, which no known effect explains ({notes}):",
+        f"Without it this differs, which no known effect explains{notes}:",
         *finding_lines(list(first.values()), 5),
     ]
 
@@ -131,7 +137,8 @@ def left_lines(diagnosis: Diagnosis) -> list[str]:
         sure = [one for one in sure if one.cell.observable == RANGE]
     lines = finding_lines(sorted(sure, key=lambda one: one.cell.observable != RANGE), SHOWN_LEFT)
     lines += [f"- {selection.left_note}"] if lines and selection.left_note else []
-    return ["**Beside that still differs, without a name:**", *lines] if lines else []
+    head = THEIRS if selection.mean else "Beside that still differs, without a name"
+    return [f"**{head}:**", *lines] if lines else []
 
 
 def _behind(nats: float) -> str:

@@ -19,11 +19,12 @@ from bench.discrepancy.joint.polish import fitted, polished, shares, with_shares
 from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import NAME_NATS
-from bench.discrepancy.joint.sizes import Sizes
+from bench.discrepancy.joint.sizes import Sizes, estimates
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.unformed import beside_unformed
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.effects.receiver.quantisation import Quantisation
@@ -162,6 +163,14 @@ def test_sizes_hold_what_is_hidden_and_say_what_nothing_tells():
         assert found[name].determined
         assert found[name].low <= getattr(RINGING, name) <= found[name].high
     assert not found["ring_offset_mhz"].determined  # what does not ring on does not turn
+
+
+def test_how_fast_a_tone_turns_is_not_told_by_powers() -> None:
+    """Of 37, 45, 62 and 90 MHz a user read 95, 108, 124 and 97, three outside their intervals."""
+    tone = NarrowbandInterference(level_db=8.0)
+    found = {one.name: one for one in estimates(tone, np.full((2, 4), 0.02))}
+    assert found["level_db"].determined
+    assert not found["offset_mhz"].determined
 
 
 def test_a_rounding_that_leaves_nothing_of_weak_samples_is_compared_by_the_rest() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -88,6 +89,8 @@ def test_what_a_law_explains_is_said_once() -> None:
     )
     assert len(lines) == 3
     assert [line.partition("= ")[2].partition(" m")[0] for line in lines] == ["0.8", "1.9", "-0.5"]
+    refused = replace(unknown[0], note="looks most like timestamp-jitter, but levels are alike")
+    assert _explained([refused])[0] == "Without it this differs, which no known effect explains:"
 
 
 def test_a_class_among_other_names_stands_in_brackets() -> None:

@@ -85,7 +85,7 @@ def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], sai
     located, strike = SimpleNamespace(findings=(finding,)), object() if found["struck"] else None
     turn = SimpleNamespace(added=None, strike=strike, located=located)
     selection = SimpleNamespace(rounds=[turn], verdicts=found["verdicts"], names=found["names"])
-    selection.left_note = "3 of 52 links are struck as by blocked-path"
+    selection.left_note, selection.mean = "3 of 52 links are struck as by blocked-path", ()
     options = SimpleNamespace(waveform=found["waveform"])
     diagnosis = SimpleNamespace(selection=selection, law=None, options=options)
     lines = left_lines(diagnosis)  # type: ignore[arg-type]
@@ -94,6 +94,10 @@ def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], sai
         if said
         else []
     )
+    selection.mean = (finding,)  # theirs: a lobe's mean was read as a second fault
+    again = left_lines(diagnosis)  # type: ignore[arg-type]
+    assert again[1:] == lines[1:]
+    assert ("theirs" in "".join(again[:1])) is said
 
 
 class Told:
@@ -115,7 +119,8 @@ class Told:
 def test_what_differs_in_ranges_is_said_before_levels() -> None:
     findings = tuple(map(Told, ("rx_power_dbm", "noise_std", "snr_db", "error_m")))
     turn = SimpleNamespace(added=None, strike=None, located=SimpleNamespace(findings=findings))
-    selection = SimpleNamespace(rounds=[turn], verdicts=(), names=(("a",),), left_note="")
+    named = {"verdicts": (), "names": (("a",),), "left_note": "", "mean": ()}
+    selection = SimpleNamespace(rounds=[turn], **named)
     seen = {"law": None, "options": SimpleNamespace(waveform=False)}
     diagnosis = SimpleNamespace(selection=selection, **seen)
     lines = left_lines(diagnosis)  # type: ignore[arg-type]
