@@ -30,6 +30,7 @@ COMMANDS = {
     "simulate": "Simulate recordings from a simulator's TOML and a geometry.",
     "data": "List, describe, import and fetch recordings.",
     "diagnose": "Find, name and model what a simulator leaves out of recordings.",
+    "effects": "List the effects that a diagnosis names, and what each stands on.",
     "plan": "Say which measurement tells apart what a diagnosis cannot.",
     "worth": "Say how many links must be surveyed, with and without a diagnosis.",
     "challenge": "Hide physics from the diagnosis and score what it says.",

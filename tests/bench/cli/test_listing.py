@@ -49,7 +49,8 @@ def with_broken(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["models"], ["models", "--json"], ["backends"], ["devices"]]
+    "arguments",
+    [["--help"], ["models"], ["models", "--json"], ["backends"], ["devices"], ["effects"]],
 )
 def test_listing_imports_nothing_heavy(arguments) -> None:
     done = subprocess.run(
@@ -129,3 +130,23 @@ def test_a_device_that_is_no_profile_is_unavailable(monkeypatch) -> None:
     assert listed["problem"] == "unavailable: a Profile was expected, not function"
     with pytest.raises(BenchError, match="a Profile was expected"):
         raise _run("devices", "odd").exception
+
+
+def test_an_effect_says_what_it_is_and_stands_on() -> None:
+    """A user who read `level-control` in a verdict found no page that defines it."""
+    text = _run("effects", "level-control").output
+    for said in ("recognised by", "source: DW1000", "needs columns: preamble_count", "peak_counts"):
+        assert said in text
+    facts = json.loads(_run("effects", "antenna-delay", "--json").output)
+    assert facts["acts_on"] == "ranging"
+    assert {"name", "unit", "low", "high", "meaning"} <= set(facts["parameters"][0])
+    wrong = _run("effects", "level-contrl")
+    assert isinstance(wrong.exception, BenchError)
+    assert "level-control" in str(wrong.exception)
+
+
+def test_every_effect_can_be_shown() -> None:
+    for one in json.loads(_run("effects", "--json").output):
+        facts = json.loads(_run("effects", one["name"], "--json").output)
+        assert facts["words"]
+        assert facts["source"]
