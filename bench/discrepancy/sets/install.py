@@ -20,7 +20,7 @@ from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.sets.blocks import named_kinds
 from bench.discrepancy.sets.levels_in_turn import in_turn
 from bench.discrepancy.sets.settings import RIVAL_NATS
-from bench.discrepancy.sets.shifted import Shifted, beside_calibration
+from bench.discrepancy.sets.shifted import Shifted, beside_constants
 from bench.discrepancy.settings import (
     CURVE_FREEDOM_NATS,
     FIT_MEMBERS,
@@ -185,6 +185,6 @@ def _scores(search: Search, added: Added) -> Ensemble:
 
 
 def _beside(search: Search, added: Added) -> Ensemble:
-    """Return held-out rows beside simulated ones, calibrated as the choice says."""
-    calibrated = beside_calibration(search, search.discover)
-    return calibrated.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)
+    """Return held-out rows beside simulated ones, with constants as the choice says."""
+    made = beside_constants(search, search.discover)
+    return made.ensemble(search.discover, added, SCORE_MEMBERS, SCORE_FIRST)

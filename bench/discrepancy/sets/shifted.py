@@ -12,7 +12,10 @@ from bench.discrepancy.compare.view import Added, Changed, Comparison, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.calibrated import TAKEN_OFF
+from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.set_up import is_fault
+
+CONSTANTS = (TAKEN_OFF, MERE)
 
 
 @dataclass(frozen=True)
@@ -39,22 +42,24 @@ def beside_faults(search: Search, rows: View) -> Comparison:
     """Return the comparison whose simulated ranges have the faults of the set-up of the choice.
 
     Fitted without them, delays of devices would take of what one does that stands elsewhere, and a
-    scale of what a calibration took off. Only for the rows that the choice is of.
+    scale of a constant without a name. Only for the rows that the choice is of.
     """
     shifts_m = search.choice.shifts_m
-    faults = [m for o, m in shifts_m.items() if is_fault(o) or o == TAKEN_OFF]
+    faults = [m for o, m in shifts_m.items() if is_fault(o) or o in CONSTANTS]
     if not faults or search.choice.view != rows.number:
         return search.comparison
     return Shifted(search.comparison, np.sum(faults, axis=0))
 
 
-def beside_calibration(search: Search, rows: View) -> Comparison:
-    """Return the comparison whose simulated ranges have the constant that a calibration took off.
+def beside_constants(search: Search, rows: View) -> Comparison:
+    """Return the comparison whose simulated ranges have the constants of the choice, of no name.
 
-    A scale of ranges whose mean error was taken off seems to make them worse without it.
+    Names seem to make ranges worse without one: a scale of ranges whose mean error was taken off,
+    a clock in ranges that are all a little short.
     """
-    taken_m = search.choice.shifts_m.get(TAKEN_OFF)
-    if taken_m is None:
+    taken = [m for o, m in search.choice.shifts_m.items() if o in CONSTANTS]
+    if not taken:
         return search.comparison
-    constant_m = float(taken_m[np.argmax(np.abs(taken_m))])  # 0 in rows without a range
+    # 0 in rows without a range
+    constant_m = sum(float(one[np.argmax(np.abs(one))]) for one in taken)
     return Shifted(search.comparison, np.full(len(rows.rows), constant_m))
