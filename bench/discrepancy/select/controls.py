@@ -6,6 +6,8 @@ acts on, with its unit, must be nothing, or little beside what is left elsewhere
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,8 @@ from bench.discrepancy.settings import (
 )
 from bench.physics.base import Base
 from bench.physics.effect import Effect
+
+Floats = NDArray[np.float64]
 
 
 def negative_control(search: Search, others: Added, effect: Effect, top: Finding) -> Control:
@@ -52,11 +56,22 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
     beyond = everywhere_left(search, others, effect, name, ~inert, known)
     for less in (0.0, beyond):
         left = residual - less
-        quiet = cluster_bootstrap(left[inert], ensemble.links[inert], search.seed, unit)
+        quiet = _spread(search, left[inert], ensemble.links[inert], unit)
         passed = control_passed(quiet, float(np.nanmean(np.abs(left[~inert]))))
         if passed:
             break
     return Control(words, passed, int(inert.sum()), quiet)
+
+
+def _spread(search: Search, left: Floats, links: NDArray[np.intp], unit: str) -> Estimate:
+    """Return the mean of what is left [n] with the 95 % interval of `links` [n], in its unit.
+
+    As much wider as means of links that share simulated rows scatter.
+    """
+    mean = cluster_bootstrap(left, links, search.seed, unit)
+    wider = search.comparison.crowding(search.discover)
+    low, high = (mean.value + wider * (end - mean.value) for end in (mean.low, mean.high))
+    return replace(mean, low=low, high=high)
 
 
 def acted_on(search: Search, ensemble: Ensemble, added: Added, top: Finding) -> str:
@@ -81,7 +96,7 @@ def _moved(before: Ensemble, after: Ensemble, name: str) -> float:
     return moved / max(before.scatter_of(name), least) if np.isfinite(moved) else 0.0
 
 
-def nameless_m(search: Search) -> NDArray[np.float64] | float:
+def nameless_m(search: Search) -> Floats | float:
     """Return what the nameless causes of a set do to the ranges that are searched [n], in metres.
 
     0 where there are none, or where other rows than these were weighed.
@@ -111,7 +126,7 @@ def everywhere_left(
     effect: Effect,
     name: str,
     acts: NDArray[np.bool_],
-    known: NDArray[np.float64] | float = 0.0,
+    known: Floats | float = 0.0,
 ) -> float:
     """Return what an effect of a set leaves where it acts [n]; 0 for other effects.
 
@@ -141,7 +156,7 @@ def struck_control(search: Search, others: Added, effect: Effect) -> Control:
     )
     residual = left.residual_of(RANGE)
     residual = residual - float(np.nanmedian(residual[~inert]))
-    quiet = cluster_bootstrap(residual[inert], left.links[inert], search.seed, "m")
+    quiet = _spread(search, residual[inert], left.links[inert], "m")
     moved = struck.simulated_of(RANGE).mean(axis=0) - left.simulated_of(RANGE).mean(axis=0)
     loud = float(np.nanmean(np.abs(moved[~inert])))
     passed = quiet.value <= 0 or control_passed(quiet, loud)

@@ -45,8 +45,8 @@ class _Strike:
         return SIGHT
 
 
-def _search(left_m: np.ndarray) -> Any:
-    """Return a search in whose ranges `left_m` [n] is left."""
+def _search(left_m: np.ndarray, crowding: float = 1.0) -> Any:
+    """Return a search in whose ranges `left_m` [n] is left, of links that share simulated rows."""
 
     def ensemble(_: object, added: tuple[object, ...], members: int, __: int) -> Ensemble:
         noise = np.random.default_rng(len(added)).normal(0, 0.01, (1 + members, ROWS, 1))
@@ -56,7 +56,7 @@ def _search(left_m: np.ndarray) -> Any:
 
     return SimpleNamespace(
         discover=SimpleNamespace(scene=None),
-        comparison=SimpleNamespace(ensemble=ensemble),
+        comparison=SimpleNamespace(ensemble=ensemble, crowding=lambda _: crowding),
         seed=0,
     )
 
@@ -94,3 +94,23 @@ def test_a_name_of_which_nothing_is_told_from_zero_is_none() -> None:
     assert not untold(named(none))
     rounded = LeftOut(RangeRounding(), (wide,), none, 1.0, Control("", None))
     assert not untold(rounded)
+
+
+def test_links_that_share_simulated_rows_refuse_a_name_only_beyond_what_these_scatter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nine links at rest were 9 mm short beside one simulated row each, which others shared."""
+    monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
+    by_link = 0.2 + 0.3 * np.random.default_rng(1).normal(size=ROWS // 3)[np.arange(ROWS) // 3]
+    left_m = np.where(SIGHT, np.abs(by_link), 0.0)
+    once, shared, crowd = (
+        struck_control(_search(left_m, wider), (), _Strike())  # type: ignore[arg-type]
+        for wider in (1.0, 1.5, 8.0)
+    )
+    assert (once.passed, crowd.passed) == (False, True)
+    assert once.left is not None
+    assert shared.left is not None
+    assert shared.left.value == once.left.value
+    assert shared.left.high - shared.left.low == pytest.approx(
+        1.5 * (once.left.high - once.left.low)
+    )

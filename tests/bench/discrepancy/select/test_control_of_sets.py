@@ -43,7 +43,7 @@ def test_another_form_of_the_delay_does_not_fail_the_control(
     search = SimpleNamespace(
         fit=SimpleNamespace(waveform=waveform),
         discover=SimpleNamespace(scene=None),
-        comparison=SimpleNamespace(ensemble=lambda *_: made),
+        comparison=SimpleNamespace(ensemble=lambda *_: made, crowding=lambda _: 1.0),
         choice=Choice(names=("material-delay",)),
         seed=0,
     )
@@ -65,7 +65,7 @@ def test_what_a_nameless_cause_does_where_nothing_stands_speaks_against_no_name(
     search = SimpleNamespace(
         discover=SimpleNamespace(scene=None, rows=rows),
         work=SimpleNamespace(rows=rows[::-1]),
-        comparison=SimpleNamespace(ensemble=lambda *_: made),
+        comparison=SimpleNamespace(ensemble=lambda *_: made, crowding=lambda _: 1.0),
         choice=Choice(
             names=("material-delay",),
             others=("the position of a1",),
@@ -91,7 +91,9 @@ def test_the_control_asks_what_the_effect_acts_on(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(controls, "Base", lambda: SimpleNamespace(paths=lambda _: None))
     search = SimpleNamespace(
         discover=SimpleNamespace(scene=None),
-        comparison=SimpleNamespace(ensemble=lambda _, added, *__: beside if added else without),
+        comparison=SimpleNamespace(
+            ensemble=lambda _, added, *__: beside if added else without, crowding=lambda _: 1.0
+        ),
         choice=Choice(),
         seed=0,
     )
@@ -113,7 +115,7 @@ def test_what_is_left_where_a_name_acts_is_beside_nameless_causes_too(
     search = SimpleNamespace(
         discover=SimpleNamespace(scene=None, rows=rows),
         work=SimpleNamespace(rows=rows),
-        comparison=SimpleNamespace(ensemble=lambda *_: made),
+        comparison=SimpleNamespace(ensemble=lambda *_: made, crowding=lambda _: 1.0),
         choice=Choice(
             names=("material-delay",),
             others=("delays",),
