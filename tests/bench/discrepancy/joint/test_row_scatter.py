@@ -212,7 +212,7 @@ def test_where_a_table_tells_only_which_ways_are_clear_walls_of_any_make_strike_
     """Three tables of walls of unlike makes were obstructed or blocked paths, or diffraction."""
     rows = SimpleNamespace(scene=scene(pd.DataFrame({"true_range_m": [3.0, 4.0], "los": [1, 0]})))
     kinds: dict[str, type[Effect]] = {MaterialDelay.name: MaterialDelay}
-    search = Search(None, None, rows, kinds, 0)  # type: ignore[arg-type]
+    search = Search(None, None, rows, kinds, 0, whole=rows)  # type: ignore[arg-type]
     said = LeftOut(ObstructedPath(), (), SAID.gain, 1.0, SAID.control)
     assert with_unlisted(search, said).names == ("obstructed-path", "material-delay")
 
