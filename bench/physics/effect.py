@@ -135,8 +135,7 @@ class Effect(ABC):
     meaningfully on the rows of another simulator's table (see `bench.physics.foreign`), where
     `with_phases` asks for phases that a table of magnitudes has not.
     `follows`: the measured column that its error follows, at a fixed distance too.
-    `by_device`: every device has a size of its own of it, and it comes and goes, which nothing
-    known foretells.
+    `by_device`: every device has a size of its own of it, that comes and goes as nothing foretells.
     `by_kind`: every kind of obstacle has a size of its own of it, and every one of a kind another,
     as materials and thicknesses are rarely known.
     `own_curve`: what it does over the level is every receiver's own, so any curve is a form of it.
@@ -146,10 +145,10 @@ class Effect(ABC):
     `dies_away`: of what it adds there is never more the later it is, once it has begun.
     `at_one_delay`: what it adds comes at the same delays in all links.
     `told_by`: the measurement that tells it from others of which the same is said, "" without one.
-    `of_levels`: parameters that levels and waveforms tell, and ranges alone do not.
-    `resembles`: the effect that does the same to many links together, so that where its places are
-    not known these two are not told apart, "" without one.
-    `logged_as`: the column in which receivers log this alone, "" without one.
+    `of_levels`: parameters that levels and waveforms tell, and ranges alone do not; `of_phases`:
+    those that phases alone tell, and no power. `logged_as`: the column in which receivers log this
+    alone, "" without one. `resembles`: the effect that does the same to many links together, so
+    that where its places are not known these two are not told apart, "" without one.
     `seldom`: the amplitude, from zero on, of what few do: it is fitted without it, too, "" if none.
     `adds`: the parameter by which it adds to what there is: below its null it would take away,
     which nothing does that a simulator leaves out; "" without one.
@@ -191,6 +190,7 @@ class Effect(ABC):
     at_one_delay: ClassVar[bool] = False
     told_by: ClassVar[str] = ""
     of_levels: ClassVar[tuple[str, ...]] = ()
+    of_phases: ClassVar[tuple[str, ...]] = ()
     resembles: ClassVar[str] = ""
     logged_as: ClassVar[str] = ""
     seldom: ClassVar[str] = ""

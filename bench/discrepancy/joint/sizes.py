@@ -3,8 +3,7 @@
 The covariance of parameters that were fitted together is a sandwich with links as the unit (Huber
 1967; White 1982), with the slopes and weights of the fit. That a parameter lies within its bounds
 is known before: where others that do the same leave a wide valley, its bounds end it, and what is
-as wide as the bounds is not determined. Nor is how fast a tone turns: powers show no more of it
-than how it beats with what else is there, which every receiver colours in its own way.
+as wide as the bounds is not determined. Nor is what phases alone tell: powers are compared.
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ from bench.discrepancy.settings import AT_BOUND, INTERVAL_LEVEL, UNDETERMINED
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
 
-ONLY_PHASES_TELL = ("offset_mhz",)
 Floats = NDArray[np.float64]
 Estimates = tuple[ParameterEstimate, ...]
 
@@ -116,5 +114,5 @@ def _estimate(
     low, high = (between(item, item.low, item.high, end) for end in ends)
     value = float(getattr(effect, item.name))
     bound = min(share, 1 - share) < AT_BOUND and value != item.null
-    known = ends[1] - ends[0] < UNDETERMINED and item.name not in ONLY_PHASES_TELL
+    known = ends[1] - ends[0] < UNDETERMINED and item.name not in type(effect).of_phases
     return ParameterEstimate(item.name, value, low, high, item.unit, bound, known)

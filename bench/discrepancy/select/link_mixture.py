@@ -193,12 +193,11 @@ def _apart_from_alike(
 
     Else links are held to be struck that are late by as much as all others behind the same.
     """
-    constant = float(np.log(len(seen.links)) / 2)
+    kind, constant = type(found[0].effect), float(np.log(len(seen.links)) / 2)
     for way in ways:
         acting = way != 0
         size = in_common(seen.offset_m[acting] / way[acting])
         other = replace(seen, offset_m=seen.offset_m - size * way)
-        kind = type(found[0].effect)
         made = _beside(comparison, view, added, kind, other)
         if made and made[1] - constant > found[1] + STRIKE_NATS:
             found, seen = (made[0], made[1] - constant), other

@@ -90,3 +90,16 @@ def assert_blocked_behind_things(family: str, least_m: float) -> np.ndarray:
     assert np.abs(shift_of(family, "obstructed-path", mode="CIR")[free]).max() < 0.06
     assert (late[late != 0] > least_m).all()
     return np.asarray(late[late != 0])
+
+
+def assert_mixes_overlap(family: str) -> None:
+    """Assert that another mix shares some links, that are neither the near nor the far ones."""
+    for mode in ("ranges", "CIR"):
+        world: Any = world_of(family, mode)
+        made = world.tables(Draw(ratio=1, paired=False, same_mix=False), 5)
+        both = [t.groupby("link")["true_range_m"].mean() for t in (made.recorded, made.simulated)]
+        assert both[0].max() > 1.1 * both[1].min()
+        assert both[0].min() < 0.8 * both[1].min()
+        assert both[1].max() > 1.2 * both[0].max()
+        amid = [one.between(both[1].min(), both[0].max()).mean() for one in both]
+        assert 0.2 < min(amid) < max(amid) < 0.7

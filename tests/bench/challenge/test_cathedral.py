@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
 
-from bench.challenge.families.case import Draw, world_of
 from bench.challenge.families.cathedral_nave import (
     BOSSES,
     BOSSES_M,
@@ -135,15 +133,7 @@ def test_kinds_rest_at_times_and_all_have_their_places() -> None:
 
 
 def test_another_mix_shares_some_links_that_are_neither_near_nor_far() -> None:
-    for mode in ("ranges", "CIR"):
-        world: Any = world_of("cathedral", mode)
-        made = world.tables(Draw(ratio=1, paired=False, same_mix=False), 5)
-        both = [t.groupby("link")["true_range_m"].mean() for t in (made.recorded, made.simulated)]
-        assert both[0].max() > 1.1 * both[1].min()
-        assert both[0].min() < 0.8 * both[1].min()
-        assert both[1].max() > 1.2 * both[0].max()
-        amid = [one.between(both[1].min(), both[0].max()).mean() for one in both]
-        assert 0.2 < min(amid) < max(amid) < 0.7
+    shown.assert_mixes_overlap("cathedral")
 
 
 def test_things_are_where_they_stand() -> None:

@@ -34,6 +34,7 @@ class NarrowbandInterference(Effect):
     without_cir = False
     with_phases = True  # beside magnitudes taken as real it would beat with all noise alike
     told_by = NOISE_TOLD_BY
+    of_phases = ("offset_mhz",)  # powers show only how it beats with noise, which receivers colour
 
     level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)
     fading_db: float = parameter(5.6, "dB", 0, 12, "std of the level over rows")
