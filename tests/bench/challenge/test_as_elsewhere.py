@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard", "ropewalk", "planetarium", "cathedral",
+    "shipyard", "ropewalk", "planetarium", "cathedral", "distillery",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -50,6 +50,7 @@ OWN = {
     "ropewalk": "strands-harden-and-draw-sledges-sooner",
     "planetarium": "ushers-walk-a-heptagon",
     "cathedral": "labyrinth-laid-oval",
+    "distillery": "chains-of-rummagers-fly-out",
 }
 ALIKE = [
     (family, name)
@@ -150,6 +151,11 @@ OWN_PARTS = {
         "late-sizes-by-a-needle-that-falls-slowly": (0.1, 0.6),
         "late-counts-begun-anew-when-full": (0.1, 0.6),
     },
+    "distillery": {
+        "late-tens-lose-heads-and-tails": (0.1, 0.6),
+        "late-sevens-told-backwards": (0.1, 0.6),
+        "late-sizes-blended-with-those-half-way-on": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -238,6 +244,15 @@ FAULTS = {
         "places-told-as-middles-of-flags", "answers-kept-until-they-differ-enough",
         "longer-of-two-answers-told", "answers-no-longer-than-a-chain",
         "candles-warm-ways-that-pass-them", "boss-pushed-in-by-a-scaffold",
+    ),
+    "distillery": (
+        "casks-skid-as-they-roll", "chains-of-rummagers-fly-out", "maltmen-tire-as-they-turn",
+        "drays-sway-on-the-setts", "hoists-bob-on-their-chains", "cats-close-in-sooner",
+        "places-queue-behind-answers", "loft-bends-under-barley", "tape-stretched-when-wet",
+        "still-house-laid-out-off-the-square", "upper-lintels-levelled-from-the-loft",
+        "answers-overshoot-by-what-they-rose", "answers-vatted-over-a-run",
+        "gauge-narrows-past-a-mark", "spirit-vapour-fills-the-still-house",
+        "door-between-halls-shut-by-turns", "lintel-shouldered-by-a-still",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -27,11 +27,11 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
 WITH_BOTH = (
-    "foundry", "garage", "crag",
+    "foundry", "garage",
     "chairlift", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
-    "ropewalk", "planetarium", "cathedral",
+    "ropewalk", "planetarium", "cathedral", "distillery",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

@@ -18,6 +18,7 @@ from bench.challenge.families import (
     cathedral_lectern,
     circus_lamp,
     colliery_geophone,
+    distillery_safe,
     granary_sieve,
     icerink_timer,
     laundry_meter,
@@ -60,6 +61,7 @@ OF_ITS_OWN = {
     "ropewalk": {"heads", "turn", "into_s"},
     "planetarium": {"bears", "sense", "into_s"},
     "cathedral": {"gait", "broad", "into_s"},
+    "distillery": {"sort", "aim", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -93,6 +95,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (ropewalk_telltale.creaking, ropewalk_telltale.OF_SIZES, -0.2),
         (planetarium_almanac.starlight, planetarium_almanac.OF_SIZES, -0.2),
         (cathedral_lectern.sough, cathedral_lectern.OF_SIZES, -0.2),
+        (distillery_safe.seething, distillery_safe.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -131,6 +134,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (ropewalk_telltale.tufts, ropewalk_telltale.strung_out, 0.02),
         (planetarium_almanac.glows, planetarium_almanac.set_later, 0.02),
         (cathedral_lectern.chimes, cathedral_lectern.lingered, 0.02),
+        (distillery_safe.drops, distillery_safe.run_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
