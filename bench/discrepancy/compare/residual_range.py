@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.beside_level import beside_level
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
@@ -26,8 +27,8 @@ def residual_range(
     """Return the ensemble with what is `added`, and recorded minus simulated range [n] in metres.
 
     Beside the mean of the simulated rows of its own link alone, where it has enough of these (see
-    `crowded`); with `alike` of those of similar links, too. None where ranges are not on both
-    sides.
+    `crowded`); with `alike` of those of similar links, too. Less what ranges of a link go with its
+    levels as simulated (see `beside_level`). None where ranges are not on both sides.
     """
     count = None if alike else own_versions(comparison, view)
     whole = comparison.ensemble(view, added, members)
@@ -35,7 +36,8 @@ def residual_range(
         return None
     smooth = tuple(effect for effect in added if not type(effect).marked)
     if len(smooth) == len(added) or view.waveform:
-        return whole, _first(whole, count).residual_of(RANGE)
+        near = _first(whole, count)
+        return whole, beside_level(near, near.residual_of(RANGE))
     bare = _first(comparison.ensemble(view, smooth, members), count)
     rounded = _first(whole, count).simulated_of(RANGE) - bare.simulated_of(RANGE)
     leant = np.sum([effect.leant_m(view.scene) for effect in added], axis=0)

@@ -27,6 +27,8 @@ LEAST_SPREAD: Final = 1e-9  # of the widest direction of columns: one below says
 UNKNOWN_SHARE: Final = 0.1  # of rows without an observable, to tell what is done to it [convention]
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
+COUPLED_ERRORS: Final = 4.0  # standard errors over links, from which on simulated range errors go
+# with levels within links [convention]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
 MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the

@@ -30,6 +30,7 @@ from bench.discrepancy.joint.quiet_moments import (
     ratio_of,
 )
 from bench.discrepancy.joint.settings import (
+    CLASS_SHARE,
     GRAIN_ABOUT,
     GRAIN_ALIKE,
     GRAIN_CHANCE,
@@ -46,6 +47,7 @@ from bench.discrepancy.joint.settings import (
     GROWTH_NS,
     KEPT,
     NAME_NATS,
+    OFF_SHARE,
     PULSE_NS,
 )
 from bench.discrepancy.joint.statistics import Floats, Statistics
@@ -86,6 +88,19 @@ class Grain:
         elif kind.dies_away and self._steadier(effects):
             return True
         return kind.dies_away and self.grows(rest)
+
+    def slack(self, effects: Added, name: str) -> float:
+        """Return by what share of all that a member brings another that does as well may be behind.
+
+        By more where the member would plainly change how late samples scatter, and they surely do
+        not scatter as the set has it: then its form is no better than another's.
+        """
+        if self.recorded is None:
+            return 1 - CLASS_SHARE
+        rest = tuple(effect for effect in effects if effect.name != name)
+        after, _, foreseen = self.misfits(effects, rest)
+        off = foreseen > NAME_NATS and after > self._chance
+        return 1 - (OFF_SHARE if off else CLASS_SHARE)
 
     @cached_property
     def _of_recorded(self) -> Figures:

@@ -304,7 +304,8 @@ class Sets:
         others = [one.effect for one in self.screen.beside(rest.effects) if one.effect.name != name]
         made = self._fit([(*rest.effects, other) for other in others[:2]])
         whole = self.weighing.evidence(fit)
-        least = whole - max(CLASS_NATS, (1 - CLASS_SHARE) * (whole - self.weighing.evidence(rest)))
+        brought = whole - self.weighing.evidence(rest)
+        least = whole - max(CLASS_NATS, self.grain.slack(fit.effects, name) * brought)
         near = [one for one in made if self.weighing.evidence(one) > least]
         same = [one for each in (fit, *near) for one in self._same(each, rest, name, least)]
         able = [one for one in (*near, *same) if not self._told(fit, one)]

@@ -75,6 +75,7 @@ NAME_SHARE: Final = 0.04  # of all that a set explains, that a name must bring [
 LEVEL_DB: Final = 3.0  # by which transmit powers and antennas of all links may be off [convention]
 CLASS_NATS: Final = 3.0  # behind the best set, within which another is not excluded: 20 to 1
 CLASS_SHARE: Final = 0.95  # of what a name brings, from which on another may do as well [joint]
+OFF_SHARE: Final = 0.9  # the same of one whose late samples surely scatter otherwise [convention]
 LEFT_NATS: Final = 10.0  # that something without a form brings beside the best set: something is
 # there that no effect explains [convention]
 LEFT_SHARE: Final = NAME_SHARE  # and of all that is explained then: as a name must [derived]

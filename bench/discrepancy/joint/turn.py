@@ -13,6 +13,7 @@ from bench.discrepancy.fit.per_device import fits_itself
 from bench.discrepancy.fit.search import Fitted
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.dense import dense_of
+from bench.discrepancy.joint.grids import marked_by_grids, with_grids
 from bench.discrepancy.joint.late import found_late, holds, moved, with_late
 from bench.discrepancy.joint.own_code import runs_own_code
 from bench.discrepancy.joint.rows import compared_rows, fewer
@@ -97,6 +98,7 @@ def _as_indices_say(state: State, journal: Journal) -> Selection:
     state = with_range_part(state, journal, choice.unlisted or elsewhere)
     if state.search.choice.mistaken:
         return Selection((), (), (), mistaken=state.search.choice.mistaken)
+    state = safely("grid of ranges", with_grids, state)(state)
     state = safely("scatter", with_scatter, state)(state, journal, choice)
     return _said(_with_last(state, journal), choice, journal)
 
@@ -106,6 +108,7 @@ def _of_sure_ranges(state: State, journal: Journal) -> Selection:
     sure = with_range_part(state, journal)
     if sure.search.choice.mistaken:
         return Selection((), (), (), mistaken=sure.search.choice.mistaken)
+    sure = sure.guard.safely("grid of ranges", with_grids, sure)(sure)
     return _said(_with_last(sure, journal) if sure.added else sure, WaveChoice(), journal)
 
 
@@ -257,7 +260,7 @@ def _in_all_rows(search: Search, journal: Journal, found: Located) -> Located:
 
 def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:
     """Return the selection with its verdicts, and the simulator that fits best."""
-    search, rounds = state.search, state.rounds
+    search, rounds, choice = state.search, state.rounds, marked_by_grids(choice, state)
     said = journal.kept(wave_verdicts)(search, rounds, state.added, choice)
     with_more = state.guard.safely("untried effects", with_untried, said)
     said = with_more(search, state.added, said, choice.dense)

@@ -10,6 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -27,6 +29,7 @@ from bench.discrepancy.settings import (
     RESOLUTION,
     SEARCH_FIRST,
     SEARCH_MEMBERS,
+    TWO_SIDED_95,
 )
 from bench.physics.base import Base
 from bench.physics.effect import Effect
@@ -66,12 +69,20 @@ def negative_control(search: Search, others: Added, effect: Effect, top: Finding
 def _spread(search: Search, left: Floats, links: NDArray[np.intp], unit: str) -> Estimate:
     """Return the mean of what is left [n] with the 95 % interval of `links` [n], in its unit.
 
-    As much wider as means of links that share simulated rows scatter.
+    As much wider as means of links that share simulated rows scatter, and as few links say less of
+    how they scatter than many (Student 1908): links drawn again scatter too little.
     """
     mean = cluster_bootstrap(left, links, search.seed, unit)
-    wider = search.comparison.crowding(search.discover)
+    wider = search.comparison.crowding(search.discover) * of_few(len(np.unique(links)))
     low, high = (mean.value + wider * (end - mean.value) for end in (mean.low, mean.high))
     return replace(mean, low=low, high=high)
+
+
+def of_few(links: int) -> float:
+    """Return how much wider a 95 % interval of the mean of so few links is than drawn again."""
+    freedom = max(links - 1, 1)
+    wide = float(student.isf(norm.sf(TWO_SIDED_95), freedom)) / TWO_SIDED_95
+    return wide * float(np.sqrt(links / freedom))
 
 
 def acted_on(search: Search, ensemble: Ensemble, added: Added, top: Finding) -> str:

@@ -36,7 +36,7 @@ def marked(search: Search, added: Added = ()) -> Added:
     Each in the form that scores best beside `added`, or in the one that is among these.
     """
     if not search.fit.waveform:
-        return (*_grids(search, added), *shown(search, added))
+        return (*grids(search, added), *shown(search, added))
     have = {effect.name: effect for effect in added}
     found = []
     for kind in search.kinds.values():
@@ -46,7 +46,7 @@ def marked(search: Search, added: Added = ()) -> Added:
     return (*found, *shown(search, added))
 
 
-def _grids(search: Search, added: Added) -> Added:
+def grids(search: Search, added: Added) -> Added:
     """Return the effects that a grid of recorded ranges shows, as they are where among `added`.
 
     No model of the error has a part in that: the ranges themselves lie on it.

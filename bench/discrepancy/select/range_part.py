@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.checkpoint.journal import Journal
+from bench.discrepancy.compare.beside_level import beside_level, by_links
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, View, without
@@ -187,13 +188,13 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     ensemble = ranged.comparison.ensemble(rows, beside, _members(ranged, beside))
     if RANGE not in ensemble.names:
         return Choice()
-    left = ensemble.residual_of(RANGE)
+    left = beside_level(ensemble, ensemble.residual_of(RANGE))
     known = np.flatnonzero(np.isfinite(left))
     forms = receiver_forms(ranged, rows, ensemble, beside, unlisted)[known]
     if unlisted:
         forms = np.hstack([forms, unlisted_forms(rows)[known]])
     level = rows.recorded.column(LEVEL) if LEVEL in rows.recorded.names else left * np.nan
-    library = kept_rows(of_library(ranged.kinds, rows), known)
+    library = kept_rows(of_library(ranged.kinds, by_links(rows, ensemble)), known)
     laws = kept_rows(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     every = named_kinds(ranged.kinds, rows)
     given = Ranged(

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.beside_level import by_links
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.residual_range import crowded, residual_range
 from bench.discrepancy.compare.view import Added, View
@@ -102,7 +103,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
         return None
     ensemble, left = made
     known = np.flatnonzero(np.isfinite(left))
-    library = kept_rows(of_library(search.kinds, rows), known)
+    library = kept_rows(of_library(search.kinds, by_links(rows, ensemble)), known)
     laws = kept_rows(of_laws(search.kinds, rows) | of_setup(rows), known)
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)

@@ -21,7 +21,7 @@ from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.likelihood import effective_share
 from bench.discrepancy.law.material import Material, material
 from bench.discrepancy.law.screen import promising
-from bench.discrepancy.law.settings import LAW_FEWEST_ROWS
+from bench.discrepancy.law.settings import LAW_FEWEST_ROWS, LAW_SAME_PLACE_M
 from bench.discrepancy.law.structures import GridLaw, cost
 from bench.discrepancy.sets.beside import nats_with, told_from_delays, weighed_with
 from bench.discrepancy.sets.blocks import off_by, standard, varies_with
@@ -280,15 +280,25 @@ def _another(contest: Contest, best: Set, names: Set, law: Formed) -> bool:
     """Return whether a law is about anything else than some names of a set.
 
     A law beside a constant is no other cause than a name that does nothing but a constant, nor is
-    one that acts only behind what a name is about, however it goes on there.
+    one that acts only behind what a name is about, however it goes on there. In free space a level
+    is a logarithm of the distance.
     """
     kinds = [contest.kinds[one] for one in names]
     columns = frozenset(column for kind in kinds for column in about(kind))
     if _over(contest, best, names, law) <= columns or law.over & columns & {*IN_THE_WAY}:
         return False
-    if _within(contest, names, law.parts[0]):
+    if _within(contest, names, law.parts[0]) or _level(contest, names, law):
         return False
     return not (law.offset and _constant(contest, best, names))
+
+
+def _level(contest: Contest, names: Set, law: Formed) -> bool:
+    """Return whether names follow a level, and a law is how that falls in free space (Friis)."""
+    if not all(contest.kinds[one].follows for one in names):
+        return False
+    distance_m = contest.rows.frame["true_range_m"].to_numpy(np.float64)[contest.known]
+    fall = np.log(np.maximum(distance_m, LAW_SAME_PLACE_M))[:, None]
+    return all(_spanned(np.hstack([fall, np.ones_like(fall)]), part) for part in law.parts)
 
 
 def _over(contest: Contest, best: Set, names: Set, law: Formed) -> frozenset[str]:

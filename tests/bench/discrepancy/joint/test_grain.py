@@ -67,6 +67,16 @@ def test_what_is_steadier_than_waves_in_any_phase_is_no_tail(monkeypatch):
     assert not heard.refutes((PathLoss(),), PathLoss.name)
 
 
+def test_another_may_be_farther_behind_a_tail_that_late_samples_are_not_as(monkeypatch):
+    """Most of what is late is alike in all rows, as a ringing is: the form of the tail is off."""
+    phase = np.exp(2j * np.pi * np.random.default_rng(8).random(len(DELAY)))
+    steady = 0.4 * phase * np.exp(-np.maximum(DELAY, 0) / 20) * (DELAY > 3)
+    right = _heard(monkeypatch, lambda rng: _echoes(rng) + _tail(rng, 0.25, 20.0))
+    assert right.slack((TAIL,), TAIL.name) == pytest.approx(0.05)
+    off = _heard(monkeypatch, lambda rng: _echoes(rng) + 0.4 * _tail(rng, 0.25, 20.0) + steady)
+    assert off.slack((TAIL,), TAIL.name) == pytest.approx(0.1)
+
+
 def test_noise_that_grows_is_no_tail_but_may_be_what_need_not_die_away(monkeypatch):
     louder = np.sqrt(np.clip(DELAY - 8, 0, None) / 60)
     heard = _heard(monkeypatch, lambda rng: _echoes(rng) + 0.1 * louder * _wave(rng))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select import controls
@@ -114,3 +114,16 @@ def test_links_that_share_simulated_rows_refuse_a_name_only_beyond_what_these_sc
     assert shared.left.high - shared.left.low == pytest.approx(
         1.5 * (once.left.high - once.left.low)
     )
+
+
+def test_of_few_links_an_interval_drawn_again_is_too_narrow() -> None:
+    rng = np.random.default_rng(7)
+    links, held = np.arange(5), [0, 0]
+    for _ in range(300):
+        made = cluster_bootstrap(rng.normal(size=5), links, 0, "m")
+        for place, wider in enumerate((1.0, controls.of_few(5))):
+            low, high = (wider * (end - made.value) for end in (made.low, made.high))
+            held[place] += low <= -made.value <= high
+    assert held[0] < 0.88 * 300
+    assert held[1] > 0.91 * 300
+    assert controls.of_few(400) == pytest.approx(1.0, abs=0.01)

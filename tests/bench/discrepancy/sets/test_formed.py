@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.sets import formed as forms
 from bench.discrepancy.sets.choose import Contest, _contest, chosen
 from bench.discrepancy.sets.formed import Formed, _named_scale, _over, _varied, formed
+from bench.physics.effects.ranging.power_bias import PowerBias
+from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.numpy_tables import Hidden, warmth
 from tests.bench.discrepancy.sets.test_sets import search_of
@@ -173,3 +177,23 @@ def test_a_line_over_the_distance_is_no_law_in_the_place_of_an_error_of_the_leve
     assert not _named_scale(contest, ("power-bias", "antenna-delay"), law)
     contest.library -= {"range-scale"}
     assert not _named_scale(contest, ("power-bias",), law)
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "level"),
+    [
+        ("power-bias", np.log, True),  # as a level falls in free space
+        ("power-bias", np.square, False),
+        ("range-scale", np.log, False),  # follows no level
+    ],
+)
+def test_a_logarithm_of_the_distance_is_no_other_cause_than_a_bias_of_the_level(
+    name: str, shape: Callable[[np.ndarray], np.ndarray], level: bool
+) -> None:
+    far_m = np.linspace(2, 20, 40)
+    rows = SimpleNamespace(frame=pd.DataFrame({"true_range_m": far_m}))
+    kinds = {"power-bias": PowerBias, "range-scale": RangeScale}
+    contest = SimpleNamespace(kinds=kinds, rows=rows, known=np.arange(40))
+    parts = (shape(far_m / 7)[:, None], np.ones((40, 1)))
+    law = Formed("a law", parts, 9.0, frozenset({"true_range_m"}), True, np.ones((40, 1)))
+    assert forms._level(cast(Contest, contest), (name,), law) is level

@@ -1,0 +1,74 @@
+"""Errors of ranges beside the levels that they go with, as simulated rows of a link show it.
+
+The same multipath that makes a row of a link stronger makes its first path early or late: within a
+link, range errors go with levels on both sides. What simulated rows show of that is known of
+recorded rows, too, whose levels are (an analysis of covariance: Cochran 1957): it is no scatter,
+and it is not what an error that follows the level does, which stands between links.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.compare.settings import COUPLED_ERRORS
+from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.grouped import group_means
+from bench.discrepancy.data.observables import LEVEL, RANGE
+
+Floats = NDArray[np.float64]
+
+
+def beside_level(made: Ensemble, left_m: Floats) -> Floats:
+    """Return what is left of ranges [n], less what goes with the level within links, in metres.
+
+    As it is where no level is on both sides, or simulated errors do not surely go with it.
+    """
+    if LEVEL not in made.names:
+        return left_m
+    slope = coupling_m_per_db(made)
+    apart = _within(made.recorded_of(LEVEL), made.links)
+    return np.asarray(left_m - slope * np.nan_to_num(apart))
+
+
+def by_links(view: View, made: Ensemble) -> View:
+    """Return rows with the mean level of their link, where simulated errors go with levels within.
+
+    What a row's own level says of its error there is multipath, not an error that follows levels.
+    """
+    if LEVEL not in made.names or LEVEL not in view.frame or not coupling_m_per_db(made):
+        return view
+    level = view.frame[LEVEL].to_numpy(np.float64)
+    frame = view.frame.assign(**{LEVEL: level - _within(level, view.links)})
+    return View(frame, view.recorded, view.links, view.rows, view.waveform)
+
+
+def coupling_m_per_db(made: Ensemble) -> float:
+    """Return how simulated range errors go with levels within links, in metres per decibel.
+
+    Zero within four standard errors, over links as the unit.
+    """
+    error, level = (made.simulated_of(name).T for name in (RANGE, LEVEL))
+    known = np.isfinite(error) & np.isfinite(level)
+    every = np.broadcast_to(made.links[:, None], error.shape)[known]
+    links = np.unique(every, return_inverse=True)[1]
+    if not len(links):
+        return 0.0
+    x, y = (_within(one[known], links) for one in (level, error))
+    square = float(x @ x)
+    if square <= 0:
+        return 0.0
+    slope = float(x @ y) / square
+    pulls = np.bincount(links, x * (y - slope * x))
+    sure = abs(slope) * square > COUPLED_ERRORS * float(np.sqrt(pulls @ pulls))
+    return slope if sure else 0.0
+
+
+def _within(values: Floats, links: NDArray[np.intp]) -> Floats:
+    """Return values [n] beside the mean of their link; NaN where unknown."""
+    known = np.isfinite(values)
+    out = np.full(len(values), np.nan)
+    own = np.unique(links[known], return_inverse=True)[1]
+    out[known] = values[known] - group_means(values[known][:, None], own)[:, 0]
+    return out
