@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.fit.estimate import PURE
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
-from bench.discrepancy.locate.hypotheses import Cell
+from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.beside_values import beside_values
 from bench.discrepancy.report.doing import doings
@@ -125,7 +125,8 @@ def left_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what still differs, beyond doubt, beside names after which nothing is called unknown.
 
     Levels, say, of a device that is named for its delay: too little for a cause of its own. Of
-    ranges and levels; with waveforms, of which hundreds of figures always differ, of ranges alone.
+    ranges and levels; with waveforms, of which hundreds of figures always differ, of ranges and of
+    receive levels in all rows.
     """
     selection = diagnosis.selection
     last = selection.rounds[-1]
@@ -134,11 +135,16 @@ def left_lines(diagnosis: Diagnosis) -> list[str]:
         return []
     sure = [one for one in last.located.findings if one.p <= SURE_P]
     if diagnosis.options.waveform:
-        sure = [one for one in sure if one.cell.observable == RANGE]
+        sure = [one for one in sure if one.cell.observable == RANGE or _all_levels(one.cell)]
     lines = finding_lines(sorted(sure, key=lambda one: one.cell.observable != RANGE), SHOWN_LEFT)
     lines += [f"- {selection.left_note}"] if lines and selection.left_note else []
     head = THEIRS if selection.mean else "Beside that still differs, without a name"
     return [f"**{head}:**", *lines] if lines else []
+
+
+def _all_levels(cell: Cell) -> bool:
+    """Return whether receive levels are compared in all rows."""
+    return cell.observable == LEVEL and cell.place == Place()
 
 
 def _behind(nats: float) -> str:

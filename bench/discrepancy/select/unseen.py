@@ -13,14 +13,15 @@ def without_unseen(found: Selection) -> Selection:
 
     A set of causes is weighed even where no place stands out: it may have a shape that no interval
     has. Where its names are then refused (sealed links are worse with it, or none of its values is
-    told from zero) nothing is left that speaks for anything. So it is with scatter of every row.
+    told from zero) nothing is left that speaks for anything: what a later search found beside
+    these, they made. So it is with scatter of every row.
     What a mark shows, or strikes some links, stays.
     """
     rounds = found.rounds
     strikes = [turn.strike for turn in rounds if turn.strike]
     scatters = all(type(one.effect).independent for one in strikes)
     asked = (any(turn.added for turn in rounds) or bool(strikes)) and not found.added
-    quiet = all(not turn.located.significant for turn in rounds) and scatters
+    quiet = bool(rounds) and not rounds[0].located.significant and scatters
     lone = all(isinstance(v, Unknown) and not (v.cause or v.findings) for v in found.verdicts)
     if not (asked and quiet and lone and found.verdicts):
         return found

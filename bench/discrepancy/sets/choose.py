@@ -19,10 +19,10 @@ from bench.discrepancy.sets.beside import (
     leading_faults,
     misplaced,
     told_law,
-    without_constants,
 )
 from bench.discrepancy.sets.blocks import (
     OF_RANGE,
+    Blocks,
     kept_rows,
     named_kinds,
     of_laws,
@@ -44,6 +44,7 @@ from bench.discrepancy.sets.own_detours import beyond_detours
 from bench.discrepancy.sets.own_form import allowed, beyond_others, others_may, told_by_form
 from bench.discrepancy.sets.own_scale import scales_for_delays, without_scales
 from bench.discrepancy.sets.own_weights import likeliest
+from bench.discrepancy.sets.possible import best_possible
 from bench.discrepancy.sets.rivals import beside_a_constant, clear_levels, delays_and_more, rivals
 from bench.discrepancy.sets.set_up import of_setup
 from bench.discrepancy.sets.settings import (
@@ -217,19 +218,15 @@ class Contest:
 
     def physical(self, able: Set) -> Set:
         """Return the best set of which every name does only what physics allows."""
-        while True:
-            best = self.best(able)
-            wrong = [one for one in best if one in self.kinds and not self.possible(best, one)]
-            if not wrong:
-                return best
-            if left := without_constants(self, wrong):
-                blocks, self._nats = {**self.evidence.blocks, **left}, {}
-                self.evidence = self.evidence.with_blocks(blocks)
-            able = tuple(one for one in able if one not in wrong or one in left)
+        return best_possible(self, able)
 
     def possible(self, causes: Set, name: str) -> bool:
         """Return whether physics allows what a name does to the ranges, or its own form is told."""
         return allowed(self, causes, name) or told_by_form(self, causes, name)
+
+    def have(self, blocks: Blocks) -> None:
+        """Take other blocks: sets are weighed anew."""
+        self.evidence, self._nats = self.evidence.with_blocks(blocks), {}
 
     def shifts(self, causes: Set) -> dict[str, Floats]:
         """Return what every cause of a set does to the range of every row [n], in metres."""

@@ -8,6 +8,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.headline import _change
+from bench.discrepancy.locate.hypotheses import Place
 from bench.discrepancy.report.document import measured_lines
 from bench.discrepancy.report.found_lines import describe, left_lines
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
@@ -68,7 +69,8 @@ def test_a_change_says_what_stays_and_what_gets_worse(
     ("change", "said"),
     [
         ({}, True),
-        ({"waveform": True}, False),  # of levels, of which some always differ
+        ({"waveform": True}, False),  # of some levels: some always differ
+        ({"waveform": True, "place": Place()}, True),  # of all
         ({"waveform": True, "observable": "error_m"}, True),
         ({"struck": True}, False),
         ({"names": ()}, False),
@@ -79,8 +81,9 @@ def test_a_change_says_what_stays_and_what_gets_worse(
 def test_what_still_differs_beside_a_name_is_said(change: dict[str, object], said: bool) -> None:
     level = "rx_power_dbm where maker=NXP: recorded - simulated = -2.8 dB"
     usual = {"names": (("antenna-delay",),), "verdicts": (), "waveform": False, "p": 0.002}
-    found = usual | {"observable": "rx_power_dbm", "struck": False} | change
-    cell = SimpleNamespace(observable=found["observable"])
+    where = {"observable": "rx_power_dbm", "place": Place("maker=NXP")}
+    found = usual | where | {"struck": False} | change
+    cell = SimpleNamespace(observable=found["observable"], place=found["place"])
     finding = SimpleNamespace(p=found["p"], told=level, cell=cell)
     located, strike = SimpleNamespace(findings=(finding,)), object() if found["struck"] else None
     turn = SimpleNamespace(added=None, strike=strike, located=located)

@@ -39,6 +39,15 @@ def test_a_refused_name_of_what_no_search_saw_is_nothing() -> None:
     assert not made.withheld
 
 
+def test_what_a_search_found_beside_a_refused_name_is_what_that_made() -> None:
+    """A ray of the ground that nothing showed was added, and taken out; SIMULATED by a stranger."""
+    made = refused()
+    loud = replace(made.rounds[1].located, findings=(SEEN,))
+    made = replace(made, rounds=(made.rounds[0], replace(made.rounds[1], located=loud)))
+    assert made.rounds[1].located.significant
+    assert without_unseen(made).verdicts == (NoMismatch({"error_m": 0.012}, 0.4),)
+
+
 def struck(by: Effect) -> Selection:
     """Return the selection of what struck rows and was refused, where no search saw anything."""
     made = refused()
