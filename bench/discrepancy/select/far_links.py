@@ -12,13 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.view import Added
+from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.settings import FAR_LIST, FAR_M, FAR_SHARE, FAR_STD, LONG_SHARE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import versions
 from bench.discrepancy.settings import MAD_TO_STD
 from bench.physics.units import Floats
+
+SIGHT = "los"
+LEAVE_OUT = "if it knows of listed obstacles alone, leave that column out"
+ALL_LISTED = "; all of them have listed obstacles in their way"
 
 
 @dataclass(frozen=True)
@@ -68,10 +72,17 @@ def links_in_the_way(search: Search, added: Added) -> str:
         return ""
     names = rows.frame["link"].astype(str).to_numpy()[np.unique(codes, return_index=True)[1]]
     open_ways = np.bincount(codes, rows.scene.obstacle_count() == 0) > 0
-    advice = "; if something stands in their way, list it (`obstacles`, `los`)"
     listed = not open_ways[found.far].any()  # something is listed in the way of all of them
     return (
         f"{len(found.far)} of {len(offset_m)} links read far longer than the others, "
         f"whose offset is {found.calm_m:+.2f} m in the median: {found.worst(names)}"
-        f"{'; all of them have listed obstacles in their way' if listed else advice}"
+        f"{ALL_LISTED if listed else _advice(rows, np.isin(codes, found.far))}"
     )
+
+
+def _advice(rows: View, far: NDArray[np.bool_]) -> str:
+    """Return what to do about rows [n] that are far off, of links that are not all behind walls."""
+    listed = "; if something stands in their way, list it (`obstacles`, `los`)"
+    if SIGHT not in rows.frame or rows.scene.blocked()[far].any():
+        return listed
+    return f"{listed}; {SIGHT} says line of sight of all of them: {LEAVE_OUT}"

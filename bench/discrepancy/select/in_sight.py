@@ -12,13 +12,11 @@ import numpy as np
 
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.select.far_links import links_in_the_way
+from bench.discrepancy.select.far_links import LEAVE_OUT, SIGHT, links_in_the_way
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike, strike
 from bench.discrepancy.select.state import Search, Selection
 from bench.discrepancy.select.verdict import Unknown
-
-SIGHT = "los"
 
 
 def with_struck_in_sight(search: Search, found: Selection) -> Selection:
@@ -30,11 +28,12 @@ def with_struck_in_sight(search: Search, found: Selection) -> Selection:
     unknown = any(isinstance(one, Unknown) for one in found.verdicts)
     if not unknown and not (found.names and RANGE in found.left):
         return found
-    note = Guard().safely("sight", struck_in_sight, "")(search, found.added)
-    note = note or Guard().safely("far links", links_in_the_way, "")(search, found.added)
+    struck = Guard().safely("sight", struck_in_sight, "")(search, found.added)
+    note = struck or Guard().safely("far links", links_in_the_way, "")(search, found.added)
     if not unknown:
         return replace(found, left_note=note)
-    noted = (_noted(one, note) if isinstance(one, Unknown) else one for one in found.verdicts)
+    first = bool(struck)  # what they look like while these are among them is no news
+    noted = (_noted(o, note, first) if isinstance(o, Unknown) else o for o in found.verdicts)
     return replace(found, verdicts=tuple(noted))
 
 
@@ -58,10 +57,10 @@ def _words(rows: View, found: Strike) -> str:
     return (
         f"{len(found.struck)} of {len(np.unique(rows.links))} links are struck as by "
         f"{found.effect.physics}, by {size.value:.2g} {size.unit} in the mean, but of {len(seen)} "
-        f"of these {SIGHT} says line of sight: if it knows of listed obstacles alone, leave that "
-        "column out"
+        f"of these {SIGHT} says line of sight: {LEAVE_OUT}"
     )
 
 
-def _noted(one: Unknown, note: str) -> Unknown:
-    return replace(one, note="; ".join(filter(None, (one.note, note))))
+def _noted(one: Unknown, note: str, first: bool) -> Unknown:
+    notes = (note, one.note) if first else (one.note, note)
+    return replace(one, note="; ".join(filter(None, notes)))

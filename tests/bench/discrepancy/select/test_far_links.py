@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import bench
-from bench.discrepancy.select.far_links import far_links
+from bench.discrepancy.select.far_links import _advice, far_links
 from bench.discrepancy.select.verdict import Unknown
 
 CALM_M = np.linspace(-0.05, 0.05, 21)
@@ -43,6 +46,18 @@ def hall(seed: int, walls: bool) -> pd.DataFrame:
         {"link": [f"L{n}" for n in links], "true_range_m": true_m[links],
          "range_m": (true_m + late_m)[links] + noise_m}
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("sight", "said"), [(None, False), (True, True), (False, False)])
+def test_a_column_that_says_sight_of_what_is_in_the_way_is_doubted(
+    sight: bool | None, said: bool
+) -> None:
+    frame = hall(1, True).assign(**({} if sight is None else {"los": sight}))
+    scene = SimpleNamespace(blocked=lambda: np.full(len(frame), sight is False))
+    rows: Any = SimpleNamespace(frame=frame, scene=scene)
+    words = _advice(rows, np.arange(len(frame)) % 8 == 0)
+    assert ("leave that column out" in words) is said
+    assert "list it" in words
 
 
 @pytest.mark.filterwarnings("ignore")
