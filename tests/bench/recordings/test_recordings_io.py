@@ -107,6 +107,11 @@ def _scalar_cir(path: Path) -> None:
     pq.write_table(pa.table({"error_m": [1.0], "cir": [1.0]}), path)
 
 
+def _empty_cir(path: Path) -> None:
+    empty = pa.array([], pa.null())  # as pandas writes no rows of lists
+    pq.write_table(pa.table({"error_m": pa.array([], pa.float64()), "cir": empty}), path)
+
+
 def _all_nan(path: Path) -> None:
     pq.write_table(pa.table({"error_m": [np.nan, np.nan]}), path)
 
@@ -135,6 +140,7 @@ def _later_version(path: Path) -> None:
         (_truncated, "truncated Parquet"),
         (_damaged, "damaged Parquet"),
         (_empty_table, "no rows"),
+        (_empty_cir, "no rows"),
         (_no_truth, "no column 'true_range_m'; expected"),
         (_scalar_cir, "column 'cir' holds double; expected lists of numbers"),
         (_all_nan, "'error_m' holds no number"),
