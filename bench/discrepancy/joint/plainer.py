@@ -15,6 +15,7 @@ from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.polish import Fit, fitted, in_rounds
 from bench.discrepancy.joint.settings import NAME_NATS, NAME_SHARE, PASSES, STEPS
 from bench.discrepancy.joint.statistics import Statistics
+from bench.discrepancy.select.verdict import LeftOut
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 
@@ -72,6 +73,18 @@ def flat_gain(given: Statistics, fit: Fit, rest: Fit, evidence: Callable[[Fit], 
     made = fitted(given, _with(fit.effects, fit.effects.index(gains[0]), flat))
     least = max(NAME_NATS, NAME_SHARE * (evidence(fit) - evidence(rest)))
     return made is not None and evidence(fit) - evidence(made) < least
+
+
+def without_waves(option: LeftOut) -> str:
+    """Return in words that no wave of a gain over the heading is told from zero, "" else.
+
+    What does as well as another cause by its mean alone is no pattern.
+    """
+    if not isinstance(option.effect, PatternGain):
+        return ""
+    waves = (one for one in option.parameters if one.name != "mean_db")
+    told = any(one.determined and not one.low <= 0 <= one.high for one in waves)
+    return "" if told else "none of its waves is told from zero"
 
 
 def _with(effects: Added, place: int, other: Effect) -> Added:

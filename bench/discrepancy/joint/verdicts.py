@@ -15,6 +15,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
 from bench.discrepancy.joint.at_null import needed
 from bench.discrepancy.joint.choice import WaveChoice
+from bench.discrepancy.joint.plainer import without_waves
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.joint.sizes import sizes_seen
 from bench.discrepancy.joint.tone_or_noise import counterparts
@@ -270,6 +271,8 @@ def _objection(
     if untold(option) and not shown:
         return "none of its values is told from zero"
     if words := unused(option.effect) or _idle(search, added, option) or taken_away(option.effect):
+        return words
+    if option.effect.name != first.name and (words := without_waves(option)):
         return words
     wider = first.name in choice.scattering and not shown
     if not wider or type(option.effect).essential:

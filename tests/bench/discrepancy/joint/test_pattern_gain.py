@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from test_joint_sets import compared, recordings
 
+from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.joint.likelihood import evidence
-from bench.discrepancy.joint.plainer import flat_gain
+from bench.discrepancy.joint.plainer import flat_gain, without_waves
 from bench.discrepancy.joint.polish import Fit, fitted, polished
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.statistics import Statistics
@@ -72,3 +73,19 @@ def test_where_ranges_tell_no_links_those_that_waveforms_find_must_be_by_chance(
     none, every = np.zeros(LINKS, bool), np.ones(LINKS, bool)
     assert told_of_both(given, struck, none, every, False)
     assert not told_of_both(given, np.arange(LINKS) % 4 == 0, none, every, False)
+
+
+@pytest.mark.parametrize(("wave", "said"), [((-2.0, 1.5), True), ((0.4, 2.1), False)])
+def test_a_gain_of_which_no_wave_is_told_is_none_in_the_place_of_another(
+    wave: tuple[float, float], said: bool
+) -> None:
+    """Its mean did as well as a path loss in two tables of a stranger's; SIMULATED."""
+    level = ParameterEstimate("mean_db", -7.0, -8.6, -5.9, "dB")
+    lobe = ParameterEstimate("cos_db", sum(wave) / 2, *wave, "dB")
+    option: Any = SimpleNamespace(effect=PatternGain(), parameters=(lobe, level))
+    assert bool(without_waves(option)) is said
+    assert not without_waves(replace_effect(option, PathLoss()))
+
+
+def replace_effect(option: Any, effect: Effect) -> Any:
+    return SimpleNamespace(effect=effect, parameters=option.parameters)
