@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from bench.discrepancy.compare.view import Added, View, without
+from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
@@ -28,6 +29,7 @@ from bench.discrepancy.select.receiver_logs import logs
 from bench.discrepancy.select.settings import (
     CURVE_NEIGHBOURS,
     CURVE_ROWS,
+    GOES_WITH_ERRORS,
     LEVEL_FOLDS,
     LEVEL_HARMONICS,
     LEVEL_LEFT,
@@ -273,16 +275,28 @@ def predicts(left_db: Floats, change_db: Floats, others: Floats, links: NDArray[
     """Return whether a change [n] predicts levels [n] of links left out as `others` [n, k] do not.
 
     Beside them, or alone as well as all of these do, which are many. More than so many decibel in
-    all rows in any case.
+    all rows in any case: as links left out say, or how surely levels of links go with it.
     """
     codes = np.unique(links, return_inverse=True)[1]
     flat = np.ones((len(left_db), 1))
     designs = flat, np.column_stack([flat, change_db]), others, np.column_stack([others, change_db])
     nothing, single, many, both = (_squares(left_db, design, codes) for design in designs)
-    alone = _better(single, nothing)
+    fewer = float(single.sum()) < (1 - LEVEL_SHARE) * float(nothing.sum())
+    alone = _better(single, nothing) or (fewer and _goes_with(left_db, change_db, codes))
     if not _better(many, nothing):  # what explains nothing is no rival
         return alone
     return (alone and float(single.sum()) <= float(many.sum())) or _better(both, many)
+
+
+def _goes_with(left_db: Floats, change_db: Floats, codes: NDArray[np.intp]) -> bool:
+    """Return whether mean levels of links surely go with a change [n], beside a constant."""
+    both = group_means(np.column_stack([left_db, change_db]), codes)
+    left, change = both[np.unique(codes, return_index=True)[1]].T
+    freedom = len(left) - 2
+    if freedom < 1 or not np.ptp(change) > 0:
+        return False
+    alike = abs(float(np.corrcoef(left, change)[0, 1]))
+    return alike > GOES_WITH_ERRORS / float(np.sqrt(freedom + GOES_WITH_ERRORS**2))
 
 
 def _better(after: Floats, before: Floats) -> bool:

@@ -124,6 +124,8 @@ LEVEL_FOLDS: Final = 5  # of links, each predicted by the others [convention]
 LEVEL_HARMONICS: Final = 4  # of a gain over headings, as of a pattern's delay [source: library]
 LEVEL_RIDGE: Final = 1e-3  # of a column's square, that keeps alike columns apart [convention]
 LEVEL_SHARE: Final = 0.02  # of what levels miss by, that a second cause takes off [convention]
+GOES_WITH_ERRORS: Final = 4.0  # standard errors of a slope, over links: levels surely go with it
+# [convention]
 LEVEL_PRINTED_DB: Final = 0.1  # to which levels are printed; from paths they are no finer
 CURVE_NEIGHBOURS: Final = 2  # rows at nearly the same level: more blur a step [convention]
 CURVE_ROWS: Final = 0.9  # those that a curve misses least: others lie beside its steps [convention]

@@ -61,6 +61,21 @@ def test_reasons_that_explain_nothing_are_no_rivals() -> None:
     assert predicts(level, slope, waves, links)
 
 
+@pytest.mark.parametrize(("slope", "told"), [(0.65, True), (0.0, False)])
+def test_levels_of_few_links_that_surely_go_with_a_slope_are_no_constant(
+    monkeypatch: pytest.MonkeyPatch, slope: float, told: bool
+) -> None:
+    """Thirty links left out in turn hardly tell a gain; 4 standard errors do. SIMULATED."""
+    rng = np.random.default_rng(11)
+    links = np.repeat(np.arange(30), 12)
+    far = np.exp(rng.uniform(np.log(2.5), np.log(22), 30))[links]
+    change = -10 * np.log10(far / 8)
+    level = -1 + slope * change + rng.normal(0, 1.8, 30)[links] + rng.normal(0, 1, len(links))
+    many = np.column_stack([np.ones(len(far)), rng.normal(size=(30, 10))[links]])
+    monkeypatch.setattr(second_level, "_better", lambda *_: False)
+    assert predicts(level, change, many, links) is told
+
+
 def _heights(far, channel=None) -> pd.DataFrame:
     frame = pd.DataFrame({"true_range_m": far, "tx_z_m": 1.8, "rx_z_m": 2.4})
     return frame if channel is None else frame.assign(channel=channel)
