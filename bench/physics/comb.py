@@ -123,14 +123,18 @@ def _by_chance(
 ) -> float:
     """Return the mean squared length of the summed phases where nothing is rounded.
 
-    Phases of one link go together as far as its rows stand still and hardly scatter.
+    Phases of one link go together as far as its rows stand still and hardly scatter, and those of
+    its rows within one step of each other do: what drifts by less than a step shows no grid.
     """
     count = np.bincount(links).astype(np.float64)
     turned = np.exp(2j * np.pi * frequency * plain_m)
     whole = np.bincount(links, turned.real) ** 2 + np.bincount(links, turned.imag) ** 2
     calm = _within_links(measured_m - plain_m, links)
     kept = float(np.exp(-((2 * np.pi * frequency * calm) ** 2)))
-    return float(count.sum() + kept * np.maximum(whole - count, 0.0).sum())
+    still = float(count.sum() + kept * np.maximum(whole - count, 0.0).sum())
+    places = np.stack([links, np.floor(measured_m * frequency)], axis=1)
+    together = np.unique(places, axis=0, return_counts=True)[1].astype(np.float64)
+    return max(still, float((together**2).sum()))
 
 
 def _within_links(left_m: Floats, links: NDArray[np.intp]) -> float:

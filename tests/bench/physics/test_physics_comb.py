@@ -79,3 +79,14 @@ def test_a_bit_that_is_stuck_is_no_rounding() -> None:
     stuck = register * 0.01 + np.random.default_rng(4).uniform(-0.005, 0.005, len(register))
     made = RangeRounding.fit_values(frame(stuck), stuck - TRUE_M)
     assert made is None
+
+
+def test_ranges_of_few_links_that_drift_by_less_than_a_step_show_no_grid() -> None:
+    """Single-sided ranges of four links, either way round, each off by its clocks: SIMULATED."""
+    rng = np.random.default_rng(5)
+    for seed in range(20):
+        middle = np.random.default_rng(seed).uniform(-140, 150, (4, 2))
+        drift = 0.1 * rng.random((4, 2, 1)) * np.linspace(-1, 1, 400)
+        measured = (middle[..., None] + drift + 0.03 * rng.normal(size=(4, 2, 400))).ravel()
+        links = np.repeat(np.arange(4), 800)
+        assert comb(measured, np.repeat(np.linspace(3, 20, 4), 800), links) is None
