@@ -20,16 +20,16 @@ from bench.discrepancy.data.observables import LEVEL, RANGE
 Floats = NDArray[np.float64]
 
 
-def beside_level(made: Ensemble, left_m: Floats) -> Floats:
+def beside_level(view: View, made: Ensemble, left_m: Floats) -> Floats:
     """Return what is left of ranges [n], less what goes with the level within links, in metres.
 
     As it is where no level is on both sides, or simulated errors do not surely go with it.
     """
     if LEVEL not in made.names:
         return left_m
-    slope = coupling_m_per_db(made)
-    apart = _within(made.recorded_of(LEVEL), made.links)
-    return np.asarray(left_m - slope * np.nan_to_num(apart))
+    code = alike(view)
+    apart = _within(made.recorded_of(LEVEL), code)
+    return np.asarray(left_m - coupling_m_per_db(made, code) * np.nan_to_num(apart))
 
 
 def by_links(view: View, made: Ensemble) -> View:
@@ -37,21 +37,32 @@ def by_links(view: View, made: Ensemble) -> View:
 
     What a row's own level says of its error there is multipath, not an error that follows levels.
     """
-    if LEVEL not in made.names or LEVEL not in view.frame or not coupling_m_per_db(made):
+    if LEVEL not in made.names or LEVEL not in view.frame:
         return view
-    level = view.frame[LEVEL].to_numpy(np.float64)
-    frame = view.frame.assign(**{LEVEL: level - _within(level, view.links)})
+    code, level = alike(view), view.frame[LEVEL].to_numpy(np.float64)
+    if not coupling_m_per_db(made, code):
+        return view
+    frame = view.frame.assign(**{LEVEL: level - _within(level, code)})
     return View(frame, view.recorded, view.links, view.rows, view.waveform)
 
 
-def coupling_m_per_db(made: Ensemble) -> float:
+def alike(view: View) -> NDArray[np.intp]:
+    """Return codes [n] of the links of rows, apart by what stands in the way.
+
+    What a wall takes and delays is no multipath: where walls come and go it is another link.
+    """
+    way = np.column_stack([view.links, view.scene.kinds, view.scene.clear()])
+    return np.asarray(np.unique(way, axis=0, return_inverse=True)[1].ravel(), np.intp)
+
+
+def coupling_m_per_db(made: Ensemble, code: NDArray[np.intp]) -> float:
     """Return how simulated range errors go with levels within links, in metres per decibel.
 
-    Zero within four standard errors, over links as the unit.
+    `code` [n] are the links (see `alike`). Zero within four standard errors, over them as the unit.
     """
     error, level = (made.simulated_of(name).T for name in (RANGE, LEVEL))
     known = np.isfinite(error) & np.isfinite(level)
-    every = np.broadcast_to(made.links[:, None], error.shape)[known]
+    every = np.broadcast_to(code[:, None], error.shape)[known]
     links = np.unique(every, return_inverse=True)[1]
     if not len(links):
         return 0.0

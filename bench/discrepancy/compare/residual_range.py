@@ -37,7 +37,7 @@ def residual_range(
     smooth = tuple(effect for effect in added if not type(effect).marked)
     if len(smooth) == len(added) or view.waveform:
         near = _first(whole, count)
-        return whole, beside_level(near, near.residual_of(RANGE))
+        return whole, beside_level(view, near, near.residual_of(RANGE))
     bare = _first(comparison.ensemble(view, smooth, members), count)
     rounded = _first(whole, count).simulated_of(RANGE) - bare.simulated_of(RANGE)
     leant = np.sum([effect.leant_m(view.scene) for effect in added], axis=0)

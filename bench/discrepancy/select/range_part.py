@@ -188,7 +188,7 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     ensemble = ranged.comparison.ensemble(rows, beside, _members(ranged, beside))
     if RANGE not in ensemble.names:
         return Choice()
-    left = beside_level(ensemble, ensemble.residual_of(RANGE))
+    left = beside_level(rows, ensemble, ensemble.residual_of(RANGE))
     known = np.flatnonzero(np.isfinite(left))
     forms = receiver_forms(ranged, rows, ensemble, beside, unlisted)[known]
     if unlisted:
