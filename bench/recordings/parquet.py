@@ -152,12 +152,14 @@ def _cells(column: pa.ChunkedArray, name: str, path: Path) -> NDArray[Any]:
 
     kind = column.type
     lists = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
-    if len(column) and not any(is_kind(kind) for is_kind in lists):
+    if not len(column):
+        return np.empty(0, dtype=object)
+    if not any(is_kind(kind) for is_kind in lists):
         raise BenchError(f"{path}: column {name!r} holds {kind}; expected lists of numbers")
     cells = np.empty(len(column), dtype=object)
     start = 0
     for chunk in column.chunks:
-        cells[start : start + len(chunk)] = _split(chunk) if len(chunk) else []
+        cells[start : start + len(chunk)] = _split(chunk)
         start += len(chunk)
     return cells
 

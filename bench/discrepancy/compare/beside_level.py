@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.settings import COUPLED_ERRORS
 from bench.discrepancy.compare.view import View
-from bench.discrepancy.data.grouped import group_means
+from bench.discrepancy.data.grouped import beside_means
 from bench.discrepancy.data.observables import LEVEL, RANGE
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,7 @@ def beside_level(view: View, made: Ensemble, left_m: Floats) -> Floats:
     if LEVEL not in made.names:
         return left_m
     code = alike(view)
-    apart = _within(made.recorded_of(LEVEL), code)
+    apart = beside_means(made.recorded_of(LEVEL), code)
     return np.asarray(left_m - coupling_m_per_db(made, code) * np.nan_to_num(apart))
 
 
@@ -42,7 +42,7 @@ def by_links(view: View, made: Ensemble) -> View:
     code, level = alike(view), view.frame[LEVEL].to_numpy(np.float64)
     if not coupling_m_per_db(made, code):
         return view
-    frame = view.frame.assign(**{LEVEL: level - _within(level, code)})
+    frame = view.frame.assign(**{LEVEL: level - beside_means(level, code)})
     return View(frame, view.recorded, view.links, view.rows, view.waveform)
 
 
@@ -66,7 +66,7 @@ def coupling_m_per_db(made: Ensemble, code: NDArray[np.intp]) -> float:
     links = np.unique(every, return_inverse=True)[1]
     if not len(links):
         return 0.0
-    x, y = (_within(one[known], links) for one in (level, error))
+    x, y = (beside_means(one[known], links) for one in (level, error))
     square = float(x @ x)
     if square <= 0:
         return 0.0
@@ -74,12 +74,3 @@ def coupling_m_per_db(made: Ensemble, code: NDArray[np.intp]) -> float:
     pulls = np.bincount(links, x * (y - slope * x))
     sure = abs(slope) * square > COUPLED_ERRORS * float(np.sqrt(pulls @ pulls))
     return slope if sure else 0.0
-
-
-def _within(values: Floats, links: NDArray[np.intp]) -> Floats:
-    """Return values [n] beside the mean of their link; NaN where unknown."""
-    known = np.isfinite(values)
-    out = np.full(len(values), np.nan)
-    own = np.unique(links[known], return_inverse=True)[1]
-    out[known] = values[known] - group_means(values[known][:, None], own)[:, 0]
-    return out

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.discrepancy.compare.settings import FREE_SPACE_DB, SLOPE_LINKS, WALK_CLIP
+from bench.discrepancy.data.grouped import beside_means
 from bench.discrepancy.data.observables import Observables
 from bench.discrepancy.data.split import Rows
 from bench.physics.units import Floats
@@ -81,11 +82,11 @@ def _walk(values: Floats, decades: Floats, links: Rows, kinds: Rows, first: floa
     if len(count) < SLOPE_LINKS or free < 1:
         return Walk(first)
     far, high = (np.bincount(code, one[known]) / count for one in (decades, values))
-    x, square = (_within(one, kind) for one in (far, far**2))
+    x, square = (beside_means(one, kind) for one in (far, far**2))
     if not x @ x > 0:
         return Walk(first)
     tilt = float(x @ square) / float(x @ x)  # of the square, which a slope says as well
-    left = _within(high - first * far, kind)
+    left = beside_means(high - first * far, kind)
     size, told = _told(x, square - tilt * x, left, free)
     more, bend = (float(one) for one in size * told)
     return Walk(first + more - bend * tilt, bend, (float(told[0]), float(told[1])))
@@ -104,11 +105,6 @@ def _told(x: Floats, bow: Floats, high: Floats, free: int) -> tuple[Floats, Floa
     noise = float(((high - basis @ size) ** 2).sum()) / free
     power = size**2 * (basis**2).sum(axis=0)
     return size, np.asarray(power / np.maximum(power + noise, 1e-30), np.float64)
-
-
-def _within(values: Floats, kind: Rows) -> Floats:
-    """Return values [L] less the mean of their kind."""
-    return np.asarray(values - (np.bincount(kind, values) / np.bincount(kind))[kind], np.float64)
 
 
 def _decades(range_m: Floats) -> Floats:

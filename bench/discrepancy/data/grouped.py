@@ -35,6 +35,11 @@ def group_means(values: Floats, code: NDArray[np.intp]) -> Floats:
     return np.where(known, (sums / np.maximum(count, 1))[code], np.nan)
 
 
+def beside_means(values: Floats, code: NDArray[np.intp]) -> Floats:
+    """Return values [n] less the mean of their group, of those that are known; NaN of others."""
+    return np.asarray(values - group_means(values[:, None], code)[:, 0], np.float64)
+
+
 def in_several(code: NDArray[np.intp], links: NDArray[np.intp], groups: int) -> NDArray[np.bool_]:
     """Return which groups [groups] have rows [n] of two links or more, from both of every row."""
     pairs = np.unique(np.stack([code, links], axis=1), axis=0)

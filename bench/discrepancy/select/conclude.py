@@ -183,11 +183,12 @@ def real(search: Search, last: Round) -> bool:
         return False
     if last.explanation.removable.above_zero or last.located.p <= SURE_P:
         return True
-    made = search.work and versions(search.comparison, search.work, ())
-    if search.work is None or not made or RANGE not in made.names:
+    if search.work is None:
         return False
-    lone = apart(search.comparison, search.work, ())
-    return lone > OFFSET_NATS or rows_beyond(made) >= ROWS_BEYOND
+    if apart(search.comparison, search.work, ()) > OFFSET_NATS:
+        return True
+    made = versions(search.comparison, search.work, ())
+    return RANGE in made.names and rows_beyond(made) >= ROWS_BEYOND
 
 
 def _unknown(last: Round, note: str) -> Unknown:

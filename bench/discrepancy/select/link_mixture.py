@@ -247,9 +247,9 @@ def apart(comparison: Comparison, view: View, added: Added) -> float:
     """Return the evidence, in nats, that links have offsets of their own beside the simulator.
 
     The log likelihood of scatter between links beyond the simulator's over that of none; links
-    may be anything at all in both.
+    may be anything at all in both. 0 where ranges are not on both sides.
     """
-    if RANGE not in view.recorded.names:
+    if RANGE not in comparison.ensemble(view, added, OFFSET_MEMBERS, OFFSET_FIRST).names:
         return 0.0
     every = _chances(offsets(comparison, view, added, None))
     none = max(one.nats for one in every if one.extra_m == 0)

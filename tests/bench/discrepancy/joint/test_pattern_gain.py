@@ -84,8 +84,5 @@ def test_a_gain_of_which_no_wave_is_told_is_none_in_the_place_of_another(
     lobe = ParameterEstimate("cos_db", sum(wave) / 2, *wave, "dB")
     option: Any = SimpleNamespace(effect=PatternGain(), parameters=(lobe, level))
     assert bool(without_waves(option)) is said
-    assert not without_waves(replace_effect(option, PathLoss()))
-
-
-def replace_effect(option: Any, effect: Effect) -> Any:
-    return SimpleNamespace(effect=effect, parameters=option.parameters)
+    option.effect = PathLoss()
+    assert not without_waves(option)
