@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard", "ropewalk", "planetarium", "cathedral", "distillery",
+    "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -51,6 +51,7 @@ OWN = {
     "planetarium": "ushers-walk-a-heptagon",
     "cathedral": "labyrinth-laid-oval",
     "distillery": "chains-of-rummagers-fly-out",
+    "mint": "coils-spring-open",
 }
 ALIKE = [
     (family, name)
@@ -156,6 +157,15 @@ OWN_PARTS = {
         "late-sevens-told-backwards": (0.1, 0.6),
         "late-sizes-blended-with-those-half-way-on": (0.1, 0.6),
     },
+    "mint": {
+        "late-eights-told-with-bits-reversed": (0.1, 0.6),
+        "late-sizes-evened-by-a-gain-that-follows": (0.1, 0.6),
+        "late-sizes-dead-after-crests": (0.1, 0.6),
+        "late-sizes-read-by-a-slower-clock": (0.1, 0.6),
+        "late-sixes-told-by-size": (0.1, 0.6),
+        "every-ninth-late-size-left-out": (0.1, 0.6),
+        "grilles-disperse-what-comes-late": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -253,6 +263,17 @@ FAULTS = {
         "answers-overshoot-by-what-they-rose", "answers-vatted-over-a-run",
         "gauge-narrows-past-a-mark", "spirit-vapour-fills-the-still-house",
         "door-between-halls-shut-by-turns", "lintel-shouldered-by-a-still",
+    ),
+    "mint": (
+        "caged-passage-guides-what-passes", "seals-leak-by-what-pressures-differ",
+        "presses-swing-further-than-told", "rails-bend-sooner-than-drawn",
+        "warders-hurry-across", "coils-spring-open", "ladles-hang-back-as-they-gain",
+        "couriers-cut-across-sooner", "places-smoothed-both-ways", "heights-told-by-a-barometer",
+        "strongroom-door-swings-its-quoins", "circle-of-the-theodolite-off-centre",
+        "levels-sighted-over-a-hot-floor", "batteries-sag-as-answers-crowd",
+        "coarse-count-read-before-it-ripples", "bags-of-answers-opened-out-of-order",
+        "answers-held-while-presses-strike", "ranges-told-along-the-floor",
+        "quoin-barged-by-a-dray",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

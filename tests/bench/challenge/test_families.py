@@ -28,10 +28,10 @@ from bench.recordings.clean import clean
 
 WITH_BOTH = (
     "foundry", "garage",
-    "chairlift", "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
+    "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
-    "ropewalk", "planetarium", "cathedral", "distillery",
+    "ropewalk", "planetarium", "cathedral", "distillery", "mint",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

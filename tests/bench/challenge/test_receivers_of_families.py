@@ -23,6 +23,7 @@ from bench.challenge.families import (
     icerink_timer,
     laundry_meter,
     manege_handset,
+    mint_assay,
     observatory_plate,
     opera_console,
     planetarium_almanac,
@@ -62,6 +63,7 @@ OF_ITS_OWN = {
     "planetarium": {"bears", "sense", "into_s"},
     "cathedral": {"gait", "broad", "into_s"},
     "distillery": {"sort", "aim", "into_s"},
+    "mint": {"way", "bears", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -96,6 +98,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (planetarium_almanac.starlight, planetarium_almanac.OF_SIZES, -0.2),
         (cathedral_lectern.sough, cathedral_lectern.OF_SIZES, -0.2),
         (distillery_safe.seething, distillery_safe.OF_SIZES, -0.2),
+        (mint_assay.jingling, mint_assay.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -135,6 +138,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (planetarium_almanac.glows, planetarium_almanac.set_later, 0.02),
         (cathedral_lectern.chimes, cathedral_lectern.lingered, 0.02),
         (distillery_safe.drops, distillery_safe.run_later, 0.02),
+        (mint_assay.coins, mint_assay.rolled_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
