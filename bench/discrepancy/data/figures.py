@@ -69,6 +69,13 @@ def _check_levels(frame: pd.DataFrame, source: str) -> None:
                 f"{source}: the median of {name} is {np.median(known):.4g} dBm: expected received "
                 "levels, far below 0 dBm (was the sign lost, or are they milliwatts?)"
             )
+        loud = np.flatnonzero(values > LOUDEST_DBM)
+        if len(loud):
+            raise BenchError(
+                f"{source}: {name} is {values[loud[0]]:.4g} dBm at row {loud[0]} ({len(loud)} of "
+                f"{len(known)} rows are above {LOUDEST_DBM:.4g}): nobody receives that; expected "
+                "levels far below 0 dBm (was the sign lost there?)"
+            )
 
 
 def _check_medians(frame: pd.DataFrame, source: str) -> None:

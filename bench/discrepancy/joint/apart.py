@@ -6,6 +6,7 @@ where it does nothing at all - a path loss to the noise that is logged - no form
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -112,7 +113,10 @@ def _among(fit: Fit, places: NDArray[np.intp]) -> Fit:
 
 def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
     """Return some of the statistics; how rows scatter within links is not told by statistic."""
-    some = {n: one[np.ix_(places, places)] for n, one in moments.covariances.items()}
+    some = _some(moments.covariances, places)
+    spared = moments.spared and replace(
+        moments.spared, covariances=_some(moments.spared.covariances, places)
+    )
     own, uneven = (None if one is None else one[:, places] for one in (moments.own, moments.uneven))
     spread, rows = moments.spread_left[:, places], moments.rows_left[:, places]
     return replace(
@@ -125,7 +129,13 @@ def _part(moments: Moments, places: NDArray[np.intp]) -> Moments:
         within=0.0,
         own=own,
         uneven=uneven,
+        spared=spared,
     )
+
+
+def _some(covariances: Mapping[int, Floats], places: NDArray[np.intp]) -> dict[int, Floats]:
+    """Return covariances of some statistics."""
+    return {n: one[np.ix_(places, places)] for n, one in covariances.items()}
 
 
 def beside_a_gain(given: Statistics, fit: Fit, rest: Fit, name: str) -> bool:

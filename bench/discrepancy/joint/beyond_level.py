@@ -19,6 +19,7 @@ from bench.discrepancy.joint.form import variances
 from bench.discrepancy.joint.likelihood import columns_of, paid, white, whitened
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import FORMS, LEVEL_DB
+from bench.discrepancy.joint.spared import scattered_as
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.effects.propagation.antenna_pattern import AntennaPattern
 
@@ -34,8 +35,7 @@ def beyond_level(given: Statistics, fit: Fit, rest: Fit) -> float:
     weaker = _weaker_devices(given, fit, rest)
     before, after = (np.log(variances(one.moments)).sum() for one in (rest, fit))
     if after < before:
-        moments = replace(fit.moments, covariances=rest.moments.covariances)
-        fit = replace(fit, moments=moments)
+        fit = replace(fit, moments=scattered_as(fit.moments, rest.moments))
     return _evidence(given, fit, weaker) - _evidence(given, rest, weaker)
 
 

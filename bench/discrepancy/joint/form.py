@@ -45,7 +45,12 @@ def scatters_more(fit: Fit, rest: Fit) -> bool:
 
 def variances(moments: Moments) -> Floats:
     """Return the variance of every statistic [p], of links as simulated."""
-    return np.asarray(np.diag(next(iter(moments.covariances.values()))))
+    made = np.diag(next(iter(moments.covariances.values())))
+    if moments.spared is None:
+        return np.asarray(made)
+    alone = float(moments.spared.alone.mean())
+    others = np.diag(next(iter(moments.spared.covariances.values())))
+    return np.asarray((1 - alone) * made + alone * others)
 
 
 def _all_sizes(given: Statistics, fit: Fit) -> dict[str, Floats]:

@@ -31,6 +31,7 @@ from bench.discrepancy.joint.settings import (
     LATE_LEAST_M,
     LATE_MEMBERS,
     LATE_OWN,
+    LATE_P,
     LATE_RISES_DB,
     LATE_SHARES,
     LATE_SIZES_M,
@@ -40,7 +41,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.locate.rare import struck_above
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.settings import MAD_TO_STD, ROWS_P
+from bench.discrepancy.settings import MAD_TO_STD
 from bench.physics.base import RAYLEIGH_STD
 from bench.physics.effects.propagation.ground_bounce import GroundBounce
 from bench.physics.effects.propagation.specular import SpecularReflections
@@ -56,25 +57,34 @@ class Late:
     """Means of links, recorded beyond simulated, in metres [L each].
 
     `index_m`: how much later the index lies behind the edge; `range_m`: how much longer ranges are;
-    `own_m`: the first of one simulated version beyond the others. `chance`: that of rows found on
-    another, later path than in all simulated versions, if all of these were alike.
+    `own_m`: the first of one simulated version beyond the others; `jumps_m`: the first of rows that
+    were found on another path, 0 for others. `chance`: that of rows found on another, later path
+    than in all simulated versions, if all of these were alike.
     """
 
     index_m: Floats
     range_m: Floats
     own_m: Floats
+    jumps_m: Floats
     chance: float = 1.0
+
+    @property
+    def _told_m(self) -> Floats:
+        """Of the index and its jumps alone that which ranges follow: few jumps drown in edges."""
+        ways = (self.index_m, self.jumps_m)
+        return max(ways, key=lambda one: likelihood(self.range_m - one))
 
     @property
     def nats(self) -> float:
         """What ranges say for following the index, against not doing so."""
-        return likelihood(self.range_m - self.index_m) - likelihood(self.range_m)
+        return likelihood(self.range_m - self._told_m) - likelihood(self.range_m)
 
     @property
     def follows(self) -> bool:
         """Whether ranges move about as far as the index, for all that is known (20 to 1)."""
         shares = np.asarray(LATE_SHARES)
-        fits = np.array([likelihood(self.range_m - share * self.index_m) for share in shares])
+        told_m = self._told_m
+        fits = np.array([likelihood(self.range_m - share * told_m) for share in shares])
         near = (shares >= 1 / LATE_TIMES) & (shares <= LATE_TIMES)
         return bool(fits[near].max() >= fits.max() - CLASS_NATS)
 
@@ -97,7 +107,7 @@ class Late:
     @property
     def rare(self) -> bool:
         """Whether single rows were found on a later path, which hardly move a sum over links."""
-        return self.chance <= ROWS_P
+        return self.chance <= LATE_P
 
     @property
     def found(self) -> bool:
@@ -136,12 +146,13 @@ class Seen:
         able = np.isfinite(index) & np.isfinite(self.left_m)
         if not able.any():
             return None
-        values = (_m(index), self.left_m, _m(own))
-        index_m, range_m, own_m = (_means(one[able], self.links[able]) for one in values)
+        jumps = np.where(np.abs(index) > PULSE_NS, index, 0.0)
+        values = (_m(index), self.left_m, _m(own), _m(jumps))
+        index_m, range_m, own_m, jumps_m = (_means(one[able], self.links[able]) for one in values)
         chance = struck_above(
             _m(-every)[:, able], self.links[able], C_M_PER_NS * PULSE_NS, self.crowding
         )
-        return Late(index_m, range_m, own_m, chance)
+        return Late(index_m, range_m, own_m, jumps_m, chance)
 
 
 def seen_beside(search: Search, rows: View, added: Added) -> Seen | None:
@@ -217,21 +228,45 @@ def _is_late(search: Search, rows: View) -> bool:
 def fitted_late(search: Search, rows: View, beside: Added) -> LateDetection:
     """Return the late detection with which indices lie as they do in recordings.
 
-    Of the noise or of the peak: one threshold decides in nearly all rows.
+    Of the noise or of the peak: one threshold decides in nearly all rows. Where few rows are late,
+    and not those that are simulated so, what is right row by row leaves all as they are: then it is
+    the one by which as many rows lie as late.
     """
     recorded = _recorded(search, rows)
     assert recorded is not None
     edges = USUAL.edges_ns(recorded)
+    made = {one: _edges_of(search, rows, (*beside, one)) for one in _forms()}
+    best = min(made, key=lambda one: _off(*made[one], edges))
+    bare = _edges_of(search, rows, beside)
+    if np.nanmax(np.abs(np.subtract(made[best], bare))) < PULSE_NS:
+        best = min(made, key=lambda one: _off_together(*made[one], edges))
+    return best
 
-    def off(effect: LateDetection) -> float:
-        """Return the summed CRPS of two versions, in ns."""
-        made = [_simulated(search, rows, (*beside, effect), number) for number in range(2)]
-        one, two = (USUAL.edges_ns(each) for each in made if each is not None)
-        apart = (np.abs(one - edges) + np.abs(two - edges) - np.abs(one - two)) / 2
-        return float(np.nansum(apart))
 
-    of_noise = [LateDetection(rise, 0.0) for rise in LATE_RISES_DB]
-    return min((*of_noise, *(LateDetection(0.0, part) for part in LATE_FRACTIONS)), key=off)
+def _forms() -> tuple[LateDetection, ...]:
+    """Return the thresholds that are tried, of noise and of the peak."""
+    of_noise = (LateDetection(rise, 0.0) for rise in LATE_RISES_DB)
+    return (*of_noise, *(LateDetection(0.0, part) for part in LATE_FRACTIONS))
+
+
+def _edges_of(search: Search, rows: View, added: Added) -> tuple[Floats, Floats]:
+    """Return where first edges of two simulated versions rise, in ns after their indices [n]."""
+    made = [_simulated(search, rows, added, number) for number in range(2)]
+    one, two = (USUAL.edges_ns(each) for each in made if each is not None)
+    return one, two
+
+
+def _off(one: Floats, two: Floats, edges: Floats) -> float:
+    """Return the summed CRPS of two versions [n], in ns."""
+    apart = (np.abs(one - edges) + np.abs(two - edges) - np.abs(one - two)) / 2
+    return float(np.nansum(apart))
+
+
+def _off_together(one: Floats, two: Floats, edges: Floats) -> float:
+    """Return how far all edges of two versions are off, whichever rows have them, in ns."""
+    levels = (np.arange(len(edges)) + 0.5) / len(edges)
+    seen, made = np.nanquantile(edges, levels), np.nanquantile(np.r_[one, two], levels)
+    return float(np.abs(seen - made).sum())
 
 
 def with_late(search: Search, late: LateDetection, choice: WaveChoice) -> WaveChoice:

@@ -58,6 +58,9 @@ def _scatter(given: Statistics, moments: Moments) -> Floats:
     """Return the covariance [L, p, p] by which every link scatters, whatever forms effects have."""
     numbers, place = np.unique(given.count, return_inverse=True)
     covariance = np.stack([moments.covariances[int(n)] for n in numbers])[place]
+    if moments.spared is not None:
+        others = np.stack([moments.spared.covariances[int(n)] for n in numbers])[place]
+        covariance = np.where(moments.spared.alone[:, None, None], others, covariance)
     if moments.uneven is not None:
         covariance += np.einsum("lik,ljk->lij", moments.uneven, moments.uneven)
     return covariance

@@ -7,7 +7,7 @@ members, so what could be added to a set costs no simulation to find.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,16 @@ from bench.discrepancy.fit.search import revalued, valued
 from bench.discrepancy.fit.starts import begun, delayed, elsewhere, free_parameters, onsets, starts
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
 from bench.discrepancy.joint.polish import Fit, fitted, polished
-from bench.discrepancy.joint.settings import ALIKE, BEGUN, FITTED_ON, TAIL, TOUCHES, TRIED_BESIDE
+from bench.discrepancy.joint.settings import (
+    ALIKE,
+    BEGUN,
+    FAR_OFF,
+    FITTED_ON,
+    NAME_NATS,
+    TAIL,
+    TOUCHES,
+    TRIED_BESIDE,
+)
 from bench.discrepancy.joint.statistics import Statistics
 from bench.errors import BenchError
 from bench.forked import in_forks
@@ -142,7 +151,29 @@ class Screen:
         have = set(now.names)
         able = {name: points for name, points in self.points.items() if name not in have}
         best = [self._best_beside(now, points) for points in able.values()]
+        if self._unexplained(now) and max((b.gained for b in best), default=0.0) < NAME_NATS:
+            usual = [points[0] for points in able.values()]  # no fit made that stand for others
+            tried = zip(*(self._simulated_beside(now, some) for some in (best, usual)), strict=True)
+            best = [max(each, key=lambda one: one.nats) for each in tried]
         return sorted(best, key=lambda one: -one.nats)
+
+    def _unexplained(self, now: Fit) -> bool:
+        """Return whether links are farther from a set than its simulated ones scatter."""
+        matrices, _ = whitener(self.given, now.moments, now.responses)
+        return float((white(matrices, now.moments.left) ** 2).mean()) > FAR_OFF
+
+    def _simulated_beside(self, now: Fit, best: Sequence[Tried]) -> list[Tried]:
+        """Return points with what they do beside a set: what was loud alone may be little there.
+
+        Decibels do not add up: what stands in the way takes more off a profile without a tail.
+        """
+        mean = self.given.mean(now.effects)
+        means = self.given.means([(*now.effects, one.effect) for one in best])
+        return [
+            one if other is None or mean is None or type(one.effect).by_rows
+            else self._added(now, replace(one, response=other - mean))
+            for one, other in zip(best, means, strict=True)
+        ]  # fmt: skip
 
     def _best_beside(self, now: Fit, points: Sequence[Tried]) -> Tried:
         """Return the likeliest of some points beside a set: of those that leave least."""

@@ -29,6 +29,8 @@ LEAST_UNIT: Final = 1e-12  # of such a median, in counts of whatever scale [roun
 KEPT: Final = 500  # statistics of sets that are remembered (changes nothing but time)
 LEVELS: Final = ("rx_power_dbm", "energy_db", "max_amplitude_db")  # of a link, as far as known
 WEIGHED: Final = 4  # sets to weigh, from which on forks do it sooner (changes nothing but time)
+LEAST_MOVED: Final = 1e-3  # of a statistic, in its unit: a link that moves by less is left alone
+# [rounding]
 LEAST_VARIANCE: Final = 1e-12  # of a statistic, in its unit squared: nothing [rounding]
 SAME_SCATTER: Final = (0.2, 0.5)  # of the logarithm of a variance: so far off a sum is believed,
 # and from there on it is not [convention]
@@ -53,6 +55,8 @@ FITTED_ON: Final = 4  # points of an effect that do unlike things, fitted on few
 ALIKE: Final = 0.9  # of a correlation, from where on two points do the same [convention]
 BEGUN: Final = 2  # such points, from which an effect is fitted on all rows [cost]
 TRIED_BESIDE: Final = 3  # points of an effect beside a set, that leave least [cost]
+FAR_OFF: Final = 2.0  # squared, in scatters of links: a set that leaves so much is not all there is
+# [convention]
 STARTED: Final = 8  # forms of what is marked that are fitted in full [cost]
 REFITTED: Final = 2  # steps of a fit that others began [cost]
 POLISHED: Final = 8  # single effects that are fitted in full [cost]
@@ -161,6 +165,7 @@ SHORT_OF_STRUCK: Final = 0.5  # as many links as are struck, more than which rea
 PREDICTED_P: Final = 0.01  # by chance, that something known tells which links are struck
 PREDICTED_SHARE: Final = 0.25  # of which those are, that it tells then (as a correlation a
 # half), where straight paths are seen behind what stands there [convention]
+TOUCHED_P: Final = 0.05  # that links struck at random are all behind what is in place [convention]
 SAME_DEVICE: Final = 0.999  # correlation, from where on a number is which device it is [convention]
 
 EARLIEST_SAMPLES: Final = 40  # before a detected path, where a straight one is looked for [cost]
@@ -199,6 +204,10 @@ LATE_TIMES: Final = 1.5  # that the likeliest may be off one: a detector may be 
 LATE_LEAST_M: Final = 0.003  # that edges scatter by at least: samples are rounded [convention]
 LATE_ERRORS: Final = 4.0  # that an index lies later by, to be late: ranges follow what a detector
 # scatters by in all tables [joint]
+LATE_P: Final = (
+    0.05  # of rows on a later path in recordings alone, where ranges follow them: ranges
+)
+# that did not differ at all were not asked [convention]
 LATE_OWN: Final = 0.1  # squared logarithm that an edge scatters by at least [convention]
 LATE_RISES_DB: Final = tuple(2.0 * step for step in range(1, 20))
 # of a late detection, that are tried [cost]

@@ -39,6 +39,7 @@ from bench.discrepancy.joint.settings import (
     OTHERS,
     OTHERS_KEPT,
 )
+from bench.discrepancy.joint.spared import Spared, among_touched, beside, of_touched
 from bench.discrepancy.joint.unknown import filled, numbers_of
 from bench.discrepancy.settings import FEW_VERSIONS
 from bench.errors import BenchError
@@ -62,6 +63,7 @@ class Moments:
     nothing. `rows` [p, p]: the covariance of rows of a link about its mean; `of_rows` [n, p]: what
     rows leave, where that takes part in the likelihood; `uneven_rows` [L, p, k]: by how much rows
     of a link have more or less of what devices differ in, each by itself, None where by nothing.
+    `spared`: links that some of the effects leave alone.
     """
 
     left: Floats
@@ -75,6 +77,7 @@ class Moments:
     rows: Floats | None = None
     of_rows: Floats | None = None
     uneven_rows: Floats | None = None
+    spared: Spared | None = None
 
 
 class Statistics:
@@ -221,8 +224,7 @@ class Statistics:
     def _left_by_others(self, added: Added) -> Floats:
         """Return `others_rows`, simulated."""
         paired = self.comparison.paired(self.rows) and not self.by_rows
-        own = self.comparison.distinct(self.rows) if paired else 0
-        first = max(self.members, own)
+        first = max(self.members, self.comparison.distinct(self.rows) if paired else 0)
         count = min(OTHERS, self.comparison.alike(self.rows) - first)
         made = self._made(added, first + count) if count >= FEW_VERSIONS else None
         if made is None:
@@ -248,13 +250,15 @@ class Statistics:
         return made if set(self.names) <= set(made.names) else None
 
     def _moments(self, added: Added, members: int) -> Moments | None:
-        made = self._made(added, members)
-        found = None if made is None else self._compared(values := self._values(made))
-        plain = self.moments(()) if added and found else None
-        if found is None or plain is None:
+        if (made := self._made(added, members)) is None:
+            return None
+        found = self._compared(values := self._values(made))
+        if not (added and (plain := self.moments(()))):
             return found
-        change = numbers_of(values[1:] - self._bare[1:])
-        whole = with_drawn(plain.covariances, found.covariances, change, self.code, self._level)
+        few = beside(added)
+        found = among_touched(found, self.moments(few) if few != added else None, self.count)
+        change, code = of_touched(numbers_of(values[1:] - self._bare[1:]), self.code, found.spared)
+        whole = with_drawn(plain.covariances, found.covariances, change, code, self._level)
         return replace(found, covariances=whole)
 
     @property

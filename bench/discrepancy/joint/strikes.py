@@ -44,6 +44,7 @@ from bench.discrepancy.joint.settings import (
     STRIKE_POINTS,
     STRUCK_FEWEST,
 )
+from bench.discrepancy.joint.spared import only_touched
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.joint.straight import straight_nats
 from bench.discrepancy.joint.strike_intervals import sizes_of
@@ -105,7 +106,7 @@ def strike_beside(
     alike = told(_alike(found, common), seen) if longer else _leaving(found)
     if not (alike and enough(alike[0], common, common - shared[0], seen)):
         return None
-    if by_one(alike[0], common, seen):
+    if by_one(alike[0], common, seen) or _behind_others(alike[0]):
         return None
     first, *others = (_strike(by_ranges(one, made), common) for one in alike)
     return replace(first, others=tuple(others))
@@ -128,6 +129,12 @@ def by_one(found: Found, common: float, seen: float) -> bool:
     seen = 0.0 if found.mixture.kind.silent_before else seen
     rest = found.nats - common - float(of_each(found.best).max()) / found.mixture.given.crowding
     return rest + seen < NAME_NATS + found.mixture.by_chance(found.best)
+
+
+def _behind_others(found: Found) -> bool:
+    """Return whether all that is struck stands behind what an effect beside is of."""
+    moments = found.mixture.given.moments(found.mixture.beside)
+    return moments is not None and only_touched(moments.spared, found.struck)
 
 
 def least_nats(explained: float, found: Found, seen: float) -> float:

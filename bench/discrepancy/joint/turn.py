@@ -61,14 +61,16 @@ def selected(state: State, journal: Journal) -> Selection:
 def _selected(state: State, journal: Journal) -> Selection:
     """Return `selected`; without a late detection if held-out links fit better without that.
 
-    What was fitted beside it, and took back what it does to ranges, is then asked anew.
+    What was fitted beside it, and took back what it does to ranges, is then asked anew. Rows that
+    are late in few links help no link held out: if nothing has a name without it, it keeps its own.
     """
     found = _as_indices_say(state, journal)
     late = LateDetection.name
     if late not in found.together or late in {one.name for one in found.added}:
         return found
     alone = replace(state, search=state.search.without(LateDetection()))
-    return _as_indices_say(alone, journal)
+    other = _as_indices_say(alone, journal)
+    return other if other.names else found
 
 
 def _as_indices_say(state: State, journal: Journal) -> Selection:

@@ -23,6 +23,7 @@ from bench.discrepancy.joint.settings import (
     SIZE_WEIGHINGS,
     TAIL,
 )
+from bench.discrepancy.joint.spared import scattered_as
 from bench.discrepancy.joint.statistics import Statistics
 
 Floats = NDArray[np.float64]
@@ -36,7 +37,7 @@ def beside_unformed(given: Statistics, fit: Fit, whole: Fit | None = None) -> fl
     else the name alone would pay for that it may not be right. Nor need links scatter more than
     without the set: how much they do is a matter of its form, too.
     """
-    plain = replace(fit.moments, covariances=given.needed(()).covariances)
+    plain = scattered_as(fit.moments, given.needed(()))
     scatters = (fit.moments, plain) if fit.effects else (plain,)
     return max(_beside(given, replace(fit, moments=one), whole or fit) for one in scatters)
 

@@ -72,8 +72,15 @@ def ends_early(seen: Logged) -> float:
     """Return the nats for counts that fall where levels are strong, 0 where that is not known.
 
     Beside counts that every device has of its own; by a step, a slope or a ramp from some level on,
-    of which one costs as much as was tried.
+    of which one costs as much as was tried. Beyond what a simulated version shows beside others:
+    where its receiver does it as well, a row that is louder by chance has a smaller count there.
     """
+    other = seen.simulated
+    return _over_levels(seen) - max(_over_levels(other) if other else 0.0, 0.0)
+
+
+def _over_levels(seen: Logged) -> float:
+    """Return the nats for counts that fall where levels are strong, on one side."""
     rows = seen.known(seen.level_dbm, seen.count_db)
     if not rows.any():
         return 0.0

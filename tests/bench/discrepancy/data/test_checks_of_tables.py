@@ -82,6 +82,14 @@ def test_simulated_levels_without_their_sign_are_refused() -> None:
         check_tables(table("r.parquet", 1.0), unsigned)
 
 
+def test_levels_without_their_sign_in_some_rows_are_refused() -> None:
+    frame = table("r.parquet", 1.0).frame
+    level = np.where(np.arange(len(frame)) % 3 == 1, 84.0, -84.0)
+    mixed = Recordings(frame.assign(rx_power_dbm=level), "r.parquet")
+    with pytest.raises(BenchError, match=r"rx_power_dbm is 84 dBm at row 1 \(\d+ of \d+ rows"):
+        check_tables(mixed, Simulator(Base()))
+
+
 def test_a_table_against_itself_is_refused() -> None:
     with pytest.raises(BenchError, match=r"r\.parquet: its ranges are those of r\.parquet"):
         check_tables(table("r.parquet", 1.0), table("r.parquet", 1.0))

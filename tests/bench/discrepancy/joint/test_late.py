@@ -50,6 +50,9 @@ def searched(hidden: Added) -> Search:
     return Search(comparison, rows, rows, {LateDetection.name: LateDetection}, 1, work=rows)
 
 
+NONE = np.zeros(60)
+
+
 def test_late_detection_is_seen_where_the_index_lies_and_fitted_to_that() -> None:
     found = found_late(searched((LATE,)))
     assert found is not None
@@ -106,28 +109,39 @@ def test_first_paths_found_elsewhere_are_seen_unless_a_set_has_that() -> None:
 def test_a_share_is_wrong_only_where_ranges_exclude_it() -> None:
     rng = np.random.default_rng(1)
     index, noise = np.maximum(rng.normal(0, 0.1, 60), 0), rng.normal(0, 0.1, (2, 60))
-    assert Late(index, 0.6 * index + noise[0], noise[1]).follows
-    assert not Late(index, 0.6 * index + 0.02 * noise[0], noise[1]).follows
+    assert Late(index, 0.6 * index + noise[0], noise[1], NONE).follows
+    assert not Late(index, 0.6 * index + 0.02 * noise[0], noise[1], NONE).follows
 
 
 def test_ranges_must_follow_the_index_by_as_much() -> None:
     rng = np.random.default_rng(1)
     index, noise = np.maximum(rng.normal(0, 0.1, 60), 0), rng.normal(0, 0.01, (2, 60))
-    assert Late(index, index + noise[0], noise[1]).found
-    assert not Late(index, 2.5 * index + noise[0], noise[1]).found
-    assert not Late(-index, noise[0] - index, noise[1]).found  # sooner
-    assert not Late(index, 0.3 + noise[0], noise[1]).found
+    assert Late(index, index + noise[0], noise[1], NONE).found
+    assert not Late(index, 2.5 * index + noise[0], noise[1], NONE).found
+    assert not Late(-index, noise[0] - index, noise[1], NONE).found  # sooner
+    assert not Late(index, 0.3 + noise[0], noise[1], NONE).found
     jitter = rng.normal(0, 0.05, (2, 60))
-    assert Late(jitter[0], jitter[0] + noise[0], jitter[1]).nats > NAME_NATS
-    assert not Late(jitter[0], jitter[0] + noise[0], jitter[1]).found  # any detector's
+    assert Late(jitter[0], jitter[0] + noise[0], jitter[1], NONE).nats > NAME_NATS
+    assert not Late(jitter[0], jitter[0] + noise[0], jitter[1], NONE).found  # any detector's
 
 
 def test_a_few_rows_on_a_later_path_are_found_though_they_move_no_sum() -> None:
     rng = np.random.default_rng(1)
     index, noise = rng.normal(0, 0.003, 86), rng.normal(0, 0.01, (2, 86))
     index[:3] += 0.25  # one row of each of three links
-    few = Late(index, index + noise[0], 0.003 * noise[1])
+    few = Late(index, index + noise[0], 0.003 * noise[1], np.zeros(86))
     assert few.later < LATE_ERRORS
     assert not few.found
     assert replace(few, chance=0.006).found
+    assert not replace(few, chance=0.06).found
     assert not replace(few, chance=0.006, range_m=noise[0]).found  # ranges do not follow
+
+
+def test_a_jump_of_few_rows_is_followed_though_edges_scatter_more_than_ranges() -> None:
+    rng = np.random.default_rng(2)
+    index, noise, jumps = rng.normal(0, 0.02, 98), rng.normal(0, 0.003, 98), np.zeros(98)
+    jumps[:2] = 4.9, 2.0
+    made = Late(index + jumps, jumps + noise, index, jumps, 0.03)
+    assert made.found
+    assert made.nats > NAME_NATS > replace(made, jumps_m=np.zeros(98)).nats
+    assert not replace(made, jumps_m=-jumps, index_m=index).found  # ranges follow no jump

@@ -64,6 +64,7 @@ def test_counts_that_fall_with_the_level_show_a_control_of_any_form() -> None:
     for fall in (0.1 * np.maximum(LEVEL + 84, 0), 0.5 * (LEVEL > -76), 0.002 * (LEVEL + 98) ** 2):
         seen = _logs(-fall, np.zeros(160))
         assert logged.ends_early(seen) > LOGGED_NATS
+        assert logged.ends_early(replace(seen, simulated=seen)) < LOGGED_NATS  # that may do so, too
 
 
 def test_rows_that_end_early_by_chance_count_by_rows_and_those_of_a_link_by_links() -> None:
