@@ -25,10 +25,11 @@ class Asked:
         return Asked(tuple(name for name in self.kinds if name != effect.name))
 
 
-@pytest.mark.parametrize("kept", [True, False])
+@pytest.mark.parametrize(("kept", "named"), [(True, True), (False, True), (False, False)])
 def test_what_was_fitted_beside_a_late_detection_is_asked_anew_without(
-    kept: bool, monkeypatch: pytest.MonkeyPatch
+    kept: bool, named: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """And keeps its name where nothing has one without it: few late rows help no link held out."""
     asked = []
 
     def said(state: State, _: Any) -> Selection:
@@ -36,13 +37,14 @@ def test_what_was_fitted_beside_a_late_detection_is_asked_anew_without(
         asked.append(late)
         added = (PowerBias(), *((LateDetection(),) if late and kept else ()))
         names = (PowerBias.name, *((LateDetection.name,) if late else ()))
-        return Selection((), added, (), together=names)
+        other: Any = SimpleNamespace(names=(PowerBias.name,) if named else ())
+        return Selection((other,), added, (), together=names)
 
     monkeypatch.setattr(turn, "_as_indices_say", said)
     state: Any = State(Asked((LateDetection.name,)))  # type: ignore[arg-type]
     found = turn._selected(state, None)  # type: ignore[arg-type]
     assert asked == ([True] if kept else [True, False])
-    assert (LateDetection.name in found.together) is kept
+    assert (LateDetection.name in found.together) is (kept or not named)
 
 
 def test_waveforms_of_any_simulator_see_a_patterns_gain_alone() -> None:

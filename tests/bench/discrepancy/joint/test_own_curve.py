@@ -23,7 +23,7 @@ CURVED, LOSS, FLOOR = LevelControl(), PathLoss(exponent=2.5), NoiseFloor(level_d
 
 def _set(effects: tuple[Any, ...], responses: tuple[Floats, ...], left: Floats) -> Any:
     moments = SimpleNamespace(
-        left=left, covariances={1: np.eye(2)}, uneven=None, own=None, within=0.0
+        left=left, covariances={1: np.eye(2)}, uneven=None, own=None, within=0.0, spared=None
     )
     names = tuple(one.name for one in effects)
     return SimpleNamespace(

@@ -63,7 +63,7 @@ def _seen(left_db: float, names: tuple[str, ...] = ("early_scatter",), again: bo
     )
     covariances = {1: np.array([[3.0**2]])}
     left = np.full((84, 1), left_db)
-    return given, SimpleNamespace(covariances=covariances, uneven=None, left=left)
+    return given, SimpleNamespace(covariances=covariances, uneven=None, left=left, spared=None)
 
 
 def _apart_early(effect, left_db: float, response_db: float, again: bool = False) -> float:
@@ -80,7 +80,9 @@ def _apart(level_db: float, again: bool = True, uneven: np.ndarray | None = None
     names = ("noise_std",)
     given = SimpleNamespace(names=names, count=np.ones(links, int), crowding=1.0, by_rows=again)
     covariances = {1: np.array([[scatter_db**2]])}
-    moments = SimpleNamespace(covariances=covariances, uneven=uneven, left=np.zeros((links, 1)))
+    moments = SimpleNamespace(
+        covariances=covariances, uneven=uneven, left=np.zeros((links, 1)), spared=None
+    )
     fit = SimpleNamespace(
         effects=(NoiseFloor(level_db=level_db),),
         names=("noise-floor",),
