@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.compare.between_links import between_links_m
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.settings import COUPLED_ERRORS
 from bench.discrepancy.compare.view import View
@@ -21,15 +22,17 @@ Floats = NDArray[np.float64]
 
 
 def beside_level(view: View, made: Ensemble, left_m: Floats) -> Floats:
-    """Return what is left of ranges [n], less what goes with the level within links, in metres.
+    """Return what is left of ranges [n], less what goes with the level, in metres.
 
-    As it is where no level is on both sides, or simulated errors do not surely go with it.
+    Within links and between them (see `between_links`). As it is where no level is on both sides,
+    or simulated errors do not surely go with it.
     """
     if LEVEL not in made.names:
         return left_m
     code = alike(view)
     apart = beside_means(made.recorded_of(LEVEL), code)
-    return np.asarray(left_m - coupling_m_per_db(made, code) * np.nan_to_num(apart))
+    within_m = coupling_m_per_db(made, code) * np.nan_to_num(apart)
+    return np.asarray(left_m - within_m - between_links_m(view, made, code))
 
 
 def by_links(view: View, made: Ensemble) -> View:

@@ -10,9 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import crps
-from bench.discrepancy.compare.settings import ROUNDING
+from bench.discrepancy.compare.settings import FEWEST_TO_SCATTER, ROUNDING
+from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import RANGE, Floats, Observables, observe
-from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M
+from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M, MAD_TO_STD
 from bench.errors import BenchError
 
 Simulate = Callable[[pd.DataFrame, int], pd.DataFrame]  # (rows, replicate) -> simulated rows
@@ -69,6 +70,22 @@ class Ensemble:
         spread = np.std(simulated, axis=0, ddof=1) if len(simulated) > 1 else np.array([np.inf])
         known = spread[~np.isnan(spread)]
         return float(np.median(known)) if len(known) else np.inf
+
+    def links_scatter_of(self, name: str, over: Floats) -> float:
+        """Return how simulated links scatter about a line over a number [n], in the unit's own.
+
+        As most links have it; 0 with fewer than three.
+        """
+        middle = self.simulated_of(name).mean(axis=0)
+        known = np.isfinite(middle) & np.isfinite(over)
+        code = np.unique(self.links[known], return_inverse=True)[1]
+        count = np.bincount(code)
+        if len(count) < FEWEST_TO_SCATTER:
+            return 0.0
+        made = means_by_group(np.column_stack([middle, over])[known], code, count)
+        line = np.column_stack([np.ones(len(count)), made[:, 1]])
+        left = made[:, 0] - line @ np.linalg.lstsq(line, made[:, 0], rcond=None)[0]
+        return MAD_TO_STD * float(np.median(np.abs(left)))
 
     @property
     def recorded(self) -> Floats:

@@ -28,7 +28,13 @@ UNKNOWN_SHARE: Final = 0.1  # of rows without an observable, to tell what is don
 ROWS_ASSIGNED_AT_ONCE: Final = 400  # of a link; longer ones are matched in stretches [cost]
 CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [cost]
 COUPLED_ERRORS: Final = 4.0  # standard errors over links, from which on simulated range errors go
-# with levels within links [convention]
+# with levels within links, or between them [convention]
+FEWEST_TO_SCATTER: Final = 3  # links that may scatter about a line [derived]
+COUPLED_LINKS: Final = (
+    3  # for every thing known, to ask how they go with levels beside it [derived]
+)
+COUPLED_MOST: Final = 3.0  # usual scatters, by which a link's level may be off by its multipath:
+# more is something in the way [convention]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
 MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the

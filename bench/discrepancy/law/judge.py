@@ -74,6 +74,7 @@ def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
 
     From where an anchor sees its rows, standing further off reads nearly the same as being late: by
     how much is what a constant there would be, which does as well; one of that device is a delay.
+    So it may be where no axis is known to be off at all.
     """
     of = f" of {law.where}" if law.where else ""
     given = names if law.fault == "position" else ()
@@ -82,10 +83,16 @@ def tied_names(law: FoundLaw, names: Sequence[str]) -> tuple[Rival, ...]:
         one for one in same if any(one.words.endswith(f", where {at}") for at in ends(law.where))
     ]
     same = late if law.where else same
-    if late and law.fault == "position":
+    if law.fault == "position" and (late or _nowhere(law.constants)):
         given = tuple(dict.fromkeys((*given, AntennaDelay.name)))
     size = next((f" ({one.words.partition(',')[0]})" for one in same), "")
     return tuple(Rival(f"{name}{of} instead{size}", "constant", (), 0.0, True) for name in given)
+
+
+def _nowhere(constants: Sequence[LawConstant]) -> bool:
+    """Return whether a device that is shifted may be where it should along every axis."""
+    shifts = [one for one in constants if one.name in SHIFTS]
+    return bool(shifts) and all(one.low <= 0 <= one.high for one in shifts)
 
 
 def _rival(one: Candidate, behind: float) -> Rival:

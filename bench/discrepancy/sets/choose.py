@@ -109,6 +109,7 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     widest = dict.fromkeys(laws, LAW_SIZE)
     evidence = Evidence(left[known], rows.links[known], library | laws, widest)
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
+    evidence.links_m2 = ensemble.links_scatter_of(RANGE, rows.scene.true_range_m) ** 2
     evidence.lie_behind(~rows.scene.clear()[known])
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     usual, crowding = usual_levels(rows, ensemble)[known], crowded(search.comparison, rows)

@@ -31,6 +31,7 @@ from bench.discrepancy.sets.settings import (
     NAME_NATS,
     NOTHING,
     OFFSET_RATIOS,
+    OWN_OFFSETS,
     REWEIGHINGS,
     ROWS_PER_LINK,
     SIZE_BOUNDS,
@@ -68,8 +69,9 @@ class Evidence:
 
     `widest` maps causes to the largest variance of their factors, where it is not the usual.
     `offset_mean`: whether the mean of link offsets is unknown, which takes several rows of a link;
-    `scatter_m2`: variance of simulated ranges, that large offsets are measured by; `behind` [L]:
-    links with something in the way, whose offsets may be `wider` than the others', in variance.
+    `scatter_m2`: variance of simulated ranges, that large offsets are measured by, and `links_m2`
+    that of simulated links among each other; `behind` [L]: links with something in the way, whose
+    offsets may be `wider` than the others', in variance.
     """
 
     def __init__(
@@ -89,7 +91,7 @@ class Evidence:
         self.places = {name: np.arange(a, b) for name, a, b in pairs}
         self.widest = dict(widest or {})
         self.offset_mean = len(left_m) >= ROWS_PER_LINK * len(np.unique(links))
-        self.scatter_m2 = np.inf
+        self.scatter_m2, self.links_m2 = np.inf, 0.0
         self.behind = np.zeros(self.links.max(initial=-1) + 1, np.bool_)
         self.wider = np.ones(len(self.behind))
         self.mean_ratio = 0.0  # variance of that mean over the rows', as `reweigh` finds it
@@ -102,7 +104,8 @@ class Evidence:
         made = Evidence(self.left_m, self.links, blocks, self.widest)
         made.weights, made.nearby = self.weights, self.nearby
         made.offset_mean, made.mean_ratio = self.offset_mean, self.mean_ratio
-        made.scatter_m2, made.behind, made.wider = self.scatter_m2, self.behind, self.wider
+        made.scatter_m2, made.links_m2 = self.scatter_m2, self.links_m2
+        made.behind, made.wider = self.behind, self.wider
         return made
 
     def lie_behind(self, rows: NDArray[np.bool_]) -> None:
@@ -149,11 +152,13 @@ class Evidence:
 
         A constant alone must not pass for offsets, whose mean it would then be. What jitter adds to
         rows makes no offsets smaller: of the two scatters, recorded and simulated, the less counts.
+        Nor are offsets large that simulated links have of their own, whose mean is no longer one.
         """
         other = self.with_blocks({one: self.blocks[one] for one in causes})
         other.mean_ratio = ANY_MEAN
         made, (none,) = other.of(causes), other.at([causes], 0.0)
         least = LARGE_OFFSETS * min(made.variance_m2, self.scatter_m2)
+        least = max(least, OWN_OFFSETS * self.links_m2)
         sure = made.nats - none.nats > NAME_NATS  # loud rows leave links offsets by chance
         return made.ratio if sure and made.ratio * made.variance_m2 >= least else 0.0
 

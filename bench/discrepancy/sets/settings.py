@@ -25,6 +25,8 @@ ROWS_PER_LINK: Final = 3  # on average, to tell what links keep from what rows d
 ANY_MEAN: Final = 1e6  # variance of a mean over that of rows: nothing is known of it [derived]
 LARGE_OFFSETS: Final = 2.0  # of the variance of rows, from which on link offsets are more than what
 # positions and antennas leave, and their mean is in doubt [plan cases]
+OWN_OFFSETS: Final = 4.0  # of the variance of simulated links, the same: two sides differ by twice
+# that, and few links tell a variance within a factor of two [derived]
 EM_STEPS: Final = 14  # of the sizes of causes [cost]
 SIZE_BOUNDS: Final = (1e-8, 100.0)  # of a cause's variance, of what is typical: what is left of a
 # clock whose carrier was corrected is a hundredth of a ppm and less, over milliseconds [convention]

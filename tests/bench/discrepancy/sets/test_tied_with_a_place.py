@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import bench
-from bench.discrepancy.law.found import FoundLaw, Rival
+from bench.discrepancy.law.found import FoundLaw, LawConstant, Rival
 from bench.discrepancy.law.judge import tied_names
 
 CORNERS_M = np.array([[0.3, 0.3, 2.4], [11.7, 0.4, 2.4], [11.6, 6.6, 2.4], [0.4, 6.5, 2.4]])
@@ -60,3 +60,12 @@ def test_a_name_that_does_as_well_is_said_before_laws_that_do() -> None:
     assert law.nearest == "; not excluded: a sine"
     both = replace(law, rivals=(sine, *tied_names(law, ("antenna-delay",))))
     assert both.nearest == "; or antenna-delay of A2 instead: these recordings cannot tell"
+
+
+def test_a_device_that_may_be_where_it_should_may_be_late_instead() -> None:
+    law = FoundLaw("position", (), "A2", "", "", "0", (), 9.0, None, None, fault="position")  # type: ignore[arg-type]
+    unsure = [LawConstant(f"d{axis}", 0.2, -0.6, 1.1, "m") for axis in "xyz"]
+    (rival,) = tied_names(replace(law, constants=tuple(unsure)), ())
+    assert rival.words == "antenna-delay of A2 instead"
+    sure = (LawConstant("dx", 0.4, 0.3, 0.5, "m"), *unsure[1:])
+    assert tied_names(replace(law, constants=sure), ()) == ()
