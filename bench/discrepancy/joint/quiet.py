@@ -50,6 +50,7 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Floats, Statistics
 from bench.discrepancy.joint.tone_or_noise import scatter_logged, with_floor
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.memory import Memory
 
@@ -101,7 +102,14 @@ class Quiet:
         some = slice(1 + np.count_nonzero(told))
         left, tone = self._heard.ratios - before, after - before
         nats = agreed(left[some], tone[some], self._heard.errors[some])
-        return 0.0 if nats < 0 and self._heard.carried else nats
+        if nats < 0 and self._heard.carried:
+            return 0.0
+        return min(nats, 0.0) if self._steady_without(effects, self._heard) else nats
+
+    def _steady_without(self, effects: Added, heard: Heard) -> bool:
+        """Return whether samples are as steady without a tone: an offset of them makes them so."""
+        rest = tuple(one for one in effects if not isinstance(one, NarrowbandInterference))
+        return bool(rest) and self._ratio(rest, heard)[0] <= heard.ratios[0] + heard.errors[0]
 
     def carries(self, name: str) -> bool:
         """Return whether samples that a noise floor was named for may be carriers'."""

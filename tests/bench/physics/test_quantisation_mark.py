@@ -6,14 +6,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.polish import shares, with_shares
 from bench.discrepancy.select.candidates import offered
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.quantisation import (
+    OnGrid,
     Quantisation,
     equal_share,
     grid_step,
     late_alone,
+    on_grid,
 )
 
 
@@ -51,6 +54,21 @@ def test_the_step_is_the_grids() -> None:
         forms = Quantisation.by_mark(_table(20, magnitudes))
         assert [vars(form)["step_counts"] for form in forms] == pytest.approx([20] * 4, abs=0.1)
         assert Quantisation.by_mark(_table(1, magnitudes)) == ()
+
+
+def test_the_step_of_a_grid_is_read_off_and_fitted_only_where_steps_grow() -> None:
+    for beside in (False, True):
+        for magnitudes in (False, True):
+            cirs = _table(20, magnitudes, beside)["cir"]
+            assert on_grid(cirs, grid_step(cirs))
+            forms = Quantisation.by_mark(pd.DataFrame({"cir": cirs}))
+            assert all(isinstance(form, OnGrid) and form.name == "quantisation" for form in forms)
+            names = {item.name for form in forms for item in free_parameters(type(form))}
+            assert "step_counts" not in names
+            assert "offset_counts" in names
+    cirs = _table(0, True)["cir"].map(lambda row: np.float32(10) * np.round(np.sqrt(row)) ** 2)
+    assert not on_grid(cirs, grid_step(cirs))
+    assert not on_grid(cirs, 0.0)
 
 
 def test_a_grid_is_coarse_by_its_step_over_the_noise_though_loud_samples_differ() -> None:

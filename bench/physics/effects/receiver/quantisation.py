@@ -24,6 +24,8 @@ COARSE = 0.1  # of the noise, that the step of such a grid has: long records hav
 # which fewer are equal, and are rounded no less [convention]
 QUARTER = np.sqrt(-np.log(0.75))  # of noise of size 1, the lower quartile of magnitudes [derived]
 GRID_APART = 1e-3  # of the largest: nearer samples of a grid are one [derived]
+GRID_SURE, GRID_NEAR = 0.9, 0.1  # of the samples, within so much of a whole number: one in five
+# of others would be [convention]
 EQUAL_LEAST = 0.003  # of the samples: of 24 random bits, 150 samples have 2e-5 [derived]
 AHEAD, BEHIND = 3, 8  # samples before and after a first path, beyond which none is of its pulse
 EQUAL_AHEAD = 0.5  # as often as behind a path, two samples before it are equal at least: noise is
@@ -84,7 +86,8 @@ class Quantisation(Effect):
         step, beside = min(grid_step(frame["cir"]), MOST_COUNTS), beside_zero(frame["cir"])
         levels = [(0.0, 1.0)] if beside else [(0.0, 0.0), (1.0, 0.0)]  # no zero: nothing to drop
         ways = [(*each, read_out) for each in levels for read_out in (0.0, 1.0)]
-        made = (cls(step, dropped=d, read_out=r, beside_zero=b) for d, b, r in ways)
+        kind = OnGrid if on_grid(frame["cir"], step) else cls
+        made = (kind(step, dropped=d, read_out=r, beside_zero=b) for d, b, r in ways)
         return tuple(made) if step > 0 else ()
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -128,6 +131,34 @@ class Quantisation(Effect):
         else:
             steps = np.floor(size / self.step_counts + 0.5 - 0.5 * self.dropped)
         return np.asarray(steps.std(axis=1) * self.step_counts / size.std(axis=1))
+
+
+@dataclass(frozen=True)
+class OnGrid(Quantisation):
+    """Rounding to the step of the grid that recorded samples lie on: read off, it is not fitted."""
+
+    stackable = True
+
+    step_counts: float = parameter(
+        1, "counts", 0, MOST_COUNTS, "rounding step, that of the grid of samples", fitted=False
+    )
+
+
+def on_grid(cirs: pd.Series, step: float) -> bool:
+    """Return whether nearly all samples lie on a grid of so large a step, or half a step beside it.
+
+    Not where steps grow with what they stand for.
+    """
+    if step <= 0:
+        return False
+    return bool(np.median([_lies_on(row, step) for row in _some(cirs)] or [0.0]) >= GRID_SURE)
+
+
+def _lies_on(row: NDArray[Any], step: float) -> float:
+    """Return the share of a row's samples, or of their squares, in whole halves of the grid."""
+    whole = np.iscomplexobj(row)
+    units = 2 * row.real / step if whole else 4 * (row.astype(np.float64) / step) ** 2
+    return float(np.mean(np.abs(units - np.round(units)) < GRID_NEAR))
 
 
 def coarse(cirs: pd.Series) -> bool:

@@ -11,12 +11,16 @@ from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.quiet import Quiet, quiet_samples, speaks
 from bench.discrepancy.joint.quiet_moments import error_of, loud_moments, moments_of, ratio_of
 from bench.discrepancy.joint.sets import Sets
+from bench.discrepancy.joint.settings import KEPT
 from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
+from bench.physics.effects.receiver.quantisation import Quantisation
+from bench.physics.memory import Memory
 
 ROWS, SAMPLES, BEFORE = 240, 100, 12
 TONE, FLOOR = NarrowbandInterference(level_db=0.0), NoiseFloor(level_db=3.0)
+OFFSET = Quantisation(step_counts=0, offset_counts=100)
 
 
 def test_what_is_before_the_path_and_behind_the_last_one_is_quiet():
@@ -77,6 +81,29 @@ def test_sets_with_a_tone_are_likelier_where_one_was_recorded(monkeypatch, power
 
     assert heard.nats(()) == heard.nats((FLOOR,)) == 0.0
     assert (heard.nats((TONE,)) > 3) if for_a_tone else (heard.nats((TONE,)) < -3)
+
+
+def test_what_makes_samples_as_steady_without_a_tone_speaks_for_none(monkeypatch):
+    """An offset of all samples beside noise is Rice's law as well, and no tone."""
+    heard = _heard(monkeypatch, 1.0)
+    assert heard.nats((OFFSET, TONE)) == heard.nats((TONE,)) > 3  # one that does nothing
+    made, seen = quiet.simulated_record, heard._heard
+
+    def offset(comparison, rows, added, number):
+        more = (TONE,) if OFFSET in added else ()
+        return made(comparison, rows, (*added, *more), number)
+
+    monkeypatch.setattr(quiet, "simulated_record", offset)
+    other = _heard_again(heard)
+    assert other._heard is seen
+    assert other.nats((OFFSET, TONE)) <= 0
+
+
+def _heard_again(heard: Quiet) -> Quiet:
+    """Return the same recorded rows, with nothing remembered of sets."""
+    other = Quiet.__new__(Quiet)
+    other.given, other._heard, other._ratios = heard.given, heard._heard, Memory(KEPT)
+    return other
 
 
 @pytest.mark.parametrize(("power", "for_a_tone"), [(1.0, True), (0.0, False)])
