@@ -228,7 +228,7 @@ class Sets:
             spare = {n: nats - self._asked(fit, n, whole) for n, nats in brings.items()}
             if min(spare.values()) >= 0:
                 spare = {n: nats - self._by_chance(fit, n) for n, nats in spare.items()}
-            least = min(spare, key=lambda name: spare[name])
+            least = min(spare, key=lambda name: (spare[name], brings[name]))
             if spare[least] >= 0:
                 break
             rest = self._without(fit, least)
