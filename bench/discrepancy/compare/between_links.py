@@ -46,7 +46,7 @@ def between_links_m(view: View, made: Ensemble, code: Codes) -> Floats:
     if not slope:
         return none
     apart = _beside(_of_links((recorded - level.mean(axis=0))[None], code, count), known)[0]
-    most = COUPLED_MOST * MAD_TO_STD * float(np.median(np.abs(apart)))
+    most = COUPLED_MOST * MAD_TO_STD * float(np.median(np.abs(x)))
     return np.asarray(slope * np.clip(apart, -most, most)[code])
 
 

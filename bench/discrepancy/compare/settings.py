@@ -30,11 +30,9 @@ CHOICES_PER_ROW: Final = 4  # simulated rows looked at for each recorded one [co
 COUPLED_ERRORS: Final = 4.0  # standard errors over links, from which on simulated range errors go
 # with levels within links, or between them [convention]
 FEWEST_TO_SCATTER: Final = 3  # links that may scatter about a line [derived]
-COUPLED_LINKS: Final = (
-    3  # for every thing known, to ask how they go with levels beside it [derived]
-)
-COUPLED_MOST: Final = 3.0  # usual scatters, by which a link's level may be off by its multipath:
-# more is something in the way [convention]
+COUPLED_LINKS: Final = 3  # for every thing known, beside which levels are asked [derived]
+COUPLED_MOST: Final = 3.0  # scatters of simulated links, that a level may be off by multipath: more
+# is something in the way [convention]
 TIE: Final = 1e-9  # squared standard deviations by which earlier rows are nearer [derived]
 MOST_VERSIONS: Final = 24  # matched simulated rows for each recorded one [cost]
 SAME_PLACE_M: Final = 1.0  # [convention] links of one name whose true ranges differ by more in the

@@ -204,9 +204,7 @@ LATE_TIMES: Final = 1.5  # that the likeliest may be off one: a detector may be 
 LATE_LEAST_M: Final = 0.003  # that edges scatter by at least: samples are rounded [convention]
 LATE_ERRORS: Final = 4.0  # that an index lies later by, to be late: ranges follow what a detector
 # scatters by in all tables [joint]
-LATE_P: Final = (
-    0.05  # of rows on a later path in recordings alone, where ranges follow them: ranges
-)
+LATE_P: Final = 0.05  # of rows on a later path in recordings alone, which ranges follow: ranges
 # that did not differ at all were not asked [convention]
 LATE_OWN: Final = 0.1  # squared logarithm that an edge scatters by at least [convention]
 LATE_RISES_DB: Final = tuple(2.0 * step for step in range(1, 20))

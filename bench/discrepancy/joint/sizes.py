@@ -33,6 +33,7 @@ from bench.discrepancy.select.state import Search
 from bench.discrepancy.settings import AT_BOUND, INTERVAL_LEVEL, UNDETERMINED
 from bench.errors import BenchError
 from bench.physics.effect import Effect, Parameter
+from bench.physics.effects.receiver.quantisation import OnGrid
 
 Floats = NDArray[np.float64]
 Estimates = tuple[ParameterEstimate, ...]
@@ -102,10 +103,22 @@ def _wide(links: int) -> float:
 
 
 def estimates(effect: Effect, reach: Floats) -> Estimates:
-    """Return the parameters of an effect with intervals that reach so far [2, k], cut at bounds."""
+    """Return the parameters of an effect with intervals that reach so far [2, k], cut at bounds.
+
+    The step of a grid was read off samples, and is known.
+    """
     free, at = free_parameters(type(effect)), shares((effect,))
     ends = np.clip([at - reach[0], at + reach[1]], 0, 1).T.tolist()
-    return tuple(_estimate(effect, *each) for each in zip(free, ends, at.tolist(), strict=True))
+    fitted_ones = (_estimate(effect, *each) for each in zip(free, ends, at.tolist(), strict=True))
+    return (*_read_off(effect), *fitted_ones)
+
+
+def _read_off(effect: Effect) -> Estimates:
+    """Return the step of a grid that samples lie on, none of other effects."""
+    if not isinstance(effect, OnGrid):
+        return ()
+    step = float(effect.step_counts)
+    return (ParameterEstimate("step_counts", step, step, step, "counts"),)
 
 
 def _estimate(

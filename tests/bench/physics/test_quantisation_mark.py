@@ -8,6 +8,7 @@ import pytest
 
 from bench.discrepancy.fit.starts import free_parameters
 from bench.discrepancy.joint.polish import shares, with_shares
+from bench.discrepancy.joint.sizes import estimates
 from bench.discrepancy.select.candidates import offered
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.quantisation import (
@@ -69,6 +70,14 @@ def test_the_step_of_a_grid_is_read_off_and_fitted_only_where_steps_grow() -> No
     cirs = _table(0, True)["cir"].map(lambda row: np.float32(10) * np.round(np.sqrt(row)) ** 2)
     assert not on_grid(cirs, grid_step(cirs))
     assert not on_grid(cirs, 0.0)
+
+
+def test_a_step_that_was_read_off_is_said_without_doubt() -> None:
+    for form, known in ((OnGrid(32.0, 90.0), True), (Quantisation(32.0, 90.0), False)):
+        reach = np.full((2, len(free_parameters(type(form)))), 0.1)
+        (step,) = [one for one in estimates(form, reach) if one.name == "step_counts"]
+        assert step.value == pytest.approx(32.0)
+        assert (step.low == step.high) is known
 
 
 def test_a_grid_is_coarse_by_its_step_over_the_noise_though_loud_samples_differ() -> None:
