@@ -111,6 +111,11 @@ class Scene:
         """Return how many obstacles stand in the straight line of each row [n]."""
         return np.asarray((self.kinds >= 0).sum(axis=1))
 
+    def count_by_kind(self) -> Floats:
+        """Return how many obstacles of every kind that is there stand in the way [n, k]."""
+        every = np.unique(self.kinds[self.kinds >= 0])
+        return np.asarray((self.kinds[:, None] == every[:, None]).sum(axis=2), np.float64)
+
     def clear(self) -> NDArray[np.bool_]:
         """Return which rows [n] have nothing in the straight line."""
         return np.asarray(~self.blocked() & (self.obstacle_count() == 0))

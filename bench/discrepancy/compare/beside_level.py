@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.between_links import between_links_m
+from bench.discrepancy.compare.between_links import between_links_m, sure_slope
 from bench.discrepancy.compare.ensemble import Ensemble
-from bench.discrepancy.compare.settings import COUPLED_ERRORS
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.grouped import beside_means
 from bench.discrepancy.data.observables import LEVEL, RANGE
@@ -70,10 +69,4 @@ def coupling_m_per_db(made: Ensemble, code: NDArray[np.intp]) -> float:
     if not len(links):
         return 0.0
     x, y = (beside_means(one[known], links) for one in (level, error))
-    square = float(x @ x)
-    if square <= 0:
-        return 0.0
-    slope = float(x @ y) / square
-    pulls = np.bincount(links, x * (y - slope * x))
-    sure = abs(slope) * square > COUPLED_ERRORS * float(np.sqrt(pulls @ pulls))
-    return slope if sure else 0.0
+    return sure_slope(x, y, links)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.settings import COUPLED_ERRORS, COUPLED_LINKS, COUPLED_MOST
 from bench.discrepancy.compare.view import View
-from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.settings import MAD_TO_STD
@@ -42,7 +41,8 @@ def between_links_m(view: View, made: Ensemble, code: Codes) -> Floats:
     if not (np.isfinite(error).all() and np.isfinite(level).all()):
         return none
     x, y = (_beside(_of_links(each, code, count), known) for each in (level, error))
-    slope = _sure_slope(x, y)
+    links = np.broadcast_to(np.arange(len(count)), x.shape)
+    slope = sure_slope(x.ravel(), y.ravel(), links.ravel())
     if not slope:
         return none
     apart = _beside(_of_links((recorded - level.mean(axis=0))[None], code, count), known)[0]
@@ -50,13 +50,13 @@ def between_links_m(view: View, made: Ensemble, code: Codes) -> Floats:
     return np.asarray(slope * np.clip(apart, -most, most)[code])
 
 
-def _sure_slope(x: Floats, y: Floats) -> float:
-    """Return the slope of y over x [m, L], 0 where links, each counted once, are not sure of it."""
-    square = float((x**2).sum())
+def sure_slope(x: Floats, y: Floats, links: Codes) -> float:
+    """Return the slope of y over x [k] of `links` [k], 0 within four standard errors over them."""
+    square = float(x @ x)
     if square <= 0:
         return 0.0
-    slope = float((x * y).sum()) / square
-    pulls = (x * (y - slope * x)).sum(axis=0)
+    slope = float(x @ y) / square
+    pulls = np.bincount(links, x * (y - slope * x))
     sure = abs(slope) * square > COUPLED_ERRORS * float(np.sqrt(pulls @ pulls))
     return slope if sure else 0.0
 
@@ -64,12 +64,9 @@ def _sure_slope(x: Floats, y: Floats) -> float:
 def _known(view: View, code: Codes, count: Codes) -> Floats:
     """Return what is known of links [L, q]: distance, what is in the way, devices and headings."""
     rows = view.scene
-    kinds = [(rows.kinds == kind).sum(axis=1) for kind in np.unique(rows.kinds[rows.kinds >= 0])]
-    groups = view.covariates.groups
-    devices = [groups[name] for name in groups if name.startswith(DEVICES)]
     distance = np.maximum(rows.true_range_m, 1e-3)
-    every = [np.ones(len(code)), distance, np.log(distance), rows.clear(), *kinds, *devices]
-    table = np.column_stack([np.asarray(one, np.float64) for one in (*every, *waves(rows))])
+    numbers = [np.ones(len(code)), distance, np.log(distance), rows.clear(), *waves(rows)]
+    table = np.column_stack([*numbers, rows.count_by_kind(), *view.covariates.devices()])
     return means_by_group(np.nan_to_num(table), code, count)
 
 

@@ -41,6 +41,10 @@ class Covariates:
             return np.empty((0, 0))
         return np.stack([np.where(np.isfinite(c), c, np.nanmedian(c)) for c in chosen], axis=1)
 
+    def devices(self) -> list[NDArray[np.bool_]]:
+        """Return which rows have a device at an end [n], of every device and end."""
+        return [group for name, group in self.groups.items() if name.startswith(DEVICES)]
+
 
 def covariates(frame: pd.DataFrame) -> Covariates:
     """Return every searchable covariate of a recordings table, unknown extra columns included."""

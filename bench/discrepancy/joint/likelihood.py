@@ -7,7 +7,7 @@ it, every statistic by its own factors (a discrepancy allowance: Kennedy and O'H
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,9 +57,13 @@ def _likeliest_root(
 def _scatter(given: Statistics, moments: Moments) -> Floats:
     """Return the covariance [L, p, p] by which every link scatters, whatever forms effects have."""
     numbers, place = np.unique(given.count, return_inverse=True)
-    covariance = np.stack([moments.covariances[int(n)] for n in numbers])[place]
+
+    def of_links(covariances: Mapping[int, Floats]) -> Floats:
+        return np.stack([covariances[int(n)] for n in numbers])[place]
+
+    covariance = of_links(moments.covariances)
     if moments.spared is not None:
-        others = np.stack([moments.spared.covariances[int(n)] for n in numbers])[place]
+        others = of_links(moments.spared.covariances)
         covariance = np.where(moments.spared.alone[:, None, None], others, covariance)
     if moments.uneven is not None:
         covariance += np.einsum("lik,ljk->lij", moments.uneven, moments.uneven)

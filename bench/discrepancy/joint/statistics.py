@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import Added, Comparison, View
-from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.starts import free_parameters
@@ -142,22 +141,14 @@ class Statistics:
     @cached_property
     def devices(self) -> Floats:
         """Whether a device is at an end of a link [L, r], of each that several links have."""
-        groups = self.rows.covariates.groups
-        shares = [
-            self.of_links(groups[n][:, None].astype(np.float64))[:, 0]
-            for n in groups
-            if n.startswith(DEVICES)
-        ]
-        return np.stack(shares, axis=1) if shares else np.zeros((self.links, 0))
+        own = self.rows.covariates.devices()
+        shares = np.stack(own, axis=1) if own else np.zeros((len(self.code), 0))
+        return self.of_links(shares.astype(np.float64))
 
     @cached_property
     def kinds(self) -> Floats:
         """How many obstacles of a kind stand in the way of a link [L, r], of every kind."""
-        kinds = self.rows.scene.kinds
-        every = np.unique(kinds[kinds >= 0])
-        counts = [(kinds == kind).sum(axis=1, keepdims=True) for kind in every]
-        many = np.hstack([np.zeros((len(kinds), 0)), *counts]).astype(np.float64)
-        return self.of_links(many)
+        return self.of_links(self.rows.scene.count_by_kind())
 
     def moments(self, added: Added) -> Moments | None:
         """Return the statistics with effects `added`; None where one leaves an observable unknown.

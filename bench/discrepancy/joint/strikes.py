@@ -61,7 +61,6 @@ from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.settings import SCORE_FIRST, SCORE_MEMBERS
 from bench.errors import BenchError
 from bench.physics.effect import Effect
-from bench.physics.effects.propagation.material_delay import MaterialDelay
 
 Floats = NDArray[np.float64]
 
@@ -137,7 +136,7 @@ def _behind_others(found: Found) -> bool:
 
     But where that is walls: among those listed may be some that are thicker than others.
     """
-    if any(isinstance(one, MaterialDelay) for one in found.mixture.beside):
+    if any(type(one).by_kind for one in found.mixture.beside):
         return False
     moments = found.mixture.given.moments(found.mixture.beside)
     return moments is not None and only_touched(moments.spared, found.struck)

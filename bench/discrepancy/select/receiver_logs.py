@@ -12,7 +12,6 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import COUNT, LEVEL, NOISE
 from bench.discrepancy.select.settings import ROUNDING_VARIANCE
 from bench.discrepancy.select.state import Search
@@ -90,8 +89,7 @@ def _logged(search: Search, rows: View, made: Made) -> Logged:
     with np.errstate(divide="ignore", invalid="ignore"):
         count_db = 10 * np.log10(counted) - count
         noise_db = 20 * np.log10(numeric(frame, NOISE)) - noise
-    groups = [m for name, m in rows.covariates.groups.items() if name.startswith(DEVICES)]
-    devices = np.stack([np.ones(len(frame)), *groups], axis=1)
+    devices = np.stack([np.ones(len(frame)), *rows.covariates.devices()], axis=1)
     links = len(np.unique(rows.links)) / crowded(search.comparison, rows)
     return Logged(level, count_db, noise_db, devices, links, rounding, rows.links, arriving)
 
