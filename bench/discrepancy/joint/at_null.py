@@ -12,12 +12,14 @@ import numpy as np
 
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.starts import free_parameters
+from bench.discrepancy.joint.likelihood import link_nats
 from bench.discrepancy.joint.polish import Fit, fitted, in_rounds
 from bench.discrepancy.joint.rows import compared_rows
 from bench.discrepancy.joint.settings import NAME_NATS, STEPS
 from bench.discrepancy.joint.sizes import on_waveforms
 from bench.discrepancy.joint.statistics import Statistics
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
 
 
@@ -37,6 +39,29 @@ def needs(given: Statistics, waves: Added, effect: Effect, name: str) -> bool:
         return False
     rest = in_rounds(given, begun, STEPS, [_place(begun, effect.name, name)])
     return whole.nats - rest.nats >= NAME_NATS
+
+
+def surely_there(search: Search, added: Added, effect: Effect) -> bool:
+    """Return whether links one by one, not a few, are likelier with an effect (see `likelier`)."""
+    waves = tuple(one for one in added if on_waveforms(one))
+    return likelier(Statistics(search.comparison, compared_rows(search)), waves, effect)
+
+
+def likelier(given: Statistics, waves: Added, effect: Effect) -> bool:
+    """Return whether links scatter too little about their mean gain by an effect to be chance.
+
+    Where its parameters trade for each other no interval of one tells it from none. How its links
+    differ in what it gains does (Vuong 1989), with 95 % on one side; parameters cost (BIC).
+    """
+    rest = tuple(one for one in waves if one.name != effect.name)
+    whole, without = (fitted(given, one) for one in (waves, rest))
+    if whole is None or without is None:
+        return False
+    gains = link_nats(given, whole.moments, whole.responses)
+    gains = gains - link_nats(given, without.moments, without.responses)
+    cost = (whole.parameters - without.parameters) / 2 * float(np.log(given.links))
+    unsure = ONE_SIDED_95 * float(gains.std(ddof=1)) * np.sqrt(given.links / given.crowding)
+    return bool(float(gains.sum()) / given.crowding - cost > unsure)
 
 
 def _place(fit: Fit, effect: str, name: str) -> int:

@@ -13,7 +13,7 @@ from bench.discrepancy.compare.skill import gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, without
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.sandwich import Intervals, parameter_intervals
-from bench.discrepancy.joint.at_null import needed
+from bench.discrepancy.joint.at_null import needed, surely_there
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.plainer import without_waves
 from bench.discrepancy.joint.settings import LOUDER
@@ -268,7 +268,7 @@ def _objection(
     shown = first.name in choice.shown
     if option.control.passed is False:
         return f"it is there too in {option.control.words}"
-    if untold(option) and not shown:
+    if untold(option) and not shown and not surely_there(search, added, option.effect):
         return "none of its values is told from zero"
     if words := unused(option.effect) or _idle(search, added, option) or taken_away(option.effect):
         return words

@@ -40,7 +40,7 @@ from bench.discrepancy.sets.blocks import (
 )
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import judged_by_sets
-from bench.discrepancy.sets.install import installed
+from bench.discrepancy.sets.install import rounds_of, together
 from bench.discrepancy.sets.mere_constant import as_mere
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.set_up import of_setup
@@ -56,7 +56,6 @@ from bench.physics.units import Floats
 from bench.physics.ways import known_mostly, spread_over
 
 Turns = tuple[Round, ...]
-NONE: tuple[Added, Turns] = (), ()
 
 
 def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> State:
@@ -82,14 +81,15 @@ def with_range_part(state: State, journal: Journal, unlisted: bool = False) -> S
         return replace(state, search=replace(search, choice=found))
     if not found.names:
         return _nameless(state, found)
-    step = safely("fitting a set of causes", journal.kept(installed), NONE)
-    made = step(replace(ranged, choice=found), beside, state.rounds[0].located)
-    found, (added, turns) = _without_mere(ranged, found, made)
+    fit = safely("fitting a set of causes", journal.kept(together), ())
+    found, added = _without_mere(ranged, found, fit(replace(ranged, choice=found), beside))
     if not found.names:
         return _nameless(state, found)
-    if not turns or loses(search, added, state.added):
+    if not added or loses(search, added, state.added):
         return state
-    return _installed(state, found, added, turns)
+    contest = safely("fitting a set of causes", journal.kept(rounds_of), ())
+    turns = contest(replace(ranged, choice=found), beside, added, state.rounds[0].located)
+    return _installed(state, found, added, turns) if turns else state
 
 
 def _nameless(state: State, found: Choice) -> State:
@@ -100,16 +100,12 @@ def _nameless(state: State, found: Choice) -> State:
     return replace(state, search=replace(state.search, choice=known))
 
 
-def _without_mere(
-    ranged: Search, found: Choice, made: tuple[Added, Turns]
-) -> tuple[Choice, tuple[Added, Turns]]:
-    """Return a choice, its effects and rounds without names that came out as small constants."""
-    added, turns = made
+def _without_mere(ranged: Search, found: Choice, added: Added) -> tuple[Choice, Added]:
+    """Return a choice and its effects without names that came out as small constants."""
     mine = {effect.physics: effect for effect in added if effect.physics in found.names}
     left = as_mere(found, {name: _moved_m(ranged, added, one) for name, one in mine.items()})
     gone = {mine[name] for name in set(mine) - set(left.names)}
-    added = tuple(effect for effect in added if effect not in gone)
-    return left, (added, tuple(turn for turn in turns if turn.added not in gone))
+    return left, tuple(effect for effect in added if effect not in gone)
 
 
 def asked(ranged: Search, added: Added, unlisted: bool) -> tuple[Choice, Added]:

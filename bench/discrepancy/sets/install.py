@@ -29,7 +29,7 @@ from bench.discrepancy.settings import (
     SCORE_MEMBERS,
 )
 from bench.errors import BenchError
-from bench.forked import both
+from bench.forked import both, in_forks
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -37,14 +37,9 @@ from bench.physics.units import C_M_PER_NS
 
 
 def installed(search: Search, beside: Added, located: Located) -> tuple[Added, tuple[Round, ...]]:
-    """Return the effects with those of the choice, and a round for each of these.
-
-    What a regression would remove is learnt meanwhile.
-    """
-    added, nuisance = both(
-        lambda: together(search, beside), lambda: _regressed(search, beside, located)
-    )
-    return added, _rounds(search, beside, added, located, nuisance)
+    """Return the effects with those of the choice, and a round for each of these."""
+    added = together(search, beside)
+    return added, rounds_of(search, beside, added, located)
 
 
 def together(search: Search, beside: Added) -> Added:
@@ -53,12 +48,15 @@ def together(search: Search, beside: Added) -> Added:
     What they do is known from the set, where all were fitted at once: one fitted after the other
     would take of what they have in common.
     """
-    made, choice = [], search.choice
-    for name in choice.names:
+    choice = search.choice
+
+    def alone(name: str) -> Effect | None:
         others = [shift for one, shift in choice.shifts_m.items() if one != name]
         shift = np.sum([np.zeros(len(choice.shifts_m[name])), *others], axis=0)
-        alone = replace(search, comparison=Shifted(search.comparison, shift))
-        made.append(best_form(alone, beside, name))
+        shifted = replace(search, comparison=Shifted(search.comparison, shift))
+        return best_form(shifted, beside, name)
+
+    made = in_forks(alone, choice.names)
     return in_turn(search, (*beside, *(effect for effect in made if effect)))
 
 
@@ -128,22 +126,28 @@ def _regressed(search: Search, beside: Added, located: Located) -> Tally:
     return tally(regressed(search.comparison, search.fit, search.discover, beside, focus))
 
 
-def _rounds(
-    search: Search, beside: Added, added: Added, located: Located, nuisance: Tally
-) -> tuple[Round, ...]:
-    """Return one round for every effect of the choice, with those that could stand in its place."""
-    out, choice = [], search.choice
+def rounds_of(search: Search, beside: Added, added: Added, located: Located) -> tuple[Round, ...]:
+    """Return one round for every effect of the choice, with those that could stand in its place.
+
+    What a regression would remove is learnt meanwhile.
+    """
+    mine = [e for e in added if e.physics in search.choice.names and e not in beside]
+    contests, nuisance = both(
+        lambda: [_contest(search, added, effect) for effect in mine],
+        lambda: _regressed(search, beside, located),
+    )
     reference = tally(_scores(search, beside))
     removable = gain_interval(reference, nuisance, search.seed)
-    for effect in added:
-        if effect.physics in choice.names and effect not in beside:
-            rest = without(added, effect)
-            base = tally(_beside(search, rest))
-            others = (_rival(search, rest, one, base) for one in choice.rivals[effect.physics])
-            made = _contender(search, rest, effect, base), *(one for one in others if one)
-            found = Explanation(made, reference, removable, nuisance, {}, {})
-            out.append(Round(located, found, effect))
-    return tuple(out)
+    found = [Explanation(made, reference, removable, nuisance, {}, {}) for made in contests]
+    return tuple(Round(located, one, e) for one, e in zip(found, mine, strict=True))
+
+
+def _contest(search: Search, added: Added, effect: Effect) -> tuple[Contender, ...]:
+    """Return an effect of a set and what could stand in its place, scored beside the others."""
+    rest = without(added, effect)
+    base = tally(_beside(search, rest))
+    others = (_rival(search, rest, one, base) for one in search.choice.rivals[effect.physics])
+    return _contender(search, rest, effect, base), *(one for one in others if one)
 
 
 def _rival(search: Search, rest: Added, name: str, base: Tally) -> Contender | None:

@@ -9,7 +9,7 @@ from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import window_of
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.joint.at_null import needs
+from bench.discrepancy.joint.at_null import likelier, needs
 from bench.discrepancy.joint.statistics import Statistics
 from bench.physics.base import Base
 from bench.physics.effects.propagation.path_loss import PathLoss
@@ -38,3 +38,9 @@ def test_a_slope_that_is_there_is_needed():
 def test_a_slope_beside_an_offset_that_does_as_well_is_not():
     fitted = PathLoss(exponent=2.02, offset_db=6.0)
     assert not needs(_given(PathLoss(offset_db=6.0)), (fitted,), fitted, "exponent")
+
+
+def test_what_links_gain_one_by_one_is_there_though_no_value_of_it_is_told():
+    hidden = PathLoss(exponent=2.6)
+    assert likelier(_given(hidden), (hidden,), hidden)
+    assert not likelier(_given(PathLoss()), (hidden,), hidden)

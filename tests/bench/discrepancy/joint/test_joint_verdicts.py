@@ -228,9 +228,12 @@ def test_what_a_log_shows_is_refused_by_no_interval(monkeypatch):
     option = LeftOut(noise, (), GAIN, 1.0, Control("", None))
     monkeypatch.setattr(verdicts, "untold", lambda option: True)
     monkeypatch.setattr(verdicts, "adequacy", lambda *_: SimpleNamespace(adequate=False))
+    monkeypatch.setattr(verdicts, "surely_there", lambda *_: False)
     search, plain = SimpleNamespace(), WaveChoice(scattering=(noise.name,))
     shown = WaveChoice(scattering=(noise.name,), shown=(noise.name,))
     assert "told from zero" in verdicts._objection(search, (), option, noise, plain)
     assert verdicts._objection(search, (), option, noise, shown) == ""
     there = LeftOut(noise, (), GAIN, 1.0, Control("rows", False))
     assert verdicts._objection(search, (), there, noise, shown)
+    monkeypatch.setattr(verdicts, "surely_there", lambda *_: True)
+    assert verdicts._objection(search, (), option, noise, WaveChoice()) == ""

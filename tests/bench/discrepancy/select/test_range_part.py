@@ -117,7 +117,8 @@ def test_where_no_place_stands_out_only_a_name_beyond_doubt_is_there(
     state, more = State(search, (), (turn,)), (TemperatureDrift(0.0),)
     found = Choice(("temperature-drift",), nats={"temperature-drift": nats})
     monkeypatch.setattr(range_part, "chosen_beside", lambda *_: found)
-    monkeypatch.setattr(range_part, "installed", lambda *_: (more, (turn,)))
+    monkeypatch.setattr(range_part, "together", lambda *_: more)
+    monkeypatch.setattr(range_part, "rounds_of", lambda *_: (turn,))
     monkeypatch.setattr(range_part, "loses", lambda *_: False)
     monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
     assert with_range_part(state, Journal()).added == (more if there else ())
@@ -139,10 +140,13 @@ def test_what_held_out_links_lose_by_is_not_taken(
     turn = Round(Located((seen,), 0.001, 9.0, 4.0, 1, {}), None, None)
     state, more = State(search, (), (turn,)), (TemperatureDrift(0.0),)
     monkeypatch.setattr(range_part, "chosen_beside", lambda *_: Choice(("temperature-drift",)))
-    monkeypatch.setattr(range_part, "installed", lambda *_: (more, (turn,)))
+    monkeypatch.setattr(range_part, "together", lambda *_: more)
     monkeypatch.setattr(range_part, "loses", lambda *_: worse)
     monkeypatch.setattr(range_part, "_installed", lambda state, *_: replace(state, added=more))
+    contests: list[str] = []
+    monkeypatch.setattr(range_part, "rounds_of", lambda *_: (contests.append("asked"), (turn,))[1])
     assert with_range_part(state, Journal()).added == (() if worse else more)
+    assert contests == ([] if worse else ["asked"])
 
 
 def test_no_detector_follows_a_temperature_unless_something_unlisted_does() -> None:
