@@ -23,7 +23,7 @@ from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
 from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts, without_idle
 from bench.discrepancy.locate.permutation_test import Located
-from bench.discrepancy.select.all_rows import with_levels, with_ranges
+from bench.discrepancy.select.all_rows import with_levels, with_ranges, with_waveforms
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
 from bench.discrepancy.select.link_mixture import Strike
@@ -256,8 +256,10 @@ def _with_last(state: State, journal: Journal) -> State:
 
 
 def _in_all_rows(search: Search, journal: Journal, found: Located) -> Located:
-    """Return what waveforms show, or ranges of all working rows, or their levels."""
-    return journal.kept(with_levels)(search, journal.kept(with_ranges)(search, found))
+    """Return what waveforms of half the rows show, or of all, or their ranges, or their levels."""
+    for step in (with_waveforms, with_ranges, with_levels):
+        found = journal.kept(step)(search, found)
+    return found
 
 
 def _said(state: State, choice: WaveChoice, journal: Journal) -> Selection:

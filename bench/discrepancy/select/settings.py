@@ -22,7 +22,7 @@ EVERYWHERE_SHARE: Final = 0.5  # of the error of a search, for what is off in al
 IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere else
 
 # --- What ranges or levels show by themselves (select/all_rows) -----------------------------------
-WAVES_SHARE: Final = 0.5  # of the error of a search, for waveforms; the rest for ranges and levels
+WAVES_SHARE: Final = 0.25  # of the error of a search, for half of the rows; the rest for all
 # of all rows, in equal parts [convention]
 
 # --- How links scatter (select/shared_variance) ---------------------------------------------------
