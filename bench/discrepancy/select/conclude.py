@@ -340,8 +340,8 @@ def left_out(
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]
         intervals = doubted(comparison, view, others, effect, intervals, unsure)
-    known = guard.safely("value in a log", read_off, None)(search, effect)
-    intervals = tuple(known if known and one.name == known.name else one for one in intervals)
+    known = {one.name: one for one in guard.safely("value in a log", read_off, ())(search, effect)}
+    intervals = tuple((known | {one.name: one for one in intervals} | known).values())
     unknown = Control(type(effect).control, None)
     test = guard.safely("negative control", negative_control, unknown)
     top = turn.located.findings[:1]  # none where a mark alone speaks for it

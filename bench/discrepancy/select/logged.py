@@ -21,6 +21,7 @@ from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.data.observables import COUNT, NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.control_curve import with_curve
+from bench.discrepancy.select.noisy_devices import noise_of_devices, read_levels
 from bench.discrepancy.select.receiver_logs import Logged, logs, logs_as_simulated
 from bench.discrepancy.select.settings import (
     LOGGED_COMPRESSIONS,
@@ -35,6 +36,7 @@ from bench.discrepancy.select.state import Search, State
 from bench.discrepancy.select.within_links import rows_per_link
 from bench.discrepancy.settings import FIT_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.fitted.noise_of_devices import NoiseOfDevices
 from bench.physics.effects.receiver.late_detection import LateDetection
 from bench.physics.effects.receiver.level_control import LevelControl, accumulated_share
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
@@ -53,7 +55,8 @@ def read_logs(search: Search) -> Search:
     """Return the search with what logs beside ranges say.
 
     `logged` are effects that the logs show; a level control that they exclude is not offered.
-    Beside waveforms noise is weighed with these: it is seen in samples before the path, too.
+    Beside waveforms noise is weighed with these: it is seen in samples before the path, too. But
+    of few devices that are louder than others a log alone says by how much.
     """
     waves, rows = search.fit.waveform, search.both
     seen = logs_as_simulated(search, rows)
@@ -63,8 +66,12 @@ def read_logs(search: Search) -> Search:
             found.append(_level_control(search, rows, seen))
         elif as_simulated(seen) > LOGGED_NATS:
             search = search.without(LevelControl())
-    if not waves and NoiseFloor.name in search.kinds and louder(seen) > LOGGED_NATS:
-        found.append(NoiseFloor(level_db=_louder_db(seen)))
+    if NoiseFloor.name in search.kinds:
+        noisy = noise_of_devices(search, rows, seen)
+        if noisy:
+            found, search = [*found, noisy], search.without(NoiseFloor())
+        elif not waves and louder(seen) > LOGGED_NATS:
+            found.append(NoiseFloor(level_db=_louder_db(seen)))
     return replace(search, logged=tuple(found))
 
 
@@ -181,18 +188,20 @@ def _louder_db(seen: Logged) -> float:
     return float(np.clip(np.nanmedian(seen.noise_db), item.low, item.high))
 
 
-def read_off(search: Search, effect: Effect) -> ParameterEstimate | None:
-    """Return the level of a noise floor that logs show, None of another effect.
+def read_off(search: Search, effect: Effect) -> tuple[ParameterEstimate, ...]:
+    """Return the level of a noise floor that logs show, or its devices'; none of another effect.
 
     Ranges need not tell it. The interval is that of the mean over links.
     """
+    if isinstance(effect, NoiseOfDevices):
+        return read_levels(effect)
     if not (isinstance(effect, NoiseFloor) and effect in search.logged):
-        return None
+        return ()
     seen, links = logs(search, search.both).noise_db, search.both.links
     rows = np.isfinite(seen)
     mean = cluster_bootstrap(seen[rows], links[rows], search.seed, "dB")
     low, high = (effect.level_db + end - mean.value for end in (mean.low, mean.high))
-    return ParameterEstimate("level_db", effect.level_db, low, high, "dB")
+    return (ParameterEstimate("level_db", effect.level_db, low, high, "dB"),)
 
 
 def judged_by(search: Search, effect: Effect) -> str:

@@ -107,6 +107,13 @@ CONTROL_TURNS: Final = 6  # of a control's own curve and the effects beside it [
 CONTROL_RATIO: Final = 3.2  # dB that a level falls by for each dB of the count, at most: 17.5 and
 # 5.6 dB at -60 dBm [manual of the DW1000, figure 22, and recorded counts]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
+NOISY_LINKS: Final = (
+    3  # of a device, and of others, to ask whether its noise is louder [convention]
+)
+NOISY_ERRORS: Final = 6.0  # standard errors, by which a device's noise surely is [convention]
+NOISY_LEAST_DB: Final = 1.0  # that it is louder by: devices of one make differ by less [convention]
+NOISY_MOST, NOISY_SHARE = 3, 1 / 3  # devices that are, and of all: more differ as devices do
+# [convention]
 EXTRA_SCATTER_M: Final = (1e-3, 1.0, 61)  # tried beside the simulated: from, to, how many [cost]
 PATHS_TIMES: Final = 2.0  # of what named paths move ranges by, that another form may [convention]
 REPLY_RATIO: Final = 2.0  # of the longest reply time to the shortest, to tell what goes with it:

@@ -14,6 +14,7 @@ from bench.physics.batch import Batch, altered
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
 from bench.physics.effects.fitted.ground_ray import GroundRay
+from bench.physics.effects.fitted.noise_of_devices import NoiseOfDevices
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.pattern_gain import PatternGain
 from bench.physics.effects.fitted.power_curve import PowerCurve
@@ -48,6 +49,9 @@ GIVEN: dict[str, Effect] = {
     "power-curve": PowerCurve((-90.0, -70.0), (0.1, -0.1)),
     "pattern-curve": PatternCurve((0.0, 120.0, 240.0), (0.1, 0.0, -0.1), (1.0, -1.0, 0.0)),
     "pattern-gain": PatternGain(1.0, -0.5, 0.3, 0.2, -0.4),
+    "noise-of-devices": NoiseOfDevices(
+        devices=("a", "t1"), louder_db=(6.0, 3.0), doubts_db=(0.1, 0.1)
+    ),
     "ground-ray": GroundRay(size=0.4, level_size=0.3),
     "wall-delay": WallDelay(("brick",), (0.2,), (3.0,)),
     "unnamed": Unnamed("temperature_c", (10.0, 30.0), (0.1, -0.2), 0.05),

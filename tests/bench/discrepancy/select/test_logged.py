@@ -143,10 +143,10 @@ def test_a_louder_floor_is_a_mark_that_no_score_takes_back() -> None:
     assert isinstance(floor, NoiseFloor)
     assert floor.level_db == pytest.approx(2.0, abs=0.3)
     assert stepwise.bears_mark(found, floor)
-    level = logged.read_off(found, floor)
+    (level,) = logged.read_off(found, floor)
     assert level is not None
     assert level.low < floor.level_db < level.high < level.low + 0.5
-    assert logged.read_off(found, PathLoss()) is None
+    assert logged.read_off(found, PathLoss()) == ()
     assert "noise_std" in logged.judged_by(found, floor)
     assert not logged.judged_by(search, floor)
     assert not stepwise.bears_mark(search, floor)
