@@ -14,7 +14,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 
 FAMILIES = (
     "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
-    "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint",
+    "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -52,6 +52,7 @@ OWN = {
     "cathedral": "labyrinth-laid-oval",
     "distillery": "chains-of-rummagers-fly-out",
     "mint": "coils-spring-open",
+    "watermill": "buckets-slip-with-their-belt",
 }
 ALIKE = [
     (family, name)
@@ -166,6 +167,18 @@ OWN_PARTS = {
         "every-ninth-late-size-left-out": (0.1, 0.6),
         "grilles-disperse-what-comes-late": (0.1, 0.6),
     },
+    "watermill": {
+        "hollow-shaft-repeats-what-comes-late": (0.1, 0.6),
+        "chaff-soaks-up-what-comes-late": (0.1, 0.6),
+        "late-dozens-woven-from-halves": (0.1, 0.6),
+        "late-sizes-told-by-a-bent-meter": (0.1, 0.6),
+        "late-sizes-through-a-leaking-store": (0.1, 0.6),
+        "late-sizes-as-large-as-those-beside": (0.1, 0.6),
+        "every-other-late-size-bridged": (0.1, 0.6),
+        "late-gain-hums": (0.1, 0.6),
+        "late-sizes-folded-under-a-ceiling": (0.1, 0.6),
+        "late-nines-told-from-amid": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -274,6 +287,17 @@ FAULTS = {
         "coarse-count-read-before-it-ripples", "bags-of-answers-opened-out-of-order",
         "answers-held-while-presses-strike", "ranges-told-along-the-floor",
         "quoin-barged-by-a-dray",
+    ),
+    "watermill": (
+        "spray-hangs-in-the-wheel-house", "steam-of-damp-grain-by-warmth",
+        "rods-of-the-governor-have-play", "wheel-runs-ahead-on-its-heavy-side",
+        "sacks-sway-wider-than-told", "millers-round-their-corners",
+        "drift-drags-behind-the-stream", "carts-wind-in-tighter", "buckets-slip-with-their-belt",
+        "places-foretold-straight-on", "floors-sag-under-full-bins",
+        "mill-twists-about-its-shaft", "chain-a-link-short-each-length",
+        "storeys-drawn-all-alike", "answers-late-until-charged-again",
+        "notch-stuck-in-the-tally-stick", "slips-hung-one-nail-behind",
+        "changes-of-ranges-told-by-halves", "sag-of-a-line-taken-off", "hatch-shoved-by-ice",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -21,18 +21,18 @@ from bench.errors import BenchError
 from bench.parallel import Spread
 from bench.recordings.table import Recordings
 
-DEVELOPED = ("quay", "breadworks")
+DEVELOPED = ("mint", "breadworks")
 
 
 @pytest.fixture(scope="module")
 def case() -> Case:
     number = next(n for n in range(1, 400) if _alone(n))
-    return make_case(number, 4, ("quay",))
+    return make_case(number, 4, ("mint",))
 
 
 def _alone(number: int) -> bool:
     """Whether a case hides one effect of the library that shifts ranges, in a table."""
-    turn, drawn = drawn_of(number, 4, ("quay",))
+    turn, drawn = drawn_of(number, 4, ("mint",))
     return turn.mode == "ranges" and drawn.hidden == ("temperature-drift",)
 
 
@@ -97,12 +97,12 @@ def test_cases_do_not_show_their_answer(case):
 
 
 def test_an_effect_whose_columns_are_missing_counts_as_outside():
-    cases = (make_case(n, 1, ("quay",)) for n in range(1, 400) if _unlisted_wall(n))
+    cases = (make_case(n, 1, ("printworks",)) for n in range(1, 400) if _unlisted_wall(n))
     assert "material-delay" in next(cases).outside
 
 
 def _unlisted_wall(number: int) -> bool:
-    _, drawn = drawn_of(number, 1, ("quay",))
+    _, drawn = drawn_of(number, 1, ("printworks",))
     return "material-delay" in drawn.hidden and not drawn.listed
 
 
@@ -163,7 +163,7 @@ def test_effects_of_motion_belong_to_the_library_where_things_move():
 
 def _outcome(number: int, what: tuple[str, ...], score: str, **known: object) -> Outcome:
     plain = Outcome(
-        number=number, mode="ranges", family="quay", hidden=list(what),
+        number=number, mode="ranges", family="mint", hidden=list(what),
         outside=[n for n in what if n == "supply"], forms=[], strength=1.0, ratio=3, paired=True,
         same_mix=True, listed=True, counted=True, concealed="plain", verdict="", names=[],
         score=score,
@@ -231,7 +231,7 @@ def test_finished_cases_are_kept_and_another_seed_is_refused(tmp_path, monkeypat
     again = run_blind(4, 5, tmp_path, lambda _: None, families=DEVELOPED)
     assert ran == [0, 1, 2, 3]
     assert again[:3] == first
-    for seed, families in ((6, DEVELOPED), (5, ("quay",))):
+    for seed, families in ((6, DEVELOPED), (5, ("mint",))):
         with pytest.raises(BenchError, match="seed 5"):
             run_blind(2, seed, tmp_path, lambda _: None, families=families)
 
@@ -263,13 +263,13 @@ def test_a_case_that_fails_is_scored_and_the_rest_goes_on(monkeypatch, case, pro
 def test_cases_do_not_depend_on_how_they_were_spread(tmp_path):
     """A cluster that is threads of this process: the workers of the test on fits are others."""
     distributed = pytest.importorskip("distributed")
-    run_blind(1, 5, tmp_path / "alone", lambda _: None, families=("quay",))
+    run_blind(1, 5, tmp_path / "alone", lambda _: None, families=("mint",))
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None,
         protocol="tcp://", silence_logs=50,
     ) as local:  # fmt: skip
         spread = Spread(scheduler=local.scheduler_address)
-        run_blind(1, 5, tmp_path / "dask", lambda _: None, spread, ("quay",))
+        run_blind(1, 5, tmp_path / "dask", lambda _: None, spread, ("mint",))
     alone, dask = (tmp_path / one / "cases" / "0000.json" for one in ("alone", "dask"))
     assert _timeless(dask.read_text()) == _timeless(alone.read_text())
 

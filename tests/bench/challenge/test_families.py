@@ -31,12 +31,12 @@ WITH_BOTH = (
     "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
-    "ropewalk", "planetarium", "cathedral", "distillery", "mint",
+    "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))
-OWN = ("quay", *NEW)  # own simulators
-LATER = ("quay", *NEW)
+OWN = NEW  # own simulators
+LATER = NEW
 
 
 def _world(name: str) -> Any:
@@ -60,7 +60,7 @@ def test_turns_number_every_mode_and_family_by_itself() -> None:
     for (mode, family), count in counts.items():
         own = [t.number for t in turns if (t.mode, t.family) == (mode, family)]
         assert own == list(range(count))
-    assert {turn.family for turn in (turn_of(n, ("quay",)) for n in range(9))} == {"quay"}
+    assert {turn.family for turn in (turn_of(n, ("mint",)) for n in range(9))} == {"mint"}
 
 
 def test_any_first_part_holds_all_modes_and_two_ninths_are_of_the_kept() -> None:
@@ -140,15 +140,14 @@ def _moved(clean_rows: pd.DataFrame, recorded: pd.DataFrame) -> float:
 
 
 def test_devices_keep_their_values_in_the_true_table() -> None:
-    quay = _world("quay")
-    made = quay.tables(Draw(("antenna-delay",), 4.0, 1), 5)
+    mint = _world("mint")
+    made = mint.tables(Draw(("antenna-delay",), 4.0, 1), 5)
     means = [t.groupby(["tx", "rx"])["error_m"].mean() for t in (made.recorded, made.truth)]
     assert float((means[0] - means[1]).abs().median()) < 0.03
     assert float(means[0].std()) > 0.1
 
 
-RARELY_OF = ("quay", *WITH_BOTH)
-RARE = [(family, name) for family in RARELY_OF for name in _world(family).RARELY]
+RARE = [(family, name) for family in WITH_BOTH for name in _world(family).RARELY]
 
 
 @pytest.mark.parametrize(("family", "name"), RARE)
@@ -159,11 +158,11 @@ def test_a_rare_cause_touches_few_rows(family: str, name: str) -> None:
 
 
 def test_aggregates_equal_the_simulators_and_decoys_correlate() -> None:
-    quay = _world("quay")
-    made = quay.tables(Draw(("temperature-drift",), 2.0, 1), 3)
+    mint = _world("mint")
+    made = mint.tables(Draw(("temperature-drift",), 2.0, 1), 3)
     out = mapped(made)
     assert np.allclose(np.sort(out.recorded["error_m"]), np.sort(out.clean["error_m"]))
-    column = decoyed(made, ("temperature-drift",), quay.CAUSES, 3).recorded
+    column = decoyed(made, ("temperature-drift",), mint.CAUSES, 3).recorded
     seen = np.corrcoef(column["sensor_0"], column["temperature_c"])[0, 1]
     assert seen == pytest.approx(0.8, abs=0.06)
 
@@ -191,7 +190,7 @@ def test_nothing_hidden_tables_are_draws_of_one_process(family: str) -> None:
         assert not made.recorded[name].equals(made.simulated[name])
 
 
-@pytest.mark.parametrize("family", ["quay", *WITH_BOTH])
+@pytest.mark.parametrize("family", WITH_BOTH)
 def test_the_radial_speed_that_moves_rows_is_that_of_the_positions(family: str) -> None:
     rows = _world(family).known(Draw(), 5)
     lag = _world(family).tables(Draw(("time-lag",), 1.0, 1), 5)

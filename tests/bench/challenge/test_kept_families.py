@@ -21,7 +21,7 @@ LATEST = (
     "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
-    "ropewalk", "planetarium", "cathedral", "distillery", *KEPT,
+    "ropewalk", "planetarium", "cathedral", "distillery", "mint", *KEPT,
 )  # fmt: skip
 OWN = [(family, mode) for family in LATEST for mode in ("ranges", "CIR")]
 AGAIN = [(f, m) for f in LATEST for m in MODES if m.endswith("again") and (m, f) in SCHEDULE]
@@ -126,7 +126,7 @@ FINE = (
     "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks", "aviary", "sawmill",
     "laundry", "bowls", "canal", "saltworks", "observatory", "baths", "circus", "velodrome",
     "colliery", "granary", "icerink", "breadworks", "shipyard", "ropewalk",
-    "planetarium", "cathedral", "distillery", "mint",
+    "planetarium", "cathedral", "distillery", "mint", "watermill",
 )  # fmt: skip
 """Those whose noise is made behind their antennas, and whose chances are drawn anew."""
 ON_THE_WAY = ("small-scale-fading", "specular-reflections", "path-loss", "obstructed-path",
@@ -163,6 +163,7 @@ MOST_ROWS = {
     "observatory": 13, "baths": 11, "circus": 10, "velodrome": 11, "colliery": 14,
     "granary": 12, "icerink": 13, "breadworks": 12, "shipyard": 11, "ropewalk": 12,
     "planetarium": 10, "cathedral": 9, "distillery": 10, "mint": 11,
+    "watermill": 12,
 }  # fmt: skip
 
 
@@ -177,7 +178,14 @@ def test_links_have_from_one_to_eight_rows_or_some_more(family: str, mode: str) 
     links |= {"mint": 129, "cathedral": 127, "hangar": 105, "manege": 109, "opera": 101}
     links |= {"brickworks": 102, "roundhouse": 106, "printworks": 103, "aviary": 106}
     links |= {"sawmill": 104, "laundry": 105, "bowls": 107, "canal": 115, "saltworks": 111}
-    links |= {"ropewalk": 125, "shipyard": 121, "baths": 116, "circus": 114, "velodrome": 110}
+    links |= {
+        "watermill": 133,
+        "ropewalk": 125,
+        "shipyard": 121,
+        "baths": 116,
+        "circus": 114,
+        "velodrome": 110,
+    }
     assert len(sizes) == links.get(family, 112)
     assert len(made.recorded) < (600 if mode == "ranges" else 360)
 
@@ -259,6 +267,7 @@ ROWS_OF = {
     "cathedral": ("Vigil", "strays_off"),
     "distillery": ("Run", "draws_away"),
     "mint": ("Tally", "recedes"),
+    "watermill": ("Grist", "creeps_off"),
 }
 
 
@@ -478,6 +487,16 @@ def test_what_is_hidden_draws_the_same_whatever_else_is(family: str) -> None:
         ("mint", "late-sixes-told-by-size", 0.05),
         ("mint", "every-ninth-late-size-left-out", 0.05),
         ("mint", "grilles-disperse-what-comes-late", 0.05),
+        ("watermill", "hollow-shaft-repeats-what-comes-late", 0.05),
+        ("watermill", "chaff-soaks-up-what-comes-late", 0.05),
+        ("watermill", "late-dozens-woven-from-halves", 0.05),
+        ("watermill", "late-sizes-told-by-a-bent-meter", 0.05),
+        ("watermill", "late-sizes-through-a-leaking-store", 0.05),
+        ("watermill", "late-sizes-as-large-as-those-beside", 0.05),
+        ("watermill", "every-other-late-size-bridged", 0.05),
+        ("watermill", "late-gain-hums", 0.05),
+        ("watermill", "late-sizes-folded-under-a-ceiling", 0.05),
+        ("watermill", "late-nines-told-from-amid", 0.05),
     ],
 )
 def test_oddities_change_what_follows_first_paths_and_not_when_these_are(

@@ -34,6 +34,7 @@ from bench.challenge.families import (
     sawmill_decoder,
     shipyard_lookout,
     velodrome_camera,
+    watermill_hopper,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
 
@@ -64,6 +65,7 @@ OF_ITS_OWN = {
     "cathedral": {"gait", "broad", "into_s"},
     "distillery": {"sort", "aim", "into_s"},
     "mint": {"way", "bears", "into_s"},
+    "watermill": {"gang", "faces", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -99,6 +101,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (cathedral_lectern.sough, cathedral_lectern.OF_SIZES, -0.2),
         (distillery_safe.seething, distillery_safe.OF_SIZES, -0.2),
         (mint_assay.jingling, mint_assay.OF_SIZES, -0.2),
+        (watermill_hopper.trundling, watermill_hopper.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -139,6 +142,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (cathedral_lectern.chimes, cathedral_lectern.lingered, 0.02),
         (distillery_safe.drops, distillery_safe.run_later, 0.02),
         (mint_assay.coins, mint_assay.rolled_later, 0.02),
+        (watermill_hopper.grains, watermill_hopper.ground_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
