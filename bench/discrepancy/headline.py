@@ -75,7 +75,7 @@ def _found_and_change(
         return f"NOT RECOMMENDED: {said}, but with it added {why} ({change})."
     sure = "" if seen.gain.above_zero else ", though not beyond doubt"
     alike = "" if seen.nearer_m.low > 0 else f" in {seen.better} (by its score), {_alike(seen)}"
-    return f"{said}. {changed} fits better{sure}{alike}: {change}."
+    return f"{said}. {changed} fits better{sure}{alike}{seen.easier}: {change}."
 
 
 def _found(verdicts: tuple[Verdict, ...], more: str) -> str:

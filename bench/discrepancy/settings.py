@@ -70,8 +70,8 @@ KNOWN_SHARE: Final = 0.1  # of the rows, that must know an observable to compare
 PATHS_ONLY_RICHER: Final = 3  # times as many members where no waveform is simulated [blind]
 STRIKING_RICHER: Final = 3  # times as many for what strikes links at random: few draws, few strikes
 AUC_LEAVES: Final = 8  # of the trees that tell recorded from simulated rows [convention]
-AUC_TREES: Final = 40
-AUC_FOLDS: Final = 4
+AUC_TREES, AUC_FOLDS = 40, 4
+EASIER_AUC: Final = 0.15  # by which rows are surely told more easily, of few links [convention]
 FEWEST_AUC_LINKS: Final = 5  # fewer, all on one side: p >= 1/16 by a sign test [derived]
 
 QUANTILE_DRAWS: Final = 300  # of a median or 90th percentile [cost]

@@ -41,9 +41,14 @@ def by_links(view: View, made: Ensemble) -> View:
     """
     if LEVEL not in made.names or LEVEL not in view.frame:
         return view
-    code, level = alike(view), view.frame[LEVEL].to_numpy(np.float64)
-    if not coupling_m_per_db(made, code):
+    return with_levels_of_links(view) if coupling_m_per_db(made, alike(view)) else view
+
+
+def with_levels_of_links(view: View) -> View:
+    """Return rows with the mean level of their link (see `alike`), as they are without a level."""
+    if LEVEL not in view.frame:
         return view
+    code, level = alike(view), view.frame[LEVEL].to_numpy(np.float64)
     frame = view.frame.assign(**{LEVEL: level - beside_means(level, code)})
     return View(frame, view.recorded, view.links, view.rows, view.waveform)
 

@@ -40,11 +40,13 @@ from bench.discrepancy.sets.blocks import (
 )
 from bench.discrepancy.sets.choice import Choice
 from bench.discrepancy.sets.choose import judged_by_sets
+from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.install import rounds_of, together
 from bench.discrepancy.sets.mere_constant import as_mere
 from bench.discrepancy.sets.mistaken import mistaken
 from bench.discrepancy.sets.set_up import of_setup
 from bench.discrepancy.sets.settings import LAW_SIZE
+from bench.discrepancy.sets.steadier_levels import over_steadier_levels
 from bench.discrepancy.sets.sure import beyond_doubt
 from bench.discrepancy.settings import PATHS_ONLY_RICHER, RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
@@ -193,8 +195,12 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     library = kept_rows(of_library(ranged.kinds, by_links(rows, ensemble)), known)
     laws = kept_rows(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     every = named_kinds(ranged.kinds, rows)
+    weights = row_weights(left[known], level[known], rows.links[known])
+    alone = Evidence(left[known], rows.links[known], library)
+    alone.weights = weights
+    library |= over_steadier_levels(alone, ranged.kinds, rows, known)
     given = Ranged(
-        left[known], row_weights(left[known], level[known], rows.links[known]),
+        left[known], weights,
         library | laws, dict.fromkeys(laws, LAW_SIZE), {name: every[name] for name in library},
         ranged.comparison.crowding(rows) ** 2, rows, known,
     )  # fmt: skip

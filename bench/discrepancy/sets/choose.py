@@ -60,6 +60,7 @@ from bench.discrepancy.sets.settings import (
     RIVAL_NATS,
 )
 from bench.discrepancy.sets.spared import moves_every_row
+from bench.discrepancy.sets.steadier_levels import over_steadier_levels
 from bench.discrepancy.sets.steady import same_in_every_link
 from bench.discrepancy.sets.told_levels import told_by_levels
 from bench.discrepancy.sets.unsure import unsure
@@ -111,6 +112,9 @@ def _contest(search: Search, beside: Added) -> tuple[Contest, Ensemble] | None:
     evidence.scatter_m2 = ensemble.scatter_of(RANGE) ** 2
     evidence.links_m2 = ensemble.links_scatter_of(RANGE, rows.scene.true_range_m) ** 2
     evidence.lie_behind(~rows.scene.clear()[known])
+    evidence = evidence.with_blocks(
+        evidence.blocks | over_steadier_levels(evidence, search.kinds, rows, known)
+    )
     kinds = {n: kind for n, kind in named_kinds(search.kinds, rows).items() if n in library}
     usual, crowding = usual_levels(rows, ensemble)[known], crowded(search.comparison, rows)
     contest = Contest(evidence, kinds, crowding, rows, known, usual)

@@ -95,3 +95,4 @@ GROUND_STEEPNESSES: Final = (0.0, 0.5, 1.5)  # how much weaker where it is steep
 OTHER_LEVELS_DB: Final = 3.0  # typical, of what else levels do: obstacles, antennas [convention]
 LEVELS_MOST_NATS: Final = 4.0  # of the price of a name of ranges, that levels may pay [convention]
 LEVEL_TURNS: Final = 3  # of names that share what levels do [cost]
+STEADIER_NATS: Final = 3.0  # by which levels of links tell an error better than rows' [convention]

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.headline import headline
 from bench.discrepancy.law.found import LawConstant
 from bench.discrepancy.locate.hypotheses import Cell, Place
@@ -23,7 +24,7 @@ from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 GAIN, ALIKE, MISS = Estimate(0.1, 0.05, 0.2), Estimate(0.0, -0.1, 0.1), Estimate(0.0364, 0, 1)
 SEEN = SimpleNamespace(
-    serves=True, gain=GAIN, nearer_m=ALIKE, better="the scatter of ranges",
+    serves=True, gain=GAIN, nearer_m=ALIKE, better="the scatter of ranges", easier="",
     mae_before_m=MISS, mae_after_m=MISS, median_before_m=MISS, median_after_m=MISS,
 )  # fmt: skip
 
@@ -45,6 +46,23 @@ def test_the_first_line_says_what_the_table_has_and_has_not_and_what_improved() 
         "ranges as far off as before, within chance: mean |recorded - simulated| 0.0364 m before "
         "and after" in line
     )
+
+
+@pytest.mark.parametrize(("aucs", "links", "said"), [
+    ((0.58, 0.98), 12, "told from simulated ones more easily (AUC 0.58 -> 0.98)"),
+    ((0.31, 0.6), 12, ""), ((0.58, 0.98), 4, ""), ((0.9, 0.95), 12, ""),
+])  # fmt: skip
+def test_an_after_whose_rows_are_told_more_easily_is_not_silent(
+    aucs: tuple[float, float], links: int, said: str
+) -> None:
+    """A better score of single observables may hide that they no longer go together."""
+    seen = SimpleNamespace(auc_before=aucs[0], auc_after=aucs[1], links=links)
+    easier = Confirmed.easier.fget(seen)  # type: ignore[attr-defined]
+    assert said in easier
+    assert bool(easier) == bool(said)
+    both = SimpleNamespace(**{**vars(SEEN), "easier": easier})
+    line = headline((named(RangeRounding()),), True, both, "", {}, "The table with it")  # type: ignore[arg-type]
+    assert said in line
 
 
 def test_what_is_withheld_whole_leaves_what_has_no_name() -> None:
