@@ -23,6 +23,7 @@ class NoiseOfDevices(NoiseFloor):
     name = "noise-of-devices"
     explains: ClassVar[str] = NoiseFloor.name
     contains = (NoiseFloor.name,)
+    fitted: ClassVar[bool] = False
     stackable = True
     source = "read off the noise that receivers log"
     signature = (

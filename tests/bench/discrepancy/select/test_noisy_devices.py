@@ -58,6 +58,7 @@ def test_a_device_that_is_louder_at_either_end_is_read_off_its_log(who: str) -> 
     assert found.devices == (who,)
     assert found.physics == "noise-floor"
     assert "noise-floor" not in search.kinds
+    assert not found.fitted  # so that no search of effects offers it without devices
     (level,) = read_off(search, found)
     assert level.name == f"louder_db[{who}]"
     assert level.low < 6.0 < level.high
