@@ -29,6 +29,7 @@ OF_ONE = (
 OF_BOTH = ((STRETCH_X,), (STRETCH_Y,), (SLANT_X,), (SLANT_Y,))  # along both axes it is a scale
 UNITS = {TURN: "deg", **dict.fromkeys((STRETCH_X, STRETCH_Y, SLANT_X, SLANT_Y), "%")}
 UNITS |= dict.fromkeys(("dx", "dy"), "m")
+MIRRORED = -100.0  # %, by which a stretched axis ends at one place [derived]
 WORDS = {
     TURN: "turned by {} against that of {far}, from x toward y",
     STRETCH_X: "stretched along x by {}",
@@ -133,7 +134,7 @@ class Plan:
         """Return it for people."""
         end = self.ends[0]
         what = f"of every {end}" if self.of_one else "of both ends"
-        said = [WORDS[part].format(shown[part], far=f"every {FAR_END[end]}") for part in self.parts]
+        said = [_said(part, shown[part], f"every {FAR_END[end]}") for part in self.parts]
         plan = f"the plan {what} is {' and '.join(said)}"
         if not self.of_one:
             return plan
@@ -177,3 +178,10 @@ def _wide(places_m: Floats) -> bool:
         return False
     sizes = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
     return bool(sizes[-1] > LAW_FLAT_PLAN * sizes[0])
+
+
+def _said(part: str, shown: str, far: str) -> str:
+    """Return what is done to a plan, in words: what is stretched past zero is mirrored."""
+    words = WORDS[part].format(shown, far=far)
+    mirrored = part in (STRETCH_X, STRETCH_Y) and float(shown.split()[0].rstrip("%")) < MIRRORED
+    return f"mirrored ({words})" if mirrored else words

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import Added, View
+from bench.discrepancy.data.device_rows import devices_of
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.select.settings import FAR_LIST, FAR_M, FAR_SHARE, FAR_STD, LONG_SHARE
 from bench.discrepancy.select.state import Search
@@ -70,14 +71,24 @@ def links_in_the_way(search: Search, added: Added) -> str:
     found = far_links(offset_m)
     if not found.long:
         return ""
+    who = _device(rows, codes, found.far)
     names = rows.frame["link"].astype(str).to_numpy()[np.unique(codes, return_index=True)[1]]
     open_ways = np.bincount(codes, rows.scene.obstacle_count() == 0) > 0
     listed = not open_ways[found.far].any()  # something is listed in the way of all of them
     return (
         f"{len(found.far)} of {len(offset_m)} links read far longer than the others, "
         f"whose offset is {found.calm_m:+.2f} m in the median: {found.worst(names)}"
-        f"{ALL_LISTED if listed else _advice(rows, np.isin(codes, found.far))}"
+        f"{who or (ALL_LISTED if listed else _advice(rows, np.isin(codes, found.far)))}"
     )
+
+
+def _device(rows: View, codes: NDArray[np.intp], far: NDArray[np.intp]) -> str:
+    """Return which device's all far links are, as most of its own are far, "" where none's."""
+    for name, mask in devices_of(rows.frame).items():
+        own = np.bincount(codes, mask) > 0
+        if own[far].all() and 2 * len(far) > own.sum() and not own.all():
+            return f"; all of them are links of {name}, of {own.sum()}: look at that device first"
+    return ""
 
 
 def _advice(rows: View, far: NDArray[np.bool_]) -> str:

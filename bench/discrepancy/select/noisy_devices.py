@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
-from bench.discrepancy.data.covariates import DEVICES
+from bench.discrepancy.data.device_rows import devices_of
 from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import NOISE
 from bench.discrepancy.fit.estimate import ParameterEstimate
@@ -62,13 +61,6 @@ def read_levels(effect: NoiseOfDevices) -> tuple[ParameterEstimate, ...]:
             effect.devices, effect.louder_db, ONE_SIDED_95 * np.array(effect.doubts_db), strict=True
         )
     )
-
-
-def devices_of(frame: pd.DataFrame) -> dict[str, NDArray[np.bool_]]:
-    """Return which rows [n] have a device at either end, by its name."""
-    ends = [frame[end.rstrip("=")].astype(str) for end in DEVICES if end.rstrip("=") in frame]
-    names = sorted({name for end in ends for name in end.unique()})
-    return {name: np.any([(end == name).to_numpy() for end in ends], axis=0) for name in names}
 
 
 def louder_devices(level_db: Floats, links: NDArray[np.intp], masks: Masks) -> dict[str, Level]:

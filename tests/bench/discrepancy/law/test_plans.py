@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.law.judge import judged, setup_fault
 from bench.discrepancy.law.material import material
-from bench.discrepancy.law.plan import plans
+from bench.discrepancy.law.plan import Plan, plans
 from bench.discrepancy.law.search import propose
 from bench.physics import Base, Simulator
 from bench.recordings.table import Recordings
@@ -114,3 +114,12 @@ def test_a_plan_whose_places_lie_on_a_line_is_not_asked_for() -> None:
 def test_noise_is_no_plan() -> None:
     frame, links = rows(6, same, same)
     assert propose(material(frame, frame["error_m"].to_numpy(), links), 0) is None
+
+
+@pytest.mark.parametrize(
+    ("by", "said"), [("-200 (-200..-186) %", True), ("1.2 (1.1..1.3) %", False)]
+)
+def test_an_axis_that_is_stretched_past_zero_is_mirrored(by: str, said: bool) -> None:
+    plan = Plan(("tx",), ("sx",), (11.0, 8.1), "xyz", 1)
+    words = plan.words({"sx": by, "cx": "11 m", "cy": "8.1 m", "dx": "2 m", "dy": "0 m"})
+    assert ("mirrored (stretched along x by" in words) is said

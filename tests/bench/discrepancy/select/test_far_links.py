@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import bench
-from bench.discrepancy.select.far_links import _advice, far_links
+from bench.discrepancy.select.far_links import _advice, _device, far_links
 from bench.discrepancy.select.verdict import Unknown
 
 CALM_M = np.linspace(-0.05, 0.05, 21)
@@ -68,3 +68,12 @@ def test_a_diagnosis_without_a_name_lists_them() -> None:
         pytest.fail(f"something had a name, or nothing was there: {found.headline}")
     assert "links read far longer than the others" in notes[0]
     assert "list it" in notes[0]
+
+
+def test_far_links_of_one_device_are_said_to_be_its() -> None:
+    """Six links, two of each anchor; those of one of them are far off, or one of two each."""
+    codes = np.arange(6)
+    rx = ["a0", "a0", "a1", "a1", "a2", "a2"]
+    rows: Any = SimpleNamespace(frame=pd.DataFrame({"tx": [f"t{n % 2}" for n in codes], "rx": rx}))
+    assert "all of them are links of a1, of 2" in _device(rows, codes, np.array([3, 2]))
+    assert _device(rows, codes, np.array([3, 4])) == ""

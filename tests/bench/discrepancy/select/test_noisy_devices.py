@@ -10,10 +10,11 @@ import pytest
 
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
+from bench.discrepancy.data.device_rows import devices_of
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select.logged import read_logs, read_off
-from bench.discrepancy.select.noisy_devices import devices_of, louder_devices
+from bench.discrepancy.select.noisy_devices import louder_devices
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effect import Effect
