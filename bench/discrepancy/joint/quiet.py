@@ -45,6 +45,7 @@ from bench.discrepancy.joint.settings import (
     QUIET_MEMBERS,
     QUIET_MOST_NATS,
     QUIET_SMOOTH,
+    QUIET_SURE,
     SCATTER_LOGGED,
     STEADY_PARTS,
 )
@@ -110,6 +111,16 @@ class Quiet:
         """Return whether samples are as steady without a tone: an offset of them makes them so."""
         rest = tuple(one for one in effects if not isinstance(one, NarrowbandInterference))
         return bool(rest) and self._ratio(rest, heard)[0] <= heard.ratios[0] + heard.errors[0]
+
+    def steadier(self, effects: Added) -> bool:
+        """Return whether quiet samples are surely more alike than with effects, as of a tone.
+
+        Not where too few samples are quiet.
+        """
+        heard = self._heard
+        if heard is None:
+            return False
+        return bool(heard.ratios[0] + QUIET_SURE * heard.errors[0] < self._ratio(effects, heard)[0])
 
     def carries(self, name: str) -> bool:
         """Return whether samples that a noise floor was named for may be carriers'."""

@@ -23,10 +23,11 @@ def fewer(rows: View, most: int) -> View:
         return rows
     order = np.argsort(rows.links, kind="stable")
     keep = np.sort(order[np.linspace(0, len(order) - 1, most).astype(np.intp)])
-    return _taken(rows, keep)
+    return taken(rows, keep)
 
 
-def _taken(rows: View, keep: NDArray[np.intp]) -> View:
+def taken(rows: View, keep: NDArray[np.intp]) -> View:
+    """Return some rows of a view, by their places [k]."""
     recorded = replace(rows.recorded, values=rows.recorded.values[keep])
     frame = rows.frame.iloc[keep].reset_index(drop=True)
     return View(frame, recorded, rows.links[keep], rows.rows[keep], rows.waveform)

@@ -102,6 +102,7 @@ QUIET_EARLY: Final = 8  # samples before the path, to say how they scatter: ten 
 QUIET_LOUDER: Final = 1.26  # times the power before the path, up to which samples behind the last
 # path hold noise alone: one decibel [convention]
 QUIET_SMOOTH: Final = 8  # samples that this power is averaged over, as many as are before the path
+QUIET_SURE: Final = 3.0  # standard errors, by which samples surely are more alike [convention]
 QUIET_MEMBERS: Final = 16  # simulated versions of them: their error is a quarter of the recorded
 # ones' then [cost]
 COLOUR_SAMPLES: Final = 4  # from here on noise has nothing in common, as `NoiseFloor` says

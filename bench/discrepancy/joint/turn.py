@@ -15,6 +15,7 @@ from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.dense import dense_of
 from bench.discrepancy.joint.grids import marked_by_grids, with_grids
 from bench.discrepancy.joint.late import found_late, holds, moved, with_late
+from bench.discrepancy.joint.noisy import without_steady
 from bench.discrepancy.joint.own_code import runs_own_code
 from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
@@ -79,6 +80,8 @@ def _as_indices_say(state: State, journal: Journal) -> Selection:
     located = _in_all_rows(search, journal, kept(locate_left)(search, (), 0, WAVES_SHARE))
     if not located.significant:
         return _of_sure_ranges(state.after(Round(located, None, None)), journal)
+    search = safely("noise of devices", without_steady, search)(search)
+    state = replace(state, search=search)
     fault = safely("recorder", recorder_fault, "")(search)
     if fault:
         return spoilt(state.after(Round(located, None, None)), fault)

@@ -1,11 +1,13 @@
 """Samples that hold nothing but noise: how they scatter tells a tone from a noise floor."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.joint import noisy as noise_of
 from bench.discrepancy.joint import quiet
 from bench.discrepancy.joint import sets as module
 from bench.discrepancy.joint.quiet import Quiet, quiet_samples, speaks
@@ -13,6 +15,8 @@ from bench.discrepancy.joint.quiet_moments import error_of, loud_moments, moment
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import KEPT
 from bench.discrepancy.joint.tone_or_noise import with_floor, with_tone
+from bench.discrepancy.select.state import Search
+from bench.physics.effects.fitted.noise_of_devices import NoiseOfDevices
 from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.effects.receiver.quantisation import Quantisation
@@ -97,6 +101,23 @@ def test_what_makes_samples_as_steady_without_a_tone_speaks_for_none(monkeypatch
     other = _heard_again(heard)
     assert other._heard is seen
     assert other.nats((OFFSET, TONE)) <= 0
+
+
+@pytest.mark.parametrize(("power", "steadier"), [(1.0, True), (0.0, False)])
+def test_samples_of_a_tone_are_steadier_than_noise_as_loud(monkeypatch, power, steadier):
+    assert _heard(monkeypatch, power).steadier((FLOOR,)) is steadier
+
+
+@pytest.mark.parametrize("steady", [True, False])
+def test_a_noise_floor_of_devices_is_none_where_their_samples_are_a_tones(monkeypatch, steady):
+    """What raises it is tried like anything else then; not said to be noise by its log."""
+    noisy = NoiseOfDevices(devices=("a3",), louder_db=(6.0,), doubts_db=(0.1,))
+    monkeypatch.setattr(noise_of, "steady_at", lambda *_: steady)
+    search = Search(None, None, None, {}, 0, logged=(OFFSET, noisy))  # type: ignore[arg-type]
+    found = noise_of.without_steady(search)
+    assert found.logged == ((OFFSET,) if steady else (OFFSET, noisy))
+    assert found.kinds == ({"noise-floor": NoiseFloor} if steady else {})
+    assert noise_of.without_steady(replace(search, logged=())).kinds == {}
 
 
 def _heard_again(heard: Quiet) -> Quiet:
