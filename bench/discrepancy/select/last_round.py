@@ -14,6 +14,7 @@ from bench.discrepancy.select.second_level import calmed
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.stepwise import struck_round
 from bench.discrepancy.sets import turn as sets
+from bench.discrepancy.sets.settings import SEEN_NATS
 from bench.discrepancy.sets.sure import beyond_doubt
 
 
@@ -23,7 +24,8 @@ def last_round(state: State, located: Located, journal: Journal) -> State:
     Where nothing did before either, sets of causes are asked: ranges may speak for a shape that no
     interval has. And what scatters may be any cause by which rows of a link differ: then marks are
     looked for first, and there is another round where one is found. Scatter is asked beside it
-    then: what rounds ranges scatters by itself.
+    then: what rounds ranges scatters by itself. Scatter is named alone where it is as much beyond
+    doubt as any other name must be.
     """
     asked, news = (state, False) if state.added else sets.agreed(state, located, journal)
     if news and beyond_doubt(asked.search.choice):
@@ -36,8 +38,14 @@ def last_round(state: State, located: Located, journal: Journal) -> State:
             return marked
         if news:
             return asked
-        state, last = asked, None if asked.search.choice.scattering else last
+        sure = not asked.search.choice.scattering and _beyond_doubt(last)
+        state, last = asked, last if sure else None
     return state.after(last or Round(located, None, None), finished=True)
+
+
+def _beyond_doubt(turn: Round) -> bool:
+    """Return whether scatter brings as much as a name must where no search found anything."""
+    return turn.strike is not None and turn.strike.evidence.value >= SEEN_NATS
 
 
 def unexplained(
