@@ -31,7 +31,7 @@ from bench.discrepancy.select.other_forms import made_by_forms
 from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
-from bench.discrepancy.select.undetermined import untold
+from bench.discrepancy.select.undetermined import hardly_more, untold
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict, options_of
 from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.set_up import is_fault
@@ -271,6 +271,8 @@ def _objection(
     if untold(option) and not shown and not surely_there(search, added, option.effect):
         return "none of its values is told from zero"
     if words := unused(option.effect) or _idle(search, added, option) or taken_away(option.effect):
+        return words
+    if words := hardly_more(option):
         return words
     if option.effect.name != first.name and (words := without_waves(option)):
         return words

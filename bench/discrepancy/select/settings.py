@@ -107,6 +107,7 @@ CONTROL_TURNS: Final = 6  # of a control's own curve and the effects beside it [
 CONTROL_RATIO: Final = 3.2  # dB that a level falls by for each dB of the count, at most: 17.5 and
 # 5.6 dB at -60 dBm [manual of the DW1000, figure 22, and recorded counts]
 NOISE_FORMULA_DB: Final = 0.1  # that a std of some hundred samples and its formula differ by: 1 %
+LEAST_ADDED_DB: Final = 0.2  # of noise, that has a name: twice what levels are told to [convention]
 NOISY_LINKS: Final = (
     3  # of a device, and of others, to ask whether its noise is louder [convention]
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bench.discrepancy.fit.estimate import ParameterEstimate
+from bench.discrepancy.select.settings import LEAST_ADDED_DB
 from bench.discrepancy.select.verdict import LeftOut
 
 
@@ -12,12 +14,34 @@ def untold(option: LeftOut) -> bool:
     """
     if type(option.effect).marked or option.gain.likely_above_zero:
         return False
+    sizes = _sizes(option)
+    return bool(sizes) and not any(_told(*one) for one in sizes)
+
+
+def hardly_more(option: LeftOut) -> str:
+    """Return in words that hardly more of something is recorded than simulated, "" where much is.
+
+    Nor anything else of it is told from zero, as the colour of noise may be.
+    """
+    adds, sizes = type(option.effect).adds, _sizes(option)
+    added = [(one, null) for one, null in sizes if one.name == adds]
+    if not added or any(_told(*one) for one in sizes if one not in added):
+        return ""
+    one, null = added[0]
+    if not 0 <= one.value - null < LEAST_ADDED_DB:
+        return ""
+    return f"{one.value - null:.1g} {one.unit} more is what rounding, spurs or a formula make"
+
+
+def _sizes(option: LeftOut) -> list[tuple[ParameterEstimate, float]]:
+    """Return the parameters of an effect that have a value at which it does nothing, with that."""
     known = {p.name: p.null for p in option.effect.parameters()}
     nulls = [(one, known.get(one.name, 0.0)) for one in option.parameters]
-    sizes = [(one, null) for one, null in nulls if null is not None]
-    return bool(sizes) and not any(
-        one.determined and not one.low <= null <= one.high for one, null in sizes
-    )
+    return [(one, null) for one, null in nulls if null is not None]
+
+
+def _told(one: ParameterEstimate, null: float) -> bool:
+    return one.determined and not one.low <= null <= one.high
 
 
 def undetermined(option: LeftOut) -> bool:

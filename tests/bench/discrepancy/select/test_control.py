@@ -13,10 +13,11 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select import controls
 from bench.discrepancy.select.controls import control_passed, struck_control
-from bench.discrepancy.select.undetermined import untold
+from bench.discrepancy.select.undetermined import hardly_more, untold
 from bench.discrepancy.select.verdict import Control, LeftOut
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 ROWS = 60
 SIGHT = np.arange(ROWS) % 2 == 0
@@ -94,6 +95,23 @@ def test_a_name_of_which_nothing_is_told_from_zero_is_none() -> None:
     assert not untold(named(none))
     rounded = LeftOut(RangeRounding(), (wide,), none, 1.0, Control("", None))
     assert not untold(rounded)
+
+
+def test_a_tenth_of_a_decibel_more_noise_is_none_unless_its_colour_is_told() -> None:
+    def named(by_db: float, lag: float) -> LeftOut:
+        level = ParameterEstimate("level_db", by_db, by_db - 0.05, by_db + 0.05, "dB")
+        sizes = level, ParameterEstimate("lag_1", lag, lag - 0.1, lag + 0.1, "1")
+        gain = Estimate(0.06, 0.02, 0.1, "nats")
+        return LeftOut(NoiseFloor(level_db=by_db), sizes, gain, 1.0, Control("", None))
+
+    assert hardly_more(named(0.096, 0.0)).startswith("0.1 dB more")
+    assert not hardly_more(named(0.096, 0.3))
+    assert not hardly_more(named(0.5, 0.0))
+    assert not hardly_more(named(-1.5, 0.0))  # said otherwise: see `taken_away`
+    delay = ParameterEstimate("delay_ns[tag]", 0.1, 0.05, 0.2, "ns")
+    assert not hardly_more(
+        LeftOut(AntennaDelay(), (delay,), Estimate(1, 1, 1), 1.0, Control("", None))
+    )
 
 
 def test_links_that_share_simulated_rows_refuse_a_name_only_beyond_what_these_scatter(
