@@ -15,6 +15,7 @@ from bench.physics.slabs import opaque, slabs, unlisted
 from bench.physics.units import C_M_PER_NS, Complexes, Floats, amplitude, wavelength_m
 
 TYPICAL_M = 0.1  # longer around an edge
+NEAREST = 4.0  # times as near as the median row behind one: nearer ones stand beside it
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,16 @@ class Diffraction(Effect):
     def ways(cls, rows: Scene) -> tuple[Floats, ...] | None:
         """Return a step where metal or a body stands in the way; None where none does.
 
-        Only there is it certain that what arrives came around an edge.
+        Only there is it certain that what arrives came around an edge. The way around one that lies
+        so far off the straight line is longer by the less, the longer that is: by
+        h^2 / (2 d a (1 - a)) of an edge at a part a of it.
         """
-        shut = np.any(opaque(rows), axis=1, keepdims=True).astype(np.float64)
-        return (TYPICAL_M * shut,) if shut.any() else None
+        shut = np.any(opaque(rows), axis=1)
+        if not shut.any():
+            return None
+        usual_m = float(np.median(rows.true_range_m[shut]))
+        nearer = np.minimum(usual_m / np.maximum(rows.true_range_m, usual_m / NEAREST), NEAREST)
+        return (TYPICAL_M * np.stack([shut, shut * (nearer - nearer[shut].mean())], axis=1),)
 
     @classmethod
     def possible(cls, rows: Scene, shift_m: Floats) -> bool:

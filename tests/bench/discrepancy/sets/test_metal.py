@@ -13,7 +13,7 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.sets.choose import chosen
-from bench.physics.effects.propagation.diffraction import Diffraction
+from bench.physics.effects.propagation.diffraction import Diffraction, knife_edge
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.scene import scene
 
@@ -62,3 +62,18 @@ def test_what_goes_around_or_through() -> None:
     assert steps[:, 0].tolist() == [0.1, 0.0]
     assert Diffraction.possible(rows, np.array([0.05, 0.0]))
     assert not Diffraction.possible(rows, np.array([-0.05, 0.0]))
+
+
+def test_a_way_around_an_edge_is_the_longer_the_nearer_both_ends_are() -> None:
+    """Knife edges so far off the straight line: their detours are a step and its share by 1 / d."""
+    true_m = np.array([2.0, 4.0, 8.0, 16.0, 5.0])
+    kinds = [["metal"]] * 4 + [[]]
+    rows = scene(pd.DataFrame({"true_range_m": true_m, "obstacles": kinds}))
+    (ways,) = Diffraction.ways(rows) or ()
+    detour_m = knife_edge(true_m[:4], np.full(4, 0.3), np.full(4, 0.5), 6.5)[0]
+    sizes = np.linalg.lstsq(ways[:4], detour_m, rcond=None)[0]
+    assert ways[:4] @ sizes == pytest.approx(detour_m, rel=0.02)
+    assert sizes[1] > 0
+    assert not ways[4].any()
+    far = scene(pd.DataFrame({"true_range_m": [0.01, 5.0, 6.0], "obstacles": [["metal"]] * 3}))
+    assert np.abs((Diffraction.ways(far) or ())[0]).max() < 0.5
