@@ -70,9 +70,9 @@ def test_a_way_around_an_edge_is_the_longer_the_nearer_both_ends_are() -> None:
     kinds = [["metal"]] * 4 + [[]]
     rows = scene(pd.DataFrame({"true_range_m": true_m, "obstacles": kinds}))
     (ways,) = Diffraction.ways(rows) or ()
-    detour_m = knife_edge(true_m[:4], np.full(4, 0.3), np.full(4, 0.5), 6.5)[0]
+    detour_m = knife_edge(true_m[:4], np.full(4, 0.2), np.full(4, 0.5), 6.5)[0]
     sizes = np.linalg.lstsq(ways[:4], detour_m, rcond=None)[0]
-    assert ways[:4] @ sizes == pytest.approx(detour_m, rel=0.02)
+    assert ways[:4] @ sizes == pytest.approx(detour_m, rel=0.03)
     assert sizes[1] > 0
     assert not ways[4].any()
     far = scene(pd.DataFrame({"true_range_m": [0.01, 5.0, 6.0], "obstacles": [["metal"]] * 3}))
