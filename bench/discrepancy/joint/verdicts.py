@@ -31,7 +31,7 @@ from bench.discrepancy.select.other_forms import made_by_forms
 from bench.discrepancy.select.refute import swapped_for
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.select.stepwise import locate_left
-from bench.discrepancy.select.undetermined import hardly_more, untold
+from bench.discrepancy.select.undetermined import hardly_more, taken_away, untold
 from bench.discrepancy.select.verdict import LeftOut, NoMismatch, Unknown, Verdict, options_of
 from bench.discrepancy.sets.choice import MERE
 from bench.discrepancy.sets.set_up import is_fault
@@ -108,11 +108,22 @@ def seen_beside(
         return said
     whole, last = replace(search, work=search.both), rounds[-1]
     left = locate_left(whole, held, len(rounds) + 1)
+    if left.findings and all(o.cell.observable in _logs_of(held) for o in left.findings):
+        return _names_of(said)
     if not all(map(of_range, left.findings)):
         return said
     asked = left.significant or search.choice.others
     if asked and not made_by_forms(search, held, last):
         return said
+    return _names_of(said)
+
+
+def _logs_of(held: Added) -> set[str]:
+    """Return what receivers log of effects: that is of another size elsewhere is its form."""
+    return {type(effect).logged_as for effect in held} - {""}
+
+
+def _names_of(said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
     return tuple(one for one in said if not isinstance(one, Unknown))
 
 
@@ -294,22 +305,6 @@ def beside_untold(
     asked = isinstance(comparison, Resimulation)
     twins = set() if asked else {one.name for one in counterparts(effect)}
     return [why[0] if o.name in twins else words for o, words in zip(options, why, strict=True)]
-
-
-def taken_away(effect: Effect) -> str:
-    """Return in words that less is recorded than simulated of what an effect can only add, or "".
-
-    Noise is added by every part of a receiver; less of it than simulated says that the simulator
-    has too much, or that something takes small samples away: a threshold, a mean taken off.
-    """
-    added = next((p for p in effect.parameters() if p.name == type(effect).adds), None)
-    if added is None or getattr(effect, added.name) >= (added.null or 0.0):
-        return ""
-    value = f"{-getattr(effect, added.name):.2g} {added.unit}"
-    return (
-        f"less is recorded than simulated, by {value}: the simulator has too much of it, or "
-        "something takes small samples away"
-    )
 
 
 def _idle(search: Search, added: Added, option: LeftOut) -> str:

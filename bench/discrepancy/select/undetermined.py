@@ -1,10 +1,11 @@
-"""Names of which recordings determine no size, or tell none from zero."""
+"""Names of which recordings determine no size, tell none from zero, or next to nothing, or less."""
 
 from __future__ import annotations
 
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.settings import LEAST_ADDED_DB
 from bench.discrepancy.select.verdict import LeftOut
+from bench.physics.effect import Effect
 
 
 def untold(option: LeftOut) -> bool:
@@ -31,6 +32,22 @@ def hardly_more(option: LeftOut) -> str:
     if not 0 <= one.value - null < LEAST_ADDED_DB:
         return ""
     return f"{one.value - null:.1g} {one.unit} more is what rounding, spurs or a formula make"
+
+
+def taken_away(effect: Effect) -> str:
+    """Return in words that less is recorded than simulated of what an effect can only add, or "".
+
+    Noise is added by every part of a receiver; less of it than simulated says that the simulator
+    has too much, or that something takes small samples away: a threshold, a mean taken off.
+    """
+    added = next((p for p in effect.parameters() if p.name == type(effect).adds), None)
+    if added is None or getattr(effect, added.name) >= (added.null or 0.0):
+        return ""
+    value = f"{-getattr(effect, added.name):.2g} {added.unit}"
+    return (
+        f"less is recorded than simulated, by {value}: the simulator has too much of it, or "
+        "something takes small samples away"
+    )
 
 
 def _sizes(option: LeftOut) -> list[tuple[ParameterEstimate, float]]:

@@ -12,13 +12,14 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.resimulation import Resimulation
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
-from bench.discrepancy.data.observables import RANGE, Window
+from bench.discrepancy.data.observables import NOISE, RANGE, Window
 from bench.discrepancy.joint import turn, verdicts
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
-from bench.discrepancy.joint.verdicts import beside_untold, standing, taken_away
+from bench.discrepancy.joint.verdicts import beside_untold, standing
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.select.undetermined import taken_away
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.discrepancy.sets.choice import MERE, Choice
 from bench.physics.effect import Effect
@@ -212,6 +213,21 @@ def test_what_no_search_finds_beside_names_is_not_there(
     assert len(made) == left
     assert all(held == (loss,) for held in beside)  # what is refused takes no part
     assert verdicts.seen_beside(search, (REFUSED,), (noise,), (None,)) == (REFUSED,)
+
+
+@pytest.mark.parametrize(("observables", "left"), [((NOISE,), 1), ((NOISE, "rise_ns"), 2), ((), 2)])
+def test_what_only_the_log_of_a_named_effect_says_is_its_form(monkeypatch, observables, left):
+    """Noise that is louder in some rows is noise all the same; beside another name it is not."""
+    cells = [SimpleNamespace(cell=Cell(name, "slope", Place("mill_kw"))) for name in observables]
+    found = SimpleNamespace(findings=tuple(cells), significant=bool(cells))
+    monkeypatch.setattr(verdicts, "replace", lambda search, **_: search)
+    monkeypatch.setattr(verdicts, "locate_left", lambda *_: found)
+    noise, loss = NoiseFloor(level_db=3.0), PathLoss()
+    search = SimpleNamespace(choice=Choice((), ("the position of a3",)), both=None)
+    of_noise = LeftOut(noise, (), GAIN, 1.0, Control("", None)), REFUSED
+    assert len(verdicts.seen_beside(search, of_noise, (noise,), (None,))) == left
+    of_loss = LeftOut(loss, (), GAIN, 1.0, Control("", None)), REFUSED
+    assert len(verdicts.seen_beside(search, of_loss, (loss,), (None,))) == 2
 
 
 def test_a_fault_of_ranges_is_there_though_no_regression_foretells_it(monkeypatch):
