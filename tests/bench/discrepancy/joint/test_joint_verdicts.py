@@ -222,6 +222,7 @@ def test_what_only_the_log_of_a_named_effect_says_is_its_form(monkeypatch, obser
     found = SimpleNamespace(findings=tuple(cells), significant=bool(cells))
     monkeypatch.setattr(verdicts, "replace", lambda search, **_: search)
     monkeypatch.setattr(verdicts, "locate_left", lambda *_: found)
+    monkeypatch.setattr(verdicts, "made_by_forms", lambda *_: False)
     noise, loss = NoiseFloor(level_db=3.0), PathLoss()
     search = SimpleNamespace(choice=Choice((), ("the position of a3",)), both=None)
     of_noise = LeftOut(noise, (), GAIN, 1.0, Control("", None)), REFUSED
