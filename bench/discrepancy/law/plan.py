@@ -15,7 +15,12 @@ import numpy as np
 from bench.discrepancy.law.forms import Named
 from bench.discrepancy.law.likelihood import iterated
 from bench.discrepancy.law.material import Floats, Material
-from bench.discrepancy.law.settings import LAW_FLAT_PLAN, LAW_PLAN_PLACES, LAW_SAME_PLACE_M
+from bench.discrepancy.law.settings import (
+    LAW_FLAT_PLAN,
+    LAW_PLAN_PLACES,
+    LAW_SAME_PLACE_M,
+    MIRRORED,
+)
 from bench.discrepancy.law.structures import Fitted
 from bench.discrepancy.law.swaps import FAR_END
 from bench.physics.formula.units import factor_of
@@ -29,7 +34,6 @@ OF_ONE = (
 OF_BOTH = ((STRETCH_X,), (STRETCH_Y,), (SLANT_X,), (SLANT_Y,))  # along both axes it is a scale
 UNITS = {TURN: "deg", **dict.fromkeys((STRETCH_X, STRETCH_Y, SLANT_X, SLANT_Y), "%")}
 UNITS |= dict.fromkeys(("dx", "dy"), "m")
-MIRRORED = -100.0  # %, by which a stretched axis ends at one place [derived]
 WORDS = {
     TURN: "turned by {} against that of {far}, from x toward y",
     STRETCH_X: "stretched along x by {}",

@@ -73,3 +73,4 @@ LAW_SAME_PLACE_M: Final = 0.05  # positions of a device that stands still; and a
 SHOWN_RIVALS: Final = 5  # laws that are not excluded, shown to people [convention]
 UNDETERMINED_M: Final = 50.0  # of a shift's interval, that says nothing of where [convention]
 LAW_DIGITS: Final = range(3, 10)  # of a constant, until ends of its interval differ [convention]
+MIRRORED: Final = -100.0  # %, by which a stretched axis ends at one place [derived]

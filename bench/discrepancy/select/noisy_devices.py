@@ -28,13 +28,12 @@ from bench.discrepancy.select.settings import (
     NOISY_SHARE,
 )
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.settings import ONE_SIDED_95
+from bench.discrepancy.settings import MAD_TO_STD, ONE_SIDED_95
 from bench.physics.effects.fitted.noise_of_devices import NoiseOfDevices
 from bench.physics.units import Floats
 
 Masks = Mapping[str, NDArray[np.bool_]]
 Level = tuple[float, float]
-NORMAL_OF_MEDIAN = 1.4826  # standard deviations in a median deviation of normal values [derived]
 
 
 def noise_of_devices(search: Search, rows: View, seen: Logged) -> NoiseOfDevices | None:
@@ -91,7 +90,7 @@ def _apart(left: Floats, mine: NDArray[np.bool_]) -> Level:
         return 0.0, 1.0
     middles = [float(np.median(left[part])) for part in (mine, ~mine)]
     beside = np.abs(left - np.where(mine, *middles))
-    scatter = max(NORMAL_OF_MEDIAN * float(np.median(beside)), NOISE_FORMULA_DB)
+    scatter = max(MAD_TO_STD * float(np.median(beside)), NOISE_FORMULA_DB)
     error = scatter * np.sqrt(np.pi / 2 * (1 / mine.sum() + 1 / (~mine).sum()))
     return middles[0] - middles[1], float(error)
 

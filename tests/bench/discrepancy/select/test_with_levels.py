@@ -17,12 +17,13 @@ from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import turn
 from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import all_rows, stepwise
-from bench.discrepancy.select.all_rows import with_levels, with_ranges
+from bench.discrepancy.select.all_rows import with_levels, with_ranges, with_waveforms
 from bench.discrepancy.select.settings import WAVES_SHARE
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.stepwise import locate_left
 from bench.discrepancy.settings import FAMILY_WISE
 from bench.physics.base import Base
+from bench.physics.effects.receiver.pulse_ringing import PulseRinging
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
 
@@ -58,10 +59,23 @@ def test_a_weak_antenna_is_seen_where_waveforms_show_nothing() -> None:
 def test_less_than_readings_tell_is_nothing(weaker_db: float, seen: bool) -> None:
     """However surely it would be seen, where levels hardly scatter."""
     search = _search(weaker_db, scatter_db=0.005)
-    every = all_rows._of_all_rows(search, LEVEL)
+    every = all_rows._of_all_rows(search, (LEVEL,))
     assert every is not None
     assert every.significant is seen
     assert _found(search).significant is seen
+
+
+def test_waveforms_that_half_of_the_links_hide_are_seen_by_all() -> None:
+    """Everything but ranges and levels; what half of the rows showed already stays."""
+    search, found = _search(0.0), Located((), 1.0, 0.0, 3.0, 9, {})
+    assert with_waveforms(search, found) is found
+    ringing = Simulator(Base(), (PulseRinging(ring_db=-3.0),), 5, "test")
+    made = ringing.observe(scene(search.both.frame), 5, 77).table(search.both.frame)
+    search.both = view(made, link_codes(made), np.arange(LINKS), window_of(made))
+    seen = with_waveforms(search, found)
+    assert seen.significant
+    assert not {one.cell.observable for one in seen.findings} & {RANGE, LEVEL}
+    assert with_waveforms(search, seen) is seen
 
 
 def test_what_was_found_stays() -> None:
@@ -82,7 +96,10 @@ def test_searches_of_waveforms_ranges_and_levels_share_one_error(
         monkeypatch.setattr(module, "located_in", heard)
     search = _search(0.0)
     search.searched = search.both
-    with_levels(search, with_ranges(search, locate_left(search, (), 0, WAVES_SHARE)))
+    found = locate_left(search, (), 0, WAVES_SHARE)
+    for step in (with_waveforms, with_ranges, with_levels):
+        found = step(search, found)
+    assert len(asked) == 4
     assert sum(asked) == pytest.approx(FAMILY_WISE)
 
 
