@@ -13,8 +13,9 @@ from bench.challenge.families.case import Draw, world_of
 from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_of, with_speed
 
 FAMILIES = (
-    "observatory", "baths", "circus", "velodrome", "colliery", "granary", "icerink", "breadworks",
+    "observatory", "baths", "circus", "colliery", "granary", "icerink", "breadworks",
     "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
+    "gasworks",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -41,7 +42,6 @@ OWN = {
     "observatory": "red-lamps-warm-their-sconces",
     "baths": "pumps-shake-their-arches",
     "circus": "gusts-rack-their-poles",
-    "velodrome": "riders-pressed-down-in-bends",
     "colliery": "tubs-hunt-on-their-rails",
     "granary": "sacks-rub-in-chutes",
     "icerink": "pairs-hold-gives-as-they-turn",
@@ -53,6 +53,7 @@ OWN = {
     "distillery": "chains-of-rummagers-fly-out",
     "mint": "coils-spring-open",
     "watermill": "buckets-slip-with-their-belt",
+    "gasworks": "lamplighters-cut-their-eights",
 }
 ALIKE = [
     (family, name)
@@ -111,10 +112,6 @@ OWN_PARTS = {
     "circus": {
         "blocks-read-by-columns": (0.1, 0.6), "odd-ones-left-as-not-foretold": (0.1, 0.6),
         "tape-wows-in-late-part": (0.1, 0.6),
-    },
-    "velodrome": {
-        "odd-samples-of-the-frame-before": (0.1, 0.6), "tops-shaved-that-are-narrow": (0.1, 0.6),
-        "pen-has-play-in-late-part": (0.1, 0.6),
     },
     "colliery": {
         "late-sizes-left-as-steps-up-and-down": (0.1, 0.6),
@@ -179,6 +176,19 @@ OWN_PARTS = {
         "late-sizes-folded-under-a-ceiling": (0.1, 0.6),
         "late-nines-told-from-amid": (0.1, 0.6),
     },
+    "gasworks": {
+        "pipe-sounds-on-with-what-comes-late": (0.1, 0.6),
+        "tar-fog-scatters-what-comes-late": (0.1, 0.6),
+        "flames-flicker-what-comes-late": (0.1, 0.6),
+        "mains-guide-what-comes-late": (0.1, 0.6),
+        "late-nines-told-by-thirds-backwards": (0.1, 0.6),
+        "late-sizes-mingled-with-the-third-after": (0.1, 0.6),
+        "late-sizes-cored-of-their-middle": (0.1, 0.6),
+        "late-sizes-by-steps-of-logarithms": (0.1, 0.6),
+        "late-fours-told-as-their-first": (0.1, 0.6),
+        "late-gain-falls-by-stairs": (0.1, 0.6),
+        "late-sizes-foreshown-by-a-needle": (0.1, 0.6),
+    },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
 
@@ -213,11 +223,6 @@ FAULTS = {
     "circus": (
         "trapezes-ropes-give", "wire-dips-under-walkers", "gusts-rack-their-poles",
         "poles-bow-under-canvas", "smoke-under-lamps", "pole-struck-by-a-lorry",
-    ),
-    "velodrome": (
-        "riders-pressed-down-in-bends", "boards-flatter-than-drawn", "fog-that-fans-thin",
-        "ignition-pulls-dernies-tags", "stations-chained-along-another-line",
-        "post-struck-by-a-bicycle",
     ),
     "colliery": (
         "winding-rope-stretches", "tubs-hunt-on-their-rails", "haze-that-draught-clears",
@@ -298,6 +303,29 @@ FAULTS = {
         "storeys-drawn-all-alike", "answers-late-until-charged-again",
         "notch-stuck-in-the-tally-stick", "slips-hung-one-nail-behind",
         "changes-of-ranges-told-by-halves", "sag-of-a-line-taken-off", "hatch-shoved-by-ice",
+    ),
+    "gasworks": (
+        "smoke-hangs-under-the-retort-roof",
+        "steam-of-quenched-coke-drifts",
+        "fires-glow-through-open-doors",
+        "gauge-drags-behind-its-pressure",
+        "stokers-reach-further-than-told",
+        "barrows-veer-on-a-worn-wheel",
+        "bells-turn-in-steeper-guides",
+        "skips-surge-on-their-rope",
+        "lamplighters-cut-their-eights",
+        "rams-driven-by-a-shorter-rod",
+        "places-told-at-the-last-tick",
+        "yard-leans-towards-the-tank",
+        "print-of-the-yard-has-shrunk",
+        "made-ground-gives-under-coal",
+        "retort-wall-bellies-as-it-heats",
+        "answers-wait-for-the-exhausters-stroke",
+        "third-answers-told-as-the-second",
+        "answers-come-by-a-damped-float",
+        "inches-booked-to-a-short-yard",
+        "dial-hung-off-its-centre",
+        "bracket-bent-by-a-ladder",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

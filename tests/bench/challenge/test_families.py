@@ -30,8 +30,9 @@ WITH_BOTH = (
     "foundry", "garage",
     "hangar", "manege", "opera", "brickworks", "roundhouse", "printworks",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
-    "circus", "velodrome", "colliery", "granary", "icerink", "breadworks", "shipyard",
+    "circus", "colliery", "granary", "icerink", "breadworks", "shipyard",
     "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
+    "gasworks",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

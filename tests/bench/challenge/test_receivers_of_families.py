@@ -19,6 +19,7 @@ from bench.challenge.families import (
     circus_lamp,
     colliery_geophone,
     distillery_safe,
+    gasworks_meter,
     granary_sieve,
     icerink_timer,
     laundry_meter,
@@ -33,7 +34,6 @@ from bench.challenge.families import (
     saltworks_gauge,
     sawmill_decoder,
     shipyard_lookout,
-    velodrome_camera,
     watermill_hopper,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
@@ -54,7 +54,6 @@ OF_ITS_OWN = {
     "observatory": {"sort", "arm", "into_s"},
     "baths": {"beat", "wears", "into_s"},
     "circus": {"throw", "girth", "into_s"},
-    "velodrome": {"lane", "pedal", "into_s"},
     "colliery": {"begins", "phase", "into_s"},
     "granary": {"craft", "outset", "into_s"},
     "icerink": {"sort", "heads", "into_s"},
@@ -66,6 +65,7 @@ OF_ITS_OWN = {
     "distillery": {"sort", "aim", "into_s"},
     "mint": {"way", "bears", "into_s"},
     "watermill": {"gang", "faces", "into_s"},
+    "gasworks": {"trade", "works", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -90,7 +90,6 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (observatory_plate.sky, observatory_plate.OF_SIZES, -0.2),
         (baths_probe.gurgle, baths_probe.OF_SIZES, -0.2),
         (circus_lamp.applause, circus_lamp.OF_SIZES, -0.2),
-        (velodrome_camera.humming, velodrome_camera.OF_SIZES, -0.2),
         (colliery_geophone.trickling, colliery_geophone.OF_SIZES, -0.2),
         (granary_sieve.pouring, granary_sieve.OF_SIZES, -0.2),
         (icerink_timer.scraping, icerink_timer.OF_SIZES, -0.2),
@@ -102,6 +101,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (distillery_safe.seething, distillery_safe.OF_SIZES, -0.2),
         (mint_assay.jingling, mint_assay.OF_SIZES, -0.2),
         (watermill_hopper.trundling, watermill_hopper.OF_SIZES, -0.2),
+        (gasworks_meter.hissing, gasworks_meter.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -131,7 +131,6 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (observatory_plate.stars, observatory_plate.exposed_later, 0.02),
         (baths_probe.ripples, baths_probe.held_under, 0.02),
         (circus_lamp.flashes, circus_lamp.encored, 0.02),
-        (velodrome_camera.bulges, velodrome_camera.dropped_back, 0.02),
         (colliery_geophone.booms, colliery_geophone.hauled_back, 0.02),
         (granary_sieve.swells, granary_sieve.trickled_later, 0.02),
         (icerink_timer.shouts, icerink_timer.skated_late, 0.02),
@@ -143,6 +142,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (distillery_safe.drops, distillery_safe.run_later, 0.02),
         (mint_assay.coins, mint_assay.rolled_later, 0.02),
         (watermill_hopper.grains, watermill_hopper.ground_later, 0.02),
+        (gasworks_meter.puffs, gasworks_meter.piped_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
