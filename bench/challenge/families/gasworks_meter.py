@@ -93,7 +93,8 @@ def first_top(waves: Complexes, deaf: float) -> Integers:
     tops = np.zeros(size.shape, np.bool_)
     tops[:, 1:-1] = (size[:, 1:-1] >= size[:, :-2]) & (size[:, 1:-1] > size[:, 2:])
     tops &= size >= np.minimum(bar, MOST * most)[:, None]
-    return np.where(tops.any(axis=1), tops.argmax(axis=1), size.argmax(axis=1)).astype(np.int64)
+    first: Integers = np.where(tops.any(axis=1), tops.argmax(axis=1), size.argmax(axis=1))
+    return first
 
 
 def _at_fraction(waves: Complexes, top: Integers) -> Floats:

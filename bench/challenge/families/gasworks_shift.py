@@ -59,9 +59,9 @@ def worked(rng: np.random.Generator, rare: str, of_rows: Integers = OF_ROWS) -> 
         for k in range(len(called))
     ]  # fmt: skip
     rows = pd.concat(made, ignore_index=True)
-    between = _between(rng, rows, rare)
+    rows["obstacles"] = _between(rng, rows, rare)
     return rows.assign(
-        obstacles=between, los=[not some for some in between], channel=1, prf_mhz=64.0,
+        los=rows["obstacles"].map(len).eq(0), channel=1, prf_mhz=64.0,
         room_x_m=YARD_M[0], room_y_m=YARD_M[1], room_z_m=YARD_M[2],
     )  # fmt: skip
 
