@@ -255,8 +255,8 @@ def over_heaps(far: Floats, part: Floats, high: Floats, wide: Floats) -> tuple[F
 def _heaps(charge: Charge, strength: float) -> Bill:
     """Bend over both edges of iron bins' tops."""
     rng, iron = charge.rng, charge.met("metal")
-    high, wide = (charge.per_link(lambda n, by=by: rng.uniform(*by, n))
-                  for by in (HEAP_M, RIDGE_M))  # fmt: skip
+    high = charge.per_link(lambda n: rng.uniform(*HEAP_M, n))
+    wide = charge.per_link(lambda n: rng.uniform(*RIDGE_M, n))
     part = charge.per_link(lambda n: rng.uniform(0.3, 0.7, n))
     high = np.minimum(np.sqrt(strength) * high, 0.28 * charge.far)
     longer, lost = over_heaps(charge.far, part, high, wide)
