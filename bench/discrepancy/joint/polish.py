@@ -17,6 +17,7 @@ from bench.discrepancy.compare.view import Added
 from bench.discrepancy.fit.search import revalued
 from bench.discrepancy.fit.starts import between, by_ratio, free_parameters, inside
 from bench.discrepancy.joint.likelihood import fitness, white, whitener
+from bench.discrepancy.joint.other_ways import as_high, other_log
 from bench.discrepancy.joint.row_likelihood import come_and_gone
 from bench.discrepancy.joint.settings import (
     DAMPING,
@@ -34,7 +35,6 @@ from bench.discrepancy.joint.settings import (
 )
 from bench.discrepancy.joint.statistics import Moments, Statistics
 from bench.physics.effect import Effect, Parameter
-from bench.physics.effects.receiver.interference import NarrowbandInterference
 
 Floats = NDArray[np.float64]
 
@@ -125,7 +125,7 @@ def polished(given: Statistics, effects: Added, steps: int = STEPS) -> Fit | Non
     begun = fitted(given, effects)
     if begun is None or not len(shares(effects)):
         return begun
-    best = _as_logged(given, in_rounds(given, begun, steps, ()), steps)
+    best = _other_way(given, in_rounds(given, begun, steps, ()), steps)
     held = [place for place, rare in enumerate(_seldom(effects)) if rare]
     if not shares(best.effects)[held].any():
         return best
@@ -147,24 +147,19 @@ def likeliest(given: Statistics, tries: Sequence[Added]) -> Fit | None:
     return max(made, key=lambda fit: fit.nats, default=None)
 
 
-def _as_logged(given: Statistics, fit: Fit, steps: int) -> Fit:
-    """Return a set whose tone is logged by its power where a table shows that, else as it is.
+def _other_way(given: Statistics, fit: Fit, steps: int) -> Fit:
+    """Return a set whose effects do in the other way what they may where that is likelier.
 
     What another tool's noise is of, nobody told: of its power a tone raises as much as noise does.
+    Nor whether a wider pulse is as high as before.
     """
-    if given.by_rows or NarrowbandInterference.name not in fit.names:
-        return fit
-    other = fitted(given, tuple(map(other_log, fit.effects)))
-    if other is None or other.nats <= fit.nats:
-        return fit
-    return in_rounds(given, other, steps, ())
-
-
-def other_log(effect: Effect) -> Effect:
-    """Return a tone that a table logs in the other way; other effects as they are."""
-    if not isinstance(effect, NarrowbandInterference):
-        return effect
-    return replace(effect, power_logged=1.0 - effect.power_logged)
+    ways = [as_high] if given.by_rows else [other_log, as_high]
+    for way in ways:
+        changed = tuple(map(way, fit.effects))
+        other = fitted(given, changed) if changed != fit.effects else None
+        if other is not None and other.nats > fit.nats:
+            fit = in_rounds(given, other, steps, ())
+    return fit
 
 
 def _seldom(effects: Added) -> list[bool]:

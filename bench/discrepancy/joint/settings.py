@@ -241,3 +241,4 @@ GROWTH_NS: Final = (14.0, 30.0, 46.0, 62.0, 78.0, 94.0, 110.0)  # stretches of d
 GROWN_TIMES: Final = 1.25  # as much, from where on it grew: a decibel [convention]
 GROWN_ERRORS: Final = 5.0  # standard errors, by which it is surely more: of fifteen pairs of
 # stretches, by some thirty links [convention]
+WIDER: Final = 1.1  # times, from which on a wider pulse as high as before is 0.4 dB more [derived]

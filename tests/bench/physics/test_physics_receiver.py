@@ -74,6 +74,15 @@ def test_ringing_is_an_echo_at_a_delay_that_no_distance_moves() -> None:
     np.testing.assert_allclose(made.range_m, base.range_m, atol=0.005)  # 1/64 sample
 
 
+def test_a_wider_pulse_is_lower_or_has_more_energy() -> None:
+    """As calibrated, its energy is kept; sent as high as before, it grows with the width."""
+    frame = line(256)
+    low, base = change(frame, PulseRinging(widening=1.5))
+    high, _ = change(frame, PulseRinging(widening=1.5, as_high=1.0))
+    np.testing.assert_allclose(low.rx_power_dbm, base.rx_power_dbm, atol=0.05)
+    np.testing.assert_allclose(high.rx_power_dbm - base.rx_power_dbm, 1.76, atol=0.05)
+
+
 def test_widening_widens_the_pulse() -> None:
     def width(*effects) -> float:
         cir = seen(line(256), *effects).cir

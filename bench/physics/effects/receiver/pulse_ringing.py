@@ -49,9 +49,10 @@ class PulseRinging(Effect):
     ring_decay_ns: float = parameter(0.01, "ns", 0.01, 10, "in which the echo falls to 1/e")
     ring_offset_mhz: float = parameter(0, "MHz", -300, 300, "of what decays, off the carrier")
     widening: float = parameter(1, "ratio", 1, 3, "of the pulse's width", null=1)
-    on_top: float = parameter(0, "ratio", 0, 1, "of the energy that is more, on top")
+    on_top: float = parameter(0, "ratio", 0, 1, "of what rings on, that the pulse does not lose")
     first_alone: float = parameter(0, "ratio", 0, 1, "of the echo, that other paths do not have")
     again: float = parameter(0, "ratio", 0, 1, "of the echo's energy, that echoes on", null=0)
+    as_high: float = parameter(0, "1", 0, 1, "1 where a wider pulse is no lower", fitted=False)
     pulse_fwhm: float = parameter(2.5, "samples", 1.2, 5, "the base's width, before", fitted=False)
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
@@ -62,7 +63,7 @@ class PulseRinging(Effect):
         waveform = self._rung(self._widened(batch.waveform), batch.sample_period_ns)
         kept = np.sqrt(before / np.maximum(energy(waveform), 1e-20)).astype(np.float32)
         kept = np.where(kept < 1, kept ** np.float32(1 - self.on_top), kept)
-        kept *= np.float32(self.widening ** (self.on_top / 2))
+        kept *= np.float32(self.widening ** (self.as_high / 2))
         return altered(batch, waveform=scaled(waveform, kept))
 
     def _widened(self, waveform: Complexes) -> Complexes:
