@@ -65,6 +65,8 @@ def _selected(state: State, journal: Journal) -> Selection:
     What was fitted beside it, and took back what it does to ranges, is then asked anew. Rows that
     are late in few links help no link held out: if nothing has a name without it, it keeps its own.
     """
+    noise = state.guard.safely("noise of devices", without_steady, state.search)
+    state = replace(state, search=noise(state.search))
     found = _as_indices_say(state, journal)
     late = LateDetection.name
     if late not in found.together or late in {one.name for one in found.added}:
@@ -80,8 +82,6 @@ def _as_indices_say(state: State, journal: Journal) -> Selection:
     located = _in_all_rows(search, journal, kept(locate_left)(search, (), 0, WAVES_SHARE))
     if not located.significant:
         return _of_sure_ranges(state.after(Round(located, None, None)), journal)
-    search = safely("noise of devices", without_steady, search)(search)
-    state = replace(state, search=search)
     fault = safely("recorder", recorder_fault, "")(search)
     if fault:
         return spoilt(state.after(Round(located, None, None)), fault)

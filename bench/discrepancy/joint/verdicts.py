@@ -281,9 +281,8 @@ def _objection(
         return f"it is there too in {option.control.words}"
     if untold(option) and not shown and not surely_there(search, added, option.effect):
         return "none of its values is told from zero"
-    if words := unused(option.effect) or _idle(search, added, option) or taken_away(option.effect):
-        return words
-    if words := hardly_more(option):
+    words = unused(option.effect) or _idle(search, added, option)
+    if words := words or taken_away(option.effect) or hardly_more(option):
         return words
     if option.effect.name != first.name and (words := without_waves(option)):
         return words

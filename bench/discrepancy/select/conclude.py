@@ -340,8 +340,8 @@ def left_out(
         doubted = guard.safely("what else it may do", with_doubt, intervals)
         unsure = search.choice.unsure[effect.physics]
         intervals = doubted(comparison, view, others, effect, intervals, unsure)
-    known = {one.name: one for one in guard.safely("value in a log", read_off, ())(search, effect)}
-    intervals = tuple((known | {one.name: one for one in intervals} | known).values())
+    known = guard.safely("value in a log", read_off, ())(search, effect)
+    intervals = (*known, *(o for o in intervals if o.name not in {one.name for one in known}))
     unknown = Control(type(effect).control, None)
     test = guard.safely("negative control", negative_control, unknown)
     top = turn.located.findings[:1]  # none where a mark alone speaks for it

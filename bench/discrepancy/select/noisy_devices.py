@@ -104,7 +104,7 @@ def _simulated_db(search: Search, masks: Masks) -> Floats:
 
     Rows that stand for recorded ones may be other devices'.
     """
-    out = np.zeros(len(next(iter(masks.values()), ())))
+    out = np.zeros(len(next(iter(masks.values()))))
     other = search.comparison
     if not isinstance(other, TableComparison):
         return out

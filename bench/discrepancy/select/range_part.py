@@ -195,12 +195,11 @@ def chosen_beside(ranged: Search, beside: Added, unlisted: bool = False) -> Choi
     library = kept_rows(of_library(ranged.kinds, by_links(rows, ensemble)), known)
     laws = kept_rows(of_laws(ranged.kinds, rows) | of_setup(rows), known)
     every = named_kinds(ranged.kinds, rows)
-    weights = row_weights(left[known], level[known], rows.links[known])
     alone = Evidence(left[known], rows.links[known], library)
-    alone.weights = weights
+    alone.weights = row_weights(left[known], level[known], rows.links[known])
     library |= over_steadier_levels(alone, ranged.kinds, rows, known)
     given = Ranged(
-        left[known], weights,
+        left[known], alone.weights,
         library | laws, dict.fromkeys(laws, LAW_SIZE), {name: every[name] for name in library},
         ranged.comparison.crowding(rows) ** 2, rows, known,
     )  # fmt: skip

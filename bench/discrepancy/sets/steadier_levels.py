@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bench.discrepancy.compare.beside_level import with_levels_of_links
 from bench.discrepancy.compare.view import View
-from bench.discrepancy.sets.blocks import Blocks, Kinds, kept_rows, of_library
+from bench.discrepancy.sets.blocks import Blocks, Kinds, kept_rows
 from bench.discrepancy.sets.evidence import Evidence
 from bench.discrepancy.sets.settings import STEADIER_NATS
 
@@ -21,13 +21,12 @@ def over_steadier_levels(
     evidence: Evidence, kinds: Kinds, rows: View, known: NDArray[np.intp]
 ) -> Blocks:
     """Return parts [n, k] over mean levels of links, by the names that are likelier by these."""
-    follow = {name: kind for name, kind in kinds.items() if kind.follows and name == kind.name}
-    if not follow:
-        return {}
-    made = kept_rows(of_library(follow, with_levels_of_links(rows)), known)
+    scene = with_levels_of_links(rows).scene
+    ways = {kind.name: kind.ways(scene) for kind in kinds.values() if kind.follows}
+    made = kept_rows({name: block for name, block in ways.items() if block is not None}, known)
     other = evidence.with_blocks(evidence.blocks | made)
     return {
-        name: made[name]
-        for name in follow
-        if name in made and other.of((name,)).nats > evidence.of((name,)).nats + STEADIER_NATS
+        name: block
+        for name, block in made.items()
+        if other.of((name,)).nats > evidence.of((name,)).nats + STEADIER_NATS
     }

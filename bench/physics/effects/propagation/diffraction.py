@@ -69,7 +69,7 @@ class Diffraction(Effect):
         if not shut.any():
             return None
         usual_m = float(np.median(rows.true_range_m[shut]))
-        nearer = np.minimum(usual_m / np.maximum(rows.true_range_m, usual_m / NEAREST), NEAREST)
+        nearer = usual_m / np.maximum(rows.true_range_m, usual_m / NEAREST)
         return (TYPICAL_M * np.stack([shut, shut * (nearer - nearer[shut].mean())], axis=1),)
 
     @classmethod
