@@ -23,8 +23,9 @@ def borne_out_of_class(found: Selection, more: Added, change: Change) -> Selecti
     """Return the selection with that of a class in place which sealed links bear out.
 
     Asked where they refuse the effects that were added, a class's first among them. Another of it
-    must make them better beyond chance, by the score and not by farther ranges, in its place. What
-    could not be tried stays in the class, as open as it was.
+    must make them better, by the score and not by farther ranges, in its place: beyond chance where
+    the first makes them worse beyond chance, else as it would have had to. What could not be tried
+    stays in the class, as open as it was.
     """
     for verdict in found.verdicts:
         now = change((*found.added, *more))
@@ -43,7 +44,12 @@ def _in_its_place(
     rest = without(found.added, first.effect)
     tried = [one for one in others if not one.note]
     judged = {one.names: change((*rest, one.effect, *more)) for one in tried}
-    able = {name: got for name, got in judged.items() if got and got.serves and got.gain.above_zero}
+    by_chance = now.gain.high > 0
+    able = {
+        name: got
+        for name, got in judged.items()
+        if got and got.serves and (by_chance or got.gain.above_zero)
+    }
     if not able:
         return found
     best = max((one for one in tried if one.names in able), key=lambda one: able[one.names].rank)

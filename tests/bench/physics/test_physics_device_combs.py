@@ -55,6 +55,17 @@ def test_grids_of_devices_are_found_and_what_they_do(steps_m: Floats, origins_m:
     assert np.abs(place - np.rint(place)).max() < 0.01
 
 
+def test_how_devices_with_steps_of_their_own_round_is_asked_beside_their_delays() -> None:
+    """Delays of devices made up for the half step, and no interval of theirs held the truth."""
+    table = rows(TWO, 0 * ORIGINS)
+    late = table["range_m"].to_numpy() - table["true_range_m"].to_numpy() + 0.035
+    made = RangeRounding.fit_values(table, late)
+    assert isinstance(made, RangeRounding)
+    forms = made.forms()
+    assert [one.lean for one in forms] == [0.0, -0.5, 0.5]  # type: ignore[attr-defined]
+    assert forms[0].not_told_from(forms).untold == (-0.5, 0.5)  # type: ignore[attr-defined]
+
+
 def test_devices_that_scatter_after_have_no_grids() -> None:
     table = rows(SAME, ORIGINS, 0.02)
     left = table["range_m"].to_numpy() - table["true_range_m"].to_numpy()

@@ -33,6 +33,7 @@ REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
 LEAST_ROWS = 12
 CONSTANT_M, CONSTANT_DB = 1.0, 1.0  # typical, of another cause
+NO_CONSTANT_DB = 1e-3
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,8 @@ class GroundRay(Effect):
         """Return it with the size that leaves least of residual levels [n], and what is beside.
 
         A fall of levels with the distance is a path loss rather than what a receiver makes of two
-        rays, where levels bear it out.
+        rays, where levels bear it out. So is a constant, but where levels are farther for it: then
+        it is the mean of what goes up and down. Where that helps no more, levels stay as they are.
         """
         rows, known = scene(frame, "recorded"), np.isfinite(left_db)
         found = rays(rows)
@@ -136,8 +138,19 @@ class GroundRay(Effect):
             return self._sized(found, known, left)
         ways = fades_db(found, self.carrier_ghz)[known]
         left = without_fall(ways, left, far, _repeats(frame), CONSTANT_DB)
-        best = self._sized(found, known, left)
-        more = Ridge(ways, left - best._faded(found)[known], CONSTANT_DB)
+        for constant_db in (CONSTANT_DB, NO_CONSTANT_DB):
+            made = self._heard(found, known, left, constant_db)
+            if np.abs(left - made._faded(found)[known]).mean() < np.abs(left).mean():
+                return made
+        return replace(self, level_size=0.0, louder=())
+
+    def _heard(
+        self, found: Rays, known: NDArray[np.bool_], left_db: Floats, constant_db: float
+    ) -> GroundRay:
+        """Return it with what levels [k] of known rows show of it, beside a constant of a size."""
+        best = self._sized(found, known, left_db)
+        ways = fades_db(found, self.carrier_ghz)[known]
+        more = Ridge(ways, left_db - best._faded(found)[known], constant_db)
         return replace(best, louder=tuple(more.factors.tolist()))
 
     def _sized(self, found: Rays, known: NDArray[np.bool_], left_db: Floats) -> GroundRay:

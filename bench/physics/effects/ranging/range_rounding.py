@@ -140,12 +140,10 @@ class RangeRounding(Effect):
     def forms(self) -> tuple[Effect, ...]:
         """Return it to the nearest, down and up: a constant apart; and as devices lean.
 
-        Of devices with steps of their own their mean tells, beside that of the others.
+        With steps of devices as well: what each is off by besides may be a delay of its own.
         """
-        if self.steps_m:
-            return (self,)
         if not self.leans:
-            return tuple(replace(self, lean=lean) for lean in LEANS)
+            return tuple(replace(self, lean=lean, untold=()) for lean in LEANS)
         alike = replace(self, of="", devices=(), leans=())
         return *alike.forms(), self
 

@@ -72,6 +72,16 @@ def test_what_chance_may_have_refused_stays_in_the_class(monkeypatch: pytest.Mon
     assert set(made.added) == {DRIFT, LAG}
 
 
+def test_one_that_serves_takes_the_place_of_what_chance_may_have_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of offsets of 26 devices and one drift that do as well, sealed links bear out the drift."""
+    gains = {"antenna-delay": (-0.3, -2, 1.4), "range-scale": (-1, -1.2, -0.8)}
+    made = found(monkeypatch, gains | {"temperature-drift": (0.9, -0.5, 1.3)})
+    assert made.names == (("temperature-drift", "antenna-delay"), ("time-lag",))
+    assert set(made.added) == {DRIFT, LAG}
+
+
 def test_what_could_not_be_tried_takes_no_place_and_stays_open(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
