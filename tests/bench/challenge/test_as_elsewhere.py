@@ -15,7 +15,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 FAMILIES = (
     "observatory", "baths", "circus", "colliery", "granary", "icerink", "breadworks",
     "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
-    "gasworks",
+    "gasworks", "lighthouse",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -54,6 +54,7 @@ OWN = {
     "mint": "coils-spring-open",
     "watermill": "buckets-slip-with-their-belt",
     "gasworks": "lamplighters-cut-their-eights",
+    "lighthouse": "gulls-wheel-wider-than-told",
 }
 ALIKE = [
     (family, name)
@@ -188,6 +189,20 @@ OWN_PARTS = {
         "late-fours-told-as-their-first": (0.1, 0.6),
         "late-gain-falls-by-stairs": (0.1, 0.6),
         "late-sizes-foreshown-by-a-needle": (0.1, 0.6),
+    },
+    "lighthouse": {
+        "prisms-fan-out-what-comes-late": (0.1, 0.6),
+        "tower-shadows-a-span-of-what-comes-late": (0.1, 0.6),
+        "swell-washes-out-what-comes-late": (0.1, 0.6),
+        "late-eights-told-odd-and-even": (0.1, 0.6),
+        "late-sevens-told-from-ends-inward": (0.1, 0.6),
+        "late-sizes-as-plates-blacken": (0.1, 0.6),
+        "late-sizes-off-a-dipped-horizon": (0.1, 0.6),
+        "late-sixths-joined-by-chords": (0.1, 0.6),
+        "late-part-plotted-by-logarithms-of-time": (0.1, 0.6),
+        "late-sizes-as-the-middle-of-five": (0.1, 0.6),
+        "late-gain-flashes-in-groups": (0.1, 0.6),
+        "late-gain-runs-down-like-a-clock": (0.1, 0.6),
     },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
@@ -326,6 +341,30 @@ FAULTS = {
         "inches-booked-to-a-short-yard",
         "dial-hung-off-its-centre",
         "bracket-bent-by-a-ladder",
+    ),
+    "lighthouse": (
+        "spray-hangs-over-the-weather-side",
+        "warm-draught-rises-in-the-tower",
+        "beam-heats-ways-that-it-sweeps",
+        "tide-gauge-sticks-in-its-well",
+        "keepers-cut-their-corners",
+        "tenders-carry-their-way-longer",
+        "gulls-wheel-wider-than-told",
+        "cans-sway-wider-on-the-hoist",
+        "lenses-stick-twice-a-turn",
+        "donkeys-wind-rope-in-sooner",
+        "places-told-by-a-losing-chronometer",
+        "heights-sounded-by-a-stretched-line",
+        "chart-of-the-rock-sheared",
+        "tower-bends-in-the-gale",
+        "rock-heaves-with-the-tide",
+        "answers-late-until-the-clock-is-wound",
+        "answers-booked-by-dead-reckoning",
+        "answers-lean-to-the-watchs-first",
+        "heaving-line-stretches-by-its-own-weight",
+        "knots-of-the-line-counted-too-large",
+        "vernier-read-from-its-wrong-end",
+        "cresset-bent-by-a-sea",
     ),
 }  # fmt: skip
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]

@@ -23,12 +23,12 @@ from bench.challenge.families import (
     granary_sieve,
     icerink_timer,
     laundry_meter,
+    lighthouse_lens,
     manege_handset,
     mint_assay,
     observatory_plate,
     opera_console,
     planetarium_almanac,
-    printworks_console,
     ropewalk_telltale,
     roundhouse_recorder,
     saltworks_gauge,
@@ -44,7 +44,6 @@ OF_ITS_OWN = {
     "opera": {"arm_m", "turn_rad", "into_s"},
     "brickworks": {"gait", "slew_rad", "into_s"},
     "roundhouse": {"from_r", "go_rad", "into_s"},
-    "printworks": {"aim", "bend", "into_s"},
     "aviary": {"heads", "wheel", "into_s"},
     "sawmill": {"pace", "curl", "into_s"},
     "laundry": {"lever", "gap_s", "into_s"},
@@ -66,6 +65,7 @@ OF_ITS_OWN = {
     "mint": {"way", "bears", "into_s"},
     "watermill": {"gang", "faces", "into_s"},
     "gasworks": {"trade", "works", "into_s"},
+    "lighthouse": {"calling", "stirs", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -80,7 +80,6 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (opera_console.hiss, opera_console.OF_SIZES, -0.2),
         (brickworks_reader.rustle, brickworks_reader.OF_SIZES, -0.2),
         (roundhouse_recorder.crackle, roundhouse_recorder.OF_SIZES, -0.2),
-        (printworks_console.rush, printworks_console.OF_SIZES, -0.2),
         (aviary_listener.murmur, aviary_listener.OF_SIZES, -0.2),
         (sawmill_decoder.rasp, sawmill_decoder.OF_SIZES, -0.2),
         (laundry_meter.sizzle, laundry_meter.OF_SIZES, -0.2),
@@ -102,6 +101,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (mint_assay.jingling, mint_assay.OF_SIZES, -0.2),
         (watermill_hopper.trundling, watermill_hopper.OF_SIZES, -0.2),
         (gasworks_meter.hissing, gasworks_meter.OF_SIZES, -0.2),
+        (lighthouse_lens.breaking, lighthouse_lens.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -121,7 +121,6 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (opera_console.struck, opera_console.later, 0.02),
         (brickworks_reader.pulses, brickworks_reader.delayed, 0.02),
         (roundhouse_recorder.pulses, roundhouse_recorder.held_back, 0.02),
-        (printworks_console.pulses, printworks_console.postponed, 0.02),
         (aviary_listener.calls, aviary_listener.deferred, 0.02),
         (sawmill_decoder.humps, sawmill_decoder.held, 0.02),
         (laundry_meter.lobes, laundry_meter.belated, 0.02),
@@ -143,6 +142,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (mint_assay.coins, mint_assay.rolled_later, 0.02),
         (watermill_hopper.grains, watermill_hopper.ground_later, 0.02),
         (gasworks_meter.puffs, gasworks_meter.piped_later, 0.02),
+        (lighthouse_lens.gleams, lighthouse_lens.ebbed, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
