@@ -55,7 +55,8 @@ ARC_A, STEEPENS, PLAIN_DB = 19.0, 1.4, 0.25  # of an arc whose noise is as stron
 
 def _behind(entries: Entries, strength: float) -> Dues:
     """Compare with places that tags' logs are late by, each kind of log by its own time."""
-    return Dues(entries.bears_off(strength * (LAG_S + EACH_LAG_S * (entries.tag % 5))))
+    later_s = strength * (LAG_S + EACH_LAG_S * np.asarray(entries.tag % 5, np.float64))
+    return Dues(entries.bears_off(later_s))
 
 
 def _messages(entries: Entries, strength: float) -> Dues:

@@ -8,6 +8,7 @@ that is off in a few weak rows which scatter anyway is no law of the level.
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.grouped import group_means
@@ -20,16 +21,33 @@ def row_weights(left_m: Floats, level_db: Floats, links: NDArray[np.intp]) -> Fl
     """Return by how much rows [n] count, about one: the less, the more such rows scatter.
 
     From how residual ranges [n] of a link differ from its mean, at its mean level: what links have
-    in common may be a cause. All ones where no link has several rows, or levels are not known.
+    in common may be a cause. All ones where no link has several rows; where levels are not known
+    all but what is far off its link.
     """
-    if not np.isfinite(level_db).all():
-        return np.ones(len(left_m))
     where = np.unique(links, return_inverse=True)[1]
     count = np.bincount(where)[where]
-    off = left_m - group_means(left_m[:, None], where)[:, 0]
     several = count > 1
     if not several.any():
         return np.ones(len(left_m))
+    near = _near(left_m, where, several)
+    if not np.isfinite(level_db).all():
+        return near
+    return near * _by_level(left_m, level_db, where, several)
+
+
+def _near(left_m: Floats, where: NDArray[np.intp], several: NDArray[np.bool_]) -> Floats:
+    """Return one for rows [n] near the median of their link, less for those far off it."""
+    off = np.abs(left_m - pd.Series(left_m).groupby(where).transform("median").to_numpy())
+    most = SCATTER_OUTLIER * MAD_TO_STD * float(np.median(off[several]))
+    return np.asarray(np.minimum(1.0, most / np.maximum(off, max(most, 1e-9))))
+
+
+def _by_level(
+    left_m: Floats, level_db: Floats, where: NDArray[np.intp], several: NDArray[np.bool_]
+) -> Floats:
+    """Return by how much rows [n] count by their level, about one (see `row_weights`)."""
+    count = np.bincount(where)[where]
+    off = left_m - group_means(left_m[:, None], where)[:, 0]
     most = SCATTER_OUTLIER * MAD_TO_STD * float(np.median(np.abs(off[several])))
     squares = np.clip(off[several], -most, most) ** 2
     weaker = 10 ** ((np.median(level_db) - level_db) / 10)

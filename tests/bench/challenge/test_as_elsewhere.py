@@ -374,7 +374,7 @@ FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]
 @pytest.mark.parametrize(("family", "name"), FAULTY)
 def test_faults_move_ranges_by_more_than_these_scatter(family: str, name: str, mode: str) -> None:
     share, times = moved_of(family, name, mode)
-    assert share > 0.04
+    assert share > 0.03  # tenders are one in thirty rows beside waveforms
     assert times > 1.5
 
 

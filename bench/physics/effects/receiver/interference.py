@@ -34,6 +34,7 @@ class NarrowbandInterference(Effect):
     without_cir = False
     with_phases = True  # beside magnitudes taken as real it would beat with all noise alike
     told_by = NOISE_TOLD_BY
+    essential_with_cir = ("share",)  # a tone in none of the rows
     of_phases = ("offset_mhz",)  # powers show only how it beats with noise, which receivers colour
 
     level_db: float = parameter(6, "dB", -20, 40, "median power over the noise's", null=-20)
