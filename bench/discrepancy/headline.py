@@ -15,11 +15,13 @@ from bench.discrepancy.settings import NEARER_SHARE
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
 NOT_ADDED: Final = "Nothing was added to the simulator."
+NO_BETTER: Final = "Nothing was added to the simulator: held-out links fit no better with it."
 WITHHELD: Final = "was not added"
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 Findings = tuple[Finding, ...]
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 TOLD = (FAULT, LAW)
+LEFT_OUT: Final = "Left out: "
 OWN_FORM: Final = ", in a form of its own beside the library's"
 
 
@@ -38,7 +40,7 @@ def headline(
     """
     said = _found_and_change(verdicts, added, seen, more, _with(changed, verdicts, withheld))
     kept = "".join(f" {name} {words}." for name, words in withheld.items())
-    return said.removesuffix(f" {NOT_ADDED}") + kept if kept else said
+    return said.removesuffix(f" {NOT_ADDED}").removesuffix(f" {NO_BETTER}") + kept if kept else said
 
 
 def or_elsewhere(names: tuple[tuple[str, ...], ...], devices: tuple[str, ...]) -> str:
@@ -67,7 +69,7 @@ def _found_and_change(
     if not said:
         return "Nothing found that the simulator leaves out."
     if not added:
-        return f"{said}. {NOT_ADDED}"
+        return f"{said}. {NO_BETTER if said.startswith(LEFT_OUT) else NOT_ADDED}"
     change = _change(seen)
     if not seen.serves:
         why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
@@ -88,13 +90,13 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
     told = f" ({more})" if more else ""
     if not unknown:
         own = OWN_FORM if more and not more.startswith(TOLD) else ""
-        return f"Left out: {names}{own}{told}" if names else ""
+        return f"{LEFT_OUT}{names}{own}{told}" if names else ""
     if more.startswith(TOLD):
-        return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
+        return f"{LEFT_OUT}{names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)
     if not names:
         return f"Something is there, without a name{cause}{told or _weak(verdicts)}"
-    found = f"Left out: {names}{cause} - and something without a name"
+    found = f"{LEFT_OUT}{names}{cause} - and something without a name"
     return found + (told or _device(verdicts))
 
 

@@ -65,7 +65,7 @@ def _explained(verdicts: Sequence[Unknown]) -> list[str]:
     for finding in (one for verdict in verdicts for one in verdict.findings):
         first.setdefault(finding.cell, finding)
     return [
-        f"Without it this differs, which no known effect explains{notes}:",
+        f"What differed without it, and no known effect explains{notes}:",
         *finding_lines(list(first.values()), 5),
     ]
 

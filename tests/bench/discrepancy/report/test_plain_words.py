@@ -103,12 +103,12 @@ def test_what_a_law_explains_is_said_once() -> None:
     heading, *lines = _explained(unknown)
     assert (
         heading
-        == "Without it this differs, which no known effect explains (like none; too little):"
+        == "What differed without it, and no known effect explains (like none; too little):"
     )
     assert len(lines) == 3
     assert [line.partition("= ")[2].partition(" m")[0] for line in lines] == ["0.8", "1.9", "-0.5"]
     refused = replace(unknown[0], note="looks most like timestamp-jitter, but levels are alike")
-    assert _explained([refused])[0] == "Without it this differs, which no known effect explains:"
+    assert _explained([refused])[0] == "What differed without it, and no known effect explains:"
 
 
 def test_a_class_among_other_names_stands_in_brackets() -> None:

@@ -25,6 +25,7 @@ from bench.discrepancy.sets.choice import Choice
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.interference import NarrowbandInterference
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
@@ -267,6 +268,8 @@ def test_a_level_control_that_ends_no_accumulation_is_none() -> None:
     assert refute.unused(LevelControl(accumulation=0.1)) == ""
     assert "accumulation" in refute.unused(LevelControl(accumulation=0.001))
     assert refute.unused(NoiseFloor()) == ""
+    assert "share" in refute.unused(NarrowbandInterference(share=0.0, level_db=-9.0))
+    assert refute.unused(NarrowbandInterference(share=0.3, level_db=-9.0)) == ""
 
 
 def test_an_essential_parameter_does_something_within_its_bounds() -> None:
