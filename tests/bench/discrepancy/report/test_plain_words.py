@@ -102,8 +102,7 @@ def test_what_a_law_explains_is_said_once() -> None:
     ]  # fmt: skip
     heading, *lines = _explained(unknown)
     assert (
-        heading
-        == "What differed without it, and no known effect explains (like none; too little):"
+        heading == "What differed without it, and no known effect explains (like none; too little):"
     )
     assert len(lines) == 3
     assert [line.partition("= ")[2].partition(" m")[0] for line in lines] == ["0.8", "1.9", "-0.5"]

