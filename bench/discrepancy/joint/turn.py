@@ -29,6 +29,7 @@ from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.marks import forms_of_marks
+from bench.discrepancy.select.odd_device import with_odd_device
 from bench.discrepancy.select.own_scatter import beyond_causes
 from bench.discrepancy.select.range_part import with_range_part
 from bench.discrepancy.select.recorder import recorder_fault, spoilt
@@ -259,8 +260,11 @@ def _with_last(state: State, journal: Journal) -> State:
 
 
 def _in_all_rows(search: Search, journal: Journal, found: Located) -> Located:
-    """Return what waveforms of half the rows show, or of all, or their ranges, or their levels."""
-    for step in (with_waveforms, with_ranges, with_levels):
+    """Return what waveforms of half the rows show, or of all, or their ranges, or their levels.
+
+    Or those of one device.
+    """
+    for step in (with_waveforms, with_ranges, with_levels, with_odd_device):
         found = journal.kept(step)(search, found)
     return found
 

@@ -146,7 +146,7 @@ def locate(
     best = [i for i in np.argsort(-told) if chance[i] <= alpha and not narrow[i]][:top]
     wholes = _found_everywhere(cells, chance, alpha)
     at = {
-        i: _finding(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
+        i: finding_of(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
         for i in {*best, *(wholes[i] for i in best if i in wholes)}
     }
     found = [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
@@ -250,7 +250,7 @@ def _weight(place: Place, ensemble: Ensemble, covariates: Covariates) -> Floats:
     return place.weight(ensemble.recorded_of(name))
 
 
-def _finding(
+def finding_of(
     ensemble: Ensemble, covariates: Covariates, cell: Cell, z: float, p: float, seed: int
 ) -> Finding:
     """Return a finding with its effect in physical units."""
@@ -338,7 +338,7 @@ def rare_links(ensemble: Ensemble, seed: int, crowding: float = 1.0) -> Finding 
     if not struck:
         return None
     cell = Cell(RANGE, "link", Place())
-    return _finding(ensemble, Covariates({}, {}), cell, beyond, RARE_P, seed)
+    return finding_of(ensemble, Covariates({}, {}), cell, beyond, RARE_P, seed)
 
 
 def rare_rows(ensemble: Ensemble, crowding: float, seed: int) -> Finding | None:
@@ -347,4 +347,4 @@ def rare_rows(ensemble: Ensemble, crowding: float, seed: int) -> Finding | None:
     if p > ROWS_P:
         return None
     cell = Cell(RANGE, "spread", Place())
-    return _finding(ensemble, Covariates({}, {}), cell, times, p, seed)
+    return finding_of(ensemble, Covariates({}, {}), cell, times, p, seed)

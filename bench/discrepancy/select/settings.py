@@ -25,6 +25,10 @@ IN_PLACES_SHARE: Final = 1 / 6  # for each of the three that look everywhere els
 WAVES_SHARE: Final = 0.25  # of the error of a search, for half of the rows; the rest for all
 # of all rows, in equal parts [convention]
 
+# --- One device whose waveforms are far off (select/odd_device) -----------------------------------
+ODD_LINKS: Final = 3  # of a device, that its waveforms are told by [convention]
+ODD_SHARE: Final = 0.8  # of its links, that are far off to one side [convention]
+
 # --- How links scatter (select/shared_variance) ---------------------------------------------------
 ALIKE_DEGREES: Final = (0.01, 200.0)  # of freedom, that other links add to what is known of one:
 # none, and so many that a t is a normal distribution [derived]
