@@ -14,14 +14,12 @@ from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
 
-NOT_ADDED: Final = "Nothing was added to the simulator."
-NO_BETTER: Final = "Nothing was added to the simulator: held-out links fit no better with it."
+NOT_ADDED: Final = "Nothing was added to the simulator"
 WITHHELD: Final = "was not added"
 NEW_SIMULATOR, NEW_TABLE = "The new simulator", "The simulated table with it"
 Findings = tuple[Finding, ...]
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 TOLD = (FAULT, LAW)
-LEFT_OUT: Final = "Left out: "
 OWN_FORM: Final = ", in a form of its own beside the library's"
 
 
@@ -40,7 +38,7 @@ def headline(
     """
     said = _found_and_change(verdicts, added, seen, more, _with(changed, verdicts, withheld))
     kept = "".join(f" {name} {words}." for name, words in withheld.items())
-    return said.removesuffix(f" {NOT_ADDED}").removesuffix(f" {NO_BETTER}") + kept if kept else said
+    return said.partition(f" {NOT_ADDED}")[0] + kept if kept else said
 
 
 def or_elsewhere(names: tuple[tuple[str, ...], ...], devices: tuple[str, ...]) -> str:
@@ -69,7 +67,8 @@ def _found_and_change(
     if not said:
         return "Nothing found that the simulator leaves out."
     if not added:
-        return f"{said}. {NO_BETTER if said.startswith(LEFT_OUT) else NOT_ADDED}"
+        named = any(verdict.names for verdict in verdicts)
+        return f"{said}. {NOT_ADDED}{': held-out links fit no better with it' if named else ''}."
     change = _change(seen)
     if not seen.serves:
         why = "its score is not better" if seen.gain.value <= 0 else "ranges are worse"
@@ -90,13 +89,13 @@ def _found(verdicts: tuple[Verdict, ...], more: str) -> str:
     told = f" ({more})" if more else ""
     if not unknown:
         own = OWN_FORM if more and not more.startswith(TOLD) else ""
-        return f"{LEFT_OUT}{names}{own}{told}" if names else ""
+        return f"Left out: {names}{own}{told}" if names else ""
     if more.startswith(TOLD):
-        return f"{LEFT_OUT}{names} - and {more}" if names else more[0].upper() + more[1:]
+        return f"Left out: {names} - and {more}" if names else more[0].upper() + more[1:]
     cause = "".join(f": {one.cause}" for one in unknown if one.cause)
     if not names:
         return f"Something is there, without a name{cause}{told or _weak(verdicts)}"
-    found = f"{LEFT_OUT}{names}{cause} - and something without a name"
+    found = f"Left out: {names}{cause} - and something without a name"
     return found + (told or _device(verdicts))
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.ensemble import Ensemble
@@ -18,9 +17,10 @@ from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located, finding_of
+from bench.discrepancy.locate.permutation_test import Located, finding_of
 from bench.discrepancy.select.settings import LEADING, ODD_LINKS, ODD_SHARE
 from bench.discrepancy.select.state import Search
+from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.settings import (
     RARE_BEYOND,
     RARE_P,
@@ -43,7 +43,13 @@ def with_odd_device(search: Search, found: Located) -> Located:
     made = search.comparison.ensemble(rows, (), SEARCH_MEMBERS, SEARCH_FIRST)
     times = beyond_all(made, search.comparison.distinct(rows), rows)
     most = sorted(times, key=lambda one: -times[one])[:LEADING]
-    seen = tuple(_finding(made, rows, one, times[one], search.seed) for one in most)
+    seen = tuple(
+        finding_of(
+            made, rows.covariates, Cell(name, "mean", Place(device)),
+            times[device, name], RARE_P, search.seed,
+        )
+        for device, name in most
+    )  # fmt: skip
     return replace(found, findings=seen, p=RARE_P, tail_p=RARE_P) if seen else found
 
 
@@ -81,13 +87,8 @@ def _offsets(versions: Floats, own: int, code: NDArray[np.intp]) -> tuple[Floats
     if not len(others):
         rest = (simulated.sum(axis=0) - simulated) / max(len(simulated) - 1, 1)
         others = simulated - rest
-    widest = max(float(np.nanmax(np.abs(_by_link(one, code)), initial=0.0)) for one in others)
-    return _by_link(recorded - mean, code), widest
-
-
-def _by_link(values: Floats, code: NDArray[np.intp]) -> Floats:
-    """Return the medians [L] of values [n] by link, NaN where none is known."""
-    return pd.Series(values).groupby(code).median().to_numpy(np.float64)
+    widest = float(np.nanmax(np.abs(link_medians(others, code)), initial=0.0))
+    return link_medians((recorded - mean)[None], code)[0], widest
 
 
 def _odd(offsets: Floats, beyond: float) -> bool:
@@ -96,12 +97,3 @@ def _odd(offsets: Floats, beyond: float) -> bool:
         return False
     sides = (float(np.mean(side * offsets > beyond)) for side in (-1, 1))
     return max(sides) >= ODD_SHARE
-
-
-def _finding(
-    made: Ensemble, rows: View, where: tuple[str, str], times: float, seed: int
-) -> Finding:
-    """Return a figure that is off at a device."""
-    device, name = where
-    cell = Cell(name, "mean", Place(device))
-    return finding_of(made, rows.covariates, cell, times, RARE_P, seed)

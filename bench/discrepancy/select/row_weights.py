@@ -8,11 +8,11 @@ that is off in a few weak rows which scatter anyway is no law of the level.
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.select.settings import NOISE_PARTS, SCATTER_OUTLIER, SCATTER_PART_NATS
+from bench.discrepancy.select.within_links import link_medians
 from bench.discrepancy.settings import MAD_TO_STD
 from bench.physics.units import Floats
 
@@ -32,21 +32,21 @@ def row_weights(left_m: Floats, level_db: Floats, links: NDArray[np.intp]) -> Fl
     near = _near(left_m, where, several)
     if not np.isfinite(level_db).all():
         return near
-    return near * _by_level(left_m, level_db, where, several)
+    return near * _by_level(left_m, level_db, where, count)
 
 
 def _near(left_m: Floats, where: NDArray[np.intp], several: NDArray[np.bool_]) -> Floats:
     """Return one for rows [n] near the median of their link, less for those far off it."""
-    off = np.abs(left_m - pd.Series(left_m).groupby(where).transform("median").to_numpy())
+    off = np.abs(left_m - link_medians(left_m[None], where)[0, where])
     most = SCATTER_OUTLIER * MAD_TO_STD * float(np.median(off[several]))
     return np.asarray(np.minimum(1.0, most / np.maximum(off, max(most, 1e-9))))
 
 
 def _by_level(
-    left_m: Floats, level_db: Floats, where: NDArray[np.intp], several: NDArray[np.bool_]
+    left_m: Floats, level_db: Floats, where: NDArray[np.intp], count: NDArray[np.intp]
 ) -> Floats:
-    """Return by how much rows [n] count by their level, about one (see `row_weights`)."""
-    count = np.bincount(where)[where]
+    """Return by how much rows [n], of links of `count` [n], count by their level, about one."""
+    several = count > 1
     off = left_m - group_means(left_m[:, None], where)[:, 0]
     most = SCATTER_OUTLIER * MAD_TO_STD * float(np.median(np.abs(off[several])))
     squares = np.clip(off[several], -most, most) ** 2

@@ -367,6 +367,7 @@ FAULTS = {
         "cresset-bent-by-a-sea",
     ),
 }  # fmt: skip
+RARER = {"tenders-carry-their-way-longer": 0.03}  # a tender is one in thirty rows beside waveforms
 FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]
 
 
@@ -374,7 +375,7 @@ FAULTY = [(family, name) for family, names in FAULTS.items() for name in names]
 @pytest.mark.parametrize(("family", "name"), FAULTY)
 def test_faults_move_ranges_by_more_than_these_scatter(family: str, name: str, mode: str) -> None:
     share, times = moved_of(family, name, mode)
-    assert share > 0.03  # tenders are one in thirty rows beside waveforms
+    assert share > RARER.get(name, 0.04)
     assert times > 1.5
 
 

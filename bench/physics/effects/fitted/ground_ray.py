@@ -33,7 +33,7 @@ REACHES_M = (0.35, 0.5, 0.7, 1.0, 1.5)
 STEEPNESSES = (0.0, 0.5, 1.5)
 LEAST_ROWS = 12
 CONSTANT_M, CONSTANT_DB = 1.0, 1.0  # typical, of another cause
-NO_CONSTANT_DB = 1e-3
+NO_CONSTANT_DB = 1e-3  # too small to take anything
 
 
 @dataclass(frozen=True)
