@@ -202,7 +202,7 @@ class Lens:
 
     def arrived(self) -> Complexes:
         """Return what came by air [n, k]: what noise may be is left out, softly."""
-        ratio = np.abs(self.wave) / (3.0 * self.sigma[:, None] + 1e-9)
+        ratio = np.abs(self.wave) / (3.4 * self.sigma[:, None] + 1e-9)
         return np.asarray(self.since(-5.0) * -np.expm1(-(ratio**4)) * self.wave)
 
     def turned(self) -> Complexes:
