@@ -202,7 +202,7 @@ def with_scatter(state: State, journal: Journal, choice: WaveChoice) -> State:
     search = state.search
     if choice.unlisted or any(type(effect).jumps for effect in state.added):
         return state
-    left = journal.kept(locate_left)(search, state.added, len(state.rounds))
+    left = _left_beside(search, state.added, len(state.rounds), journal)
     if not any(map(of_range, left.findings)):
         return state
     kinds = {n: k for n, k in search.kinds.items() if k.independent or k.marked}
@@ -249,14 +249,19 @@ def _scatters_by_itself(search: Search, added: Added, effect: Effect) -> bool:
 def _with_last(state: State, journal: Journal) -> State:
     """Return the state with a last round: what is left, and how much of it could be removed."""
     search, added = state.search, (*state.added, *_scattered(state))
-    left = journal.kept(locate_left)(search, added, len(state.rounds) + 1)
-    left = left if added else _in_all_rows(search, journal, left)
+    left = _left_beside(search, added, len(state.rounds) + 1, journal)
     last = Round(left, None, None)
     if left.significant and (not added or any(of_range(found) for found in left.findings)):
         last = replace(last, explanation=journal.kept(left_by)(search, added, left))
     old = tuple(turn for turn in state.rounds if turn.added is not None)
     first = state.rounds[0].located
     return replace(state, rounds=(*(old or (Round(first, last.explanation, None),)), last))
+
+
+def _left_beside(search: Search, added: Added, step: int, journal: Journal) -> Located:
+    """Return what effects leave; where there is none, what all working rows show."""
+    left = journal.kept(locate_left)(search, added, step)
+    return left if added else _in_all_rows(search, journal, left)
 
 
 def _in_all_rows(search: Search, journal: Journal, found: Located) -> Located:
