@@ -64,3 +64,16 @@ def test_scatter_is_said_beside_what_could_not_be_tried(monkeypatch: pytest.Monk
     other = strike(BlockedPath())
     state = replace(state, rounds=(Round(LEFT, None, other.effect, other),))
     assert turn._struck(state, state.rounds[0], other) is unlisted
+
+
+def test_all_working_rows_are_asked_where_no_effect_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Half the rows may not show a scatter of ranges that all of them do."""
+    shown = replace(LEFT, p=0.001)
+    monkeypatch.setattr(turn, "locate_left", lambda *_: LEFT)
+    monkeypatch.setattr(turn, "_in_all_rows", lambda *_: shown)
+    journal = SimpleNamespace(kept=lambda step: step)
+    assert turn._left_beside(None, (), 0, journal) is shown  # type: ignore[arg-type]
+    named = (TimestampJitter(),)
+    assert turn._left_beside(None, named, 0, journal) is LEFT  # type: ignore[arg-type]
