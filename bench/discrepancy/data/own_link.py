@@ -36,8 +36,8 @@ def far_off_their_link(recorded: Recordings, simulated: Recordings) -> str:
     return (
         f"{len(far)} of {len(off_m)} recorded rows lie more than {limit_m:.2g} m off the median of "
         f"their own link, by {np.median(off_m[far]):.2g} m in the median ({other:.2%} of the "
-        f"simulated ones do): rows {rows}; answers of another exchange, or something that came and "
-        "went"
+        f"simulated ones do): rows {rows}; answers of another exchange, something that came and "
+        "went, or first paths too weak for the detector"
     )
 
 
