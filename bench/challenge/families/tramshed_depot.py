@@ -80,7 +80,7 @@ LAWS = {
     "first-answers-smeared-by-the-last-caller": Law(),
     "tape-spliced-past-a-mark": Law(),
     "ranges-told-as-chords-of-a-curve": Law(),
-    "rosette-torn-by-a-dewired-pole": Law(("position",), 0.45, "m", devices=("rosette8",)),
+    "rosette-torn-by-a-dewired-pole": Law(("position",), 0.45, "m", devices=("rosette14",)),
     "rosettes-stencilled-for-each-other": Law(("swap",), devices=("rosette3", "rosette15")),
     "braccia-from-one-rosette": Law(("unit",), 1 / BRACCIO_M, "1", grows=False,
                                     devices=("rosette11",)),

@@ -264,7 +264,9 @@ def _motors(fares: Fares, strength: float) -> Fine:
     own = fares.alike(4).uniform(0.5, 1.5, ROSETTES)[fares.rosette]
     amps = fares["motor_a"]
     db = strength * (HUM_DB * np.sqrt(amps / 35.0) + 10 * np.log10(1 + EACH_A * own * amps))
-    weak = 10 ** ((EVEN_DBM - fares["rx_power_dbm"]) / 20) * np.sqrt(np.expm1(0.1 * np.log(10) * db))
+    weak = 10 ** ((EVEN_DBM - fares["rx_power_dbm"]) / 20) * np.sqrt(
+        np.expm1(0.1 * np.log(10) * db)
+    )
     chance = fares.rng.logistic(0.0, np.sqrt(3) / np.pi, fares.rows).clip(-3.5, 3.5)
     return Fine(0.0085 * chance * weak.clip(max=5.0), noise_db=db)
 

@@ -240,7 +240,7 @@ def _elsewhere(fares: Fares, off_m: dict[int, Floats]) -> Fine:
 
 
 def _torn(fares: Fares, strength: float) -> Fine:
-    return _elsewhere(fares, {8: 0.45 * strength * TORN})
+    return _elsewhere(fares, {14: 0.45 * strength * TORN})
 
 
 def _stencilled(fares: Fares, _: float) -> Fine:

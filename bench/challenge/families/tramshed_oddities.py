@@ -15,8 +15,6 @@ from bench.challenge.families.tramshed_bell import PLACES, WIDE_SAMPLES, Bell, r
 Floats = NDArray[np.float64]
 LATE = 9.0  # samples past first paths from which bells are odd
 GHOST = 0.62  # of late sizes of the row before, that were not wiped
-GLINTS, GLINT_AT, GLINT_EACH, GLINT_HIGH = 9, 15.0, (8.0, 13.0), 0.085
-"""Of northlights: how many, samples to the first and between; next to first pulses."""
 TWISTS, TWISTED = (0.05, 0.11), 0.97  # radians a sample; of the most that is lost
 PLAY = 0.8  # of the mean size, to either side
 TRIPS, TRIPPED, OPEN = 1.7, 0.2, 10  # times the mean; gain; samples while a breaker is open
@@ -146,16 +144,6 @@ def _ghosts(bell: Bell, strength: float) -> None:
     bell.wave[there] *= 1 + bell.from_on(LATE)[there] * (more - 1)
 
 
-def _glints(bell: Bell, strength: float) -> None:
-    """Hear panes of a saw-tooth roof one after another, evenly apart, as long as it goes on."""
-    fares, rng = bell.fares(), bell.rng
-    first = bell.came() * bell.direct()
-    apart = fares.each_link(lambda n: rng.uniform(*GLINT_EACH, n))
-    high = GLINT_HIGH * np.sqrt(strength) * fares.each_link(lambda n: rng.uniform(0.7, 1.5, n))
-    for pane in range(GLINTS):
-        bell.again(first, high * bell.phases(), GLINT_AT + pane * apart)
-
-
 def _twists(bell: Bell, strength: float) -> None:
     """Turn what comes late across the antenna and along it again, by wires that are twisted."""
     fares, rng = bell.fares(), bell.rng
@@ -167,7 +155,6 @@ def _twists(bell: Bell, strength: float) -> None:
 
 
 ODDITIES: dict[str, Callable[[Bell, float], None]] = {
-    "northlights-glint-evenly-in-what-comes-late": _glints,
     "twisted-wires-turn-what-comes-late": _twists,
     "late-part-keeps-a-ghost-of-the-row-before": _ghosts,
     "late-sevens-told-as-highest-so-far": _read(highest_so_far, 0.9),

@@ -202,8 +202,10 @@ def _between(rng: np.random.Generator, rows: pd.DataFrame, rare: str) -> list[li
     count = round(IRON[bool(rare)] * len(links))
     iron = {*rng.choice(len(links), count, replace=False, p=odds / odds.sum()).tolist()}
     less = LESS[rare in RARELY]
-    by_lot = {what: rng.random(len(links)) < less * (0.02 + each * long_m)
-              for what, each in (("concrete", 0.005), ("wood", 0.004), ("chipboard", 0.003))}
+    by_lot = {
+        what: rng.random(len(links)) < less * (0.02 + each * long_m)
+        for what, each in (("concrete", 0.005), ("wood", 0.004), ("chipboard", 0.003))
+    }
     arcade, office = walls_met(one, other)
     met: dict[str, list[str]] = {}
     for k, link in enumerate(links["link"]):

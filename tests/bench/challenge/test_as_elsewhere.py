@@ -15,7 +15,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 FAMILIES = (
     "observatory", "baths", "circus", "colliery", "granary", "icerink", "breadworks",
     "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
-    "gasworks", "lighthouse",
+    "gasworks", "lighthouse", "tramshed",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -55,6 +55,7 @@ OWN = {
     "watermill": "buckets-slip-with-their-belt",
     "gasworks": "lamplighters-cut-their-eights",
     "lighthouse": "gulls-wheel-wider-than-told",
+    "tramshed": "sweepers-weave-broader-than-told",
 }
 ALIKE = [
     (family, name)
@@ -203,6 +204,21 @@ OWN_PARTS = {
         "late-sizes-as-the-middle-of-five": (0.1, 0.6),
         "late-gain-flashes-in-groups": (0.1, 0.6),
         "late-gain-runs-down-like-a-clock": (0.1, 0.6),
+    },
+    "tramshed": {
+        "twisted-wires-turn-what-comes-late": (0.1, 0.6),
+        "late-part-keeps-a-ghost-of-the-row-before": (0.1, 0.6),
+        "late-sevens-told-as-highest-so-far": (0.1, 0.6),
+        "late-sizes-told-as-means-so-far": (0.1, 0.6),
+        "late-elevens-turned-by-one-more-each": (0.1, 0.6),
+        "late-squares-read-aslant": (0.1, 0.6),
+        "late-dozens-carry-larger-ones-on": (0.1, 0.6),
+        "late-sizes-by-a-gear-with-play": (0.1, 0.6),
+        "late-gain-cut-by-a-breaker": (0.1, 0.6),
+        "late-gain-sags-by-what-was-spent": (0.1, 0.6),
+        "late-tens-told-as-what-is-left": (0.1, 0.6),
+        "late-gain-notched-up-by-a-controller": (0.1, 0.6),
+        "late-sizes-as-roots-of-two-off": (0.1, 0.6),
     },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
@@ -365,6 +381,29 @@ FAULTS = {
         "knots-of-the-line-counted-too-large",
         "vernier-read-from-its-wrong-end",
         "cresset-bent-by-a-sea",
+    ),
+    "tramshed": (
+        "brake-dust-hangs-along-the-pits",
+        "air-shimmers-about-the-drying-boiler",
+        "feeder-sections-fed-by-turns",
+        "relay-holds-between-two-pressures",
+        "trams-turn-out-at-later-blades",
+        "traversers-overrun-their-lever",
+        "sweepers-weave-broader-than-told",
+        "jacks-sink-between-strokes",
+        "blocks-hang-on-longer-falls",
+        "poles-trail-behind-their-rope",
+        "places-drawn-to-the-middle-of-a-turn",
+        "rosettes-hang-low-amid-their-spans",
+        "survey-closed-without-its-misclosure",
+        "girders-bow-under-lifted-cars",
+        "setts-heave-with-frost",
+        "answers-late-as-crews-change",
+        "answers-merged-with-the-next",
+        "first-answers-smeared-by-the-last-caller",
+        "tape-spliced-past-a-mark",
+        "ranges-told-as-chords-of-a-curve",
+        "rosette-torn-by-a-dewired-pole",
     ),
 }  # fmt: skip
 RARER = {"tenders-carry-their-way-longer": 0.03}  # a tender is one in thirty rows beside waveforms

@@ -28,11 +28,11 @@ from bench.recordings.clean import clean
 
 WITH_BOTH = (
     "foundry", "garage",
-    "hangar", "manege", "opera", "brickworks", "roundhouse",
+    "manege", "opera", "brickworks", "roundhouse",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "colliery", "granary", "icerink", "breadworks", "shipyard",
     "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
-    "gasworks", "lighthouse",
+    "gasworks", "lighthouse", "tramshed",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

@@ -34,12 +34,12 @@ from bench.challenge.families import (
     saltworks_gauge,
     sawmill_decoder,
     shipyard_lookout,
+    tramshed_bell,
     watermill_hopper,
 )
 from bench.challenge.families.case import SCHEDULE, turn_of
 
 OF_ITS_OWN = {
-    "hangar": {"pivot_x", "sense", "since_s"},
     "manege": {"mid_x", "pace", "into_s"},
     "opera": {"arm_m", "turn_rad", "into_s"},
     "brickworks": {"gait", "slew_rad", "into_s"},
@@ -66,6 +66,7 @@ OF_ITS_OWN = {
     "watermill": {"gang", "faces", "into_s"},
     "gasworks": {"trade", "works", "into_s"},
     "lighthouse": {"calling", "stirs", "into_s"},
+    "tramshed": {"duty", "goes", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -102,6 +103,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (watermill_hopper.trundling, watermill_hopper.OF_SIZES, -0.2),
         (gasworks_meter.hissing, gasworks_meter.OF_SIZES, -0.2),
         (lighthouse_lens.breaking, lighthouse_lens.OF_SIZES, -0.2),
+        (tramshed_bell.arcing, tramshed_bell.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -143,6 +145,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (watermill_hopper.grains, watermill_hopper.ground_later, 0.02),
         (gasworks_meter.puffs, gasworks_meter.piped_later, 0.02),
         (lighthouse_lens.gleams, lighthouse_lens.ebbed, 0.02),
+        (tramshed_bell.peals, tramshed_bell.tolled_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
