@@ -194,7 +194,7 @@ def _heaves(fares: Fares, strength: float) -> Fine:
 def _crews(fares: Fares, strength: float) -> Fine:
     """Come the later, the nearer to when crews change."""
     late = [np.exp(-np.abs(fares["time_s"] - at) / AROUND_S) for at in CHANGES_S]
-    return Fine(CREWS_M * strength * np.sum(late, axis=0))
+    return Fine(CREWS_M * strength * np.asarray(np.sum(late, axis=0), np.float64))
 
 
 def in_turn(fares: Fares, by: str) -> pd.DataFrame:

@@ -146,7 +146,7 @@ def test_ways_go_through_walls_but_not_through_arches() -> None:
     low = other.copy()
     low[:, 1] = ARCADE_Y - 0.1
     assert not walls_met(one, low)[0].any()
-    assert walls_met(one, one + [0.1, 0.0, 0.0])[1].tolist() == [0, 0, 0, 0]
+    assert walls_met(one, one + np.array([0.1, 0.0, 0.0]))[1].tolist() == [0, 0, 0, 0]
     assert 0 < OFFICE_X < 46.0
 
 
