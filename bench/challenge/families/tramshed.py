@@ -87,8 +87,10 @@ def hidden_in(drawn: Draw, seed: int, clean: pd.DataFrame, simulated: pd.DataFra
     """Return a case's tables from two tables that nothing is hidden in."""
     recorded, late_m = _hiding(clean, drawn, seed, 1)
     truth, _ = _hiding(simulated, drawn, seed, 2)
-    four = [written(one, drawn.listed) for one in (recorded, clean, simulated, truth)]
-    return Tables(*four, late_m)
+    told, plain, drawn_anew, true = (
+        written(one, drawn.listed) for one in (recorded, clean, simulated, truth)
+    )
+    return Tables(told, plain, drawn_anew, true, late_m)
 
 
 def written(table: pd.DataFrame, listed: bool) -> pd.DataFrame:

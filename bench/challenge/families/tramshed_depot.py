@@ -202,10 +202,10 @@ class Fares:
         self, table: pd.DataFrame, case: int, rng: np.random.Generator, rare: bool = False
     ) -> None:
         self.table, self.case, self.rng, self.rare, self.rows = table, case, rng, rare, len(table)
-        self.tag: Integers = (
-            table["rx"].map({tag: k for k, tag in enumerate(TAGS)}).to_numpy(np.int64)
-        )
-        self.rosette: Integers = table["tx"].str[len("rosette") :].to_numpy().astype(np.int64)
+        numbers = {tag: k for k, tag in enumerate(TAGS)}
+        self.tag: Integers = table["rx"].map(numbers).to_numpy(np.int64)
+        own = [int(one.removeprefix("rosette")) for one in table["tx"]]
+        self.rosette: Integers = np.array(own, np.int64)
         codes, links = pd.factorize(table["link"], sort=True)
         self.link, self.links = np.asarray(codes, np.int64), len(links)
 

@@ -60,7 +60,7 @@ HUM_DB, EACH_A = 0.9, 0.024  # of noise: as the root of motors' A; power of each
 
 def _queued(fares: Fares, strength: float) -> Fine:
     """Compare with places that are late by a queue, the longer the higher a rosette's number."""
-    return Fine(fares.moves_off(strength * (QUEUE_S + EACH_S * fares.rosette)))
+    return Fine(fares.moves_off(strength * (QUEUE_S + EACH_S * fares.rosette.astype(np.float64))))
 
 
 def _volley(fares: Fares, strength: float) -> Fine:
@@ -150,7 +150,7 @@ def _moist(fares: Fares, strength: float) -> Fine:
     }
     late, lost = np.zeros(fares.rows), np.zeros(fares.rows)
     for what, (dry, thick_m, most, db) in kinds.items():
-        moist = each_link(lambda n, most=most: most * rng.random(n))
+        moist = most * each_link(rng.random)
         here = fares.through(what) * thick_m * slant
         late += here * (mixed(dry, moist) - 1)
         lost += here * (db + 90.0 * moist) + 0.6 * fares.through(what)

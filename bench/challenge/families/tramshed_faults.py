@@ -137,7 +137,7 @@ def held(pressed: Floats) -> NDArray[np.bool_]:
 def _relay(fares: Fares, strength: float) -> Fine:
     """Come late while a relay holds, which it does by what was before."""
     _, first, where = np.unique(fares["time_s"], return_index=True, return_inverse=True)
-    return Fine(HELD_M * strength * held(fares["relay_kpa"][first])[where])
+    return Fine(HELD_M * strength * held(fares["relay_kpa"][first])[where].astype(np.float64))
 
 
 def _goes(duty: str, way: Callable[[Course, Floats, float], Floats], by: float) -> Act:

@@ -54,8 +54,11 @@ def tables(drawn: Draw, seed: int) -> Tables:
         day = tramshed.day_after(worked(rng, "", OF_ROWS), drawn)
     copies = pd.concat([day] * drawn.ratio, ignore_index=True)
     simulated, anew = received(copies, rng), received(copies, rng)
-    four = (_hiding(clean, drawn, seed, 1), clean, simulated, _hiding(anew, drawn, seed, 2))
-    return Tables(*(_kept(one, drawn.listed) for one in four))
+    found, truth = _hiding(clean, drawn, seed, 1), _hiding(anew, drawn, seed, 2)
+    told, plain, other, true = (
+        _kept(one, drawn.listed) for one in (found, clean, simulated, truth)
+    )
+    return Tables(told, plain, other, true)
 
 
 def conceal(table: pd.DataFrame, drawn: Draw, seed: int) -> pd.DataFrame:
