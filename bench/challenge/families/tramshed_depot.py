@@ -203,9 +203,9 @@ class Fares:
     ) -> None:
         self.table, self.case, self.rng, self.rare, self.rows = table, case, rng, rare, len(table)
         numbers = {tag: k for k, tag in enumerate(TAGS)}
-        self.tag: Integers = table["rx"].map(numbers).to_numpy(np.int64)
+        self.tag: Integers = np.asarray([numbers[one] for one in table["rx"]], np.int64)
         own = [int(one.removeprefix("rosette")) for one in table["tx"]]
-        self.rosette: Integers = np.array(own, np.int64)
+        self.rosette: Integers = np.asarray(own, np.int64)
         codes, links = pd.factorize(table["link"], sort=True)
         self.link, self.links = np.asarray(codes, np.int64), len(links)
 
