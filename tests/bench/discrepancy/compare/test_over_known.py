@@ -173,3 +173,19 @@ def test_what_both_tables_have_is_nothing_left_out(law: Law) -> None:
 def test_what_recordings_alone_have_is_left_out() -> None:
     assert "antenna-pattern" in bench.diagnose(table(1, lobe), table(2, nothing)).headline
     assert "temperature-drift" in bench.diagnose(table(1, drift), table(2, nothing)).headline
+
+
+@pytest.mark.parametrize("few", [1, 2, 3])
+def test_a_link_that_missed_its_first_path_is_no_delay_of_its_device(few: int) -> None:
+    """SIMULATED: of the few links of a device one reads 1.7 m long; anchors keep their delays."""
+    ours, theirs = table(1, delays), table(2, delays)
+    for frame in (ours, theirs):
+        rare = frame["link"].isin(frame["link"].unique()[:few])
+        frame.loc[rare, "tx"] = "rare"
+    theirs.loc[theirs["link"] == theirs["link"].iloc[0], "range_m"] += 1.7
+    known = found(ours, theirs)
+    done = sum((one.block.ours @ one.size)[:, 0] for one in known.taken)
+    by = pd.DataFrame({"done": done, "rx": ours["rx"], "rare": ours["tx"] == "rare"})
+    beside = by["done"] - by[~by["rare"]].groupby("rx")["done"].mean()[by["rx"]].to_numpy()
+    assert np.abs(beside[by["rare"]]).max() < 0.2
+    assert np.ptp(by[~by["rare"]].groupby("rx")["done"].mean()) > 0.2
