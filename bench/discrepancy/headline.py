@@ -8,7 +8,7 @@ from typing import Final
 
 from bench.discrepancy.confirm import Confirmed, is_farther
 from bench.discrepancy.law.found import FAULT, LAW
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.select.one_device import all_at_device, left_at_device
 from bench.discrepancy.select.verdict import Unknown, Verdict
 from bench.discrepancy.settings import NEARER_SHARE

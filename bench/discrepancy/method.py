@@ -17,7 +17,7 @@ from bench.discrepancy.diagnosis import Diagnosis, Options
 from bench.discrepancy.joint import turn as waves
 from bench.discrepancy.law.second import with_second
 from bench.discrepancy.law.unexplained import borne_out, weighed
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.prepared import Prepared, prepared
 from bench.discrepancy.select.backfitting import polished, settled
 from bench.discrepancy.select.candidates import Contender, Explanation

@@ -9,7 +9,7 @@ from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.data.piecewise import hats, knots_of
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.settings import (
     CURVE_MEMBERS,
     UNNAMED_KNOTS,

@@ -23,7 +23,7 @@ from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
 from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts, without_idle
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.all_rows import with_levels, with_ranges, with_waveforms
 from bench.discrepancy.select.candidates import Explanation, contender
 from bench.discrepancy.select.conclude import struck_out

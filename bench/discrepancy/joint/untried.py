@@ -21,7 +21,14 @@ from bench.discrepancy.select.adequacy import LEVELS
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.unlisted import tried_alike, with_obstacles
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried, options_of
+from bench.discrepancy.select.verdict import (
+    NEEDS,
+    Ambiguous,
+    LeftOut,
+    Verdict,
+    not_tried,
+    options_of,
+)
 from bench.discrepancy.select.within_links import components
 from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
@@ -29,8 +36,7 @@ from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
 from bench.physics.units import C_M_PER_NS
 
-NOTE = "it could not be tried: it needs a simulator that can be run again"
-NOT_PLACED = "it could not be tried: it needs "
+NOTE = f"{NEEDS}a simulator that can be run again"
 NO_RAYS = "it fits less well, but the rays round what stands in the way are not in the table"
 
 
@@ -54,7 +60,7 @@ def _with_unplaced(search: Search, said: Verdict, dense: tuple[str, ...]) -> Ver
     alike = ("" if one.effect.name in dense else type(one.effect).resembles for one in fitted)
     kinds = [search.untried.get(name) for name in alike]
     more = tuple(
-        not_tried(one, kind(), NOT_PLACED + kind.lacking(search.fit.frame.columns))
+        not_tried(one, kind(), NEEDS + kind.lacking(search.fit.frame.columns))
         for one, kind in zip(fitted, kinds, strict=True)
         if kind is not None
     )

@@ -19,7 +19,7 @@ from bench.discrepancy.joint.plainer import without_waves
 from bench.discrepancy.joint.settings import LOUDER
 from bench.discrepancy.joint.sizes import sizes_seen
 from bench.discrepancy.joint.tone_or_noise import counterparts
-from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.select.adequacy import adequacy
 from bench.discrepancy.select.candidates import Explanation, regressed
 from bench.discrepancy.select.conclude import left_out, of_class, real
@@ -38,6 +38,7 @@ from bench.discrepancy.sets.set_up import is_fault
 from bench.discrepancy.settings import MARGIN_NATS, SCORE_FIRST, SCORE_MEMBERS
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
+from bench.physics.effects.receiver.quantisation import OnGrid
 
 LEFT_OF_WAVES = "all known effects together leave a part that none of them explains"
 LEFT_OF_RANGES = "left after the named effects"
@@ -282,7 +283,8 @@ def _objection(
     if untold(option) and not shown and not surely_there(search, added, option.effect):
         return "none of its values is told from zero"
     words = unused(option.effect) or _idle(search, added, option)
-    if words := words or taken_away(option.effect) or hardly_more(option):
+    rounded = any(isinstance(one, OnGrid) for one in added)
+    if words := words or taken_away(option.effect) or hardly_more(option, rounded):
         return words
     if option.effect.name != first.name and (words := without_waves(option)):
         return words

@@ -9,28 +9,28 @@ hold for the whole search (Westfall and Young 1993).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.discrepancy.compare.crps import Estimate, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.reuse import Reused, simulated_share
 from bench.discrepancy.compare.settings import LEAST_SUM
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE, SCALARS
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
+from bench.discrepancy.locate.detectable import in_part, of_all_rows
+from bench.discrepancy.locate.finding import Finding, Located, finding_of, place_weight
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.locate.readable import as_read, unreadable
-from bench.discrepancy.locate.row_scatter import about_links, of_links
 from bench.discrepancy.settings import (
     FAMILY_WISE,
-    LARGER_HERE,
     MOST_CLUSTERS,
     MOST_FINDINGS,
-    PART_SHARE,
     PERMUTATIONS,
     PERMUTED_AT_ONCE,
     RARE_P,
@@ -39,73 +39,6 @@ from bench.discrepancy.settings import (
 )
 
 Floats = NDArray[np.float64]
-_MOMENT_WORDS = {
-    "mean": "",
-    "spread": " (spread)",
-    "link": " (offsets that links keep)",
-    "rows": " (scatter of rows within links)",
-    "slope": "",
-}
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A cell in which recorded and simulated differ.
-
-    `effect` is recorded minus simulated in the observable's unit: the mean over the cell; for a
-    trend, per standard deviation of the covariate; for a spread or link offsets, of the mean
-    |deviation from the ensemble mean|; for rows within links, of that from their
-    own link's mean. `z` is the search statistic, `p` its family-wise p value.
-    `whole` is the same over all rows, where it is found there too: what is far off everywhere has
-    its largest `z` where it is most even, which says nothing of where it is.
-    """
-
-    cell: Cell
-    effect: Estimate
-    z: float
-    p: float
-    rows: int
-    links: int
-    whole: Finding | None = None
-
-    @property
-    def told(self) -> Finding:
-        """The finding as it is told: over all rows, unless it is clearly larger in its place."""
-        large = self.whole and abs(self.effect.value) > LARGER_HERE * abs(self.whole.effect.value)
-        return self if self.whole is None or large else self.whole
-
-    @property
-    def what(self) -> str:
-        """What differs, in words."""
-        return self.cell.observable + _MOMENT_WORDS[self.cell.moment]
-
-    def __str__(self) -> str:
-        where = f"{self.what} {self.cell.place.where()}"
-        return f"{where}: recorded - simulated = {self.effect}, p = {self.p:.3g}"
-
-
-@dataclass(frozen=True)
-class Located:
-    """The outcome of one search: significant findings, most telling first.
-
-    `p` is the smallest family-wise p value, `threshold` the family-wise limit of |z|;
-    `detectable` gives per observable, in its unit, the smallest shift of all rows that would have
-    been seen with probability about one half. `tail_p` is `p` as the tail of the permuted maxima
-    goes on beyond the farthest of them.
-    """
-
-    findings: tuple[Finding, ...]
-    p: float
-    z: float
-    threshold: float
-    cells: int
-    detectable: dict[str, float]
-    tail_p: float = 1.0
-
-    @property
-    def significant(self) -> bool:
-        """True where the search found anything at its family-wise level."""
-        return bool(self.findings)
 
 
 def locate(
@@ -136,37 +69,97 @@ def locate(
     z, null = _permuted(sums, rng, permutations)
     wider = np.maximum(_wider(cells, ensemble, covariates, reused) / crowding, 1.0)
     z = z / (crowding * np.sqrt(1 + (wider**2 - 1) * simulated_share(sums)))
+    scores = _Scores(tuple(cells), _counted(ensemble, cells, z, copied), null, wider)
+    best = _best(scores, alpha, wider_only)[:top]
+    found = _findings(ensemble, covariates, scores, best, alpha, seed)
+    rare = None
+    if not found or _levels_alone(ensemble, found):
+        rare = rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
+    return Located(
+        tuple([*found[: top - 1], rare] if rare else found),
+        min(float(scores.p.min()), rare.p if rare else 1.0),
+        scores.most,
+        scores.threshold(alpha),
+        len(cells),
+        _detectable(ensemble, covariates, scores, scores.threshold(alpha) * crowding),
+        chance_beyond(null, scores.most),
+    )
+
+
+@dataclass(frozen=True)
+class _Scores:
+    """The statistic of every cell [K], the permuted maxima, and how much wider cells scatter [K].
+
+    `wider` is beside the crowding, which `z` is divided by.
+    """
+
+    cells: tuple[Cell, ...]
+    z: Floats
+    null: Floats
+    wider: Floats
+
+    @cached_property
+    def p(self) -> Floats:
+        """The family-wise p value of every cell [K], as permutations count."""
+        beyond = (self.null[:, None] >= np.abs(self.z)[None, :]).sum(axis=0)
+        return np.asarray((1 + beyond) / (len(self.null) + 1))
+
+    @property
+    def most(self) -> float:
+        """The largest statistic."""
+        return float(np.abs(self.z).max())
+
+    def threshold(self, alpha: float) -> float:
+        """Return the family-wise limit of the statistic at a level."""
+        return float(np.quantile(self.null, 1 - alpha))
+
+    def chance(self) -> Floats:
+        """Return the p value of every cell [K], beyond what permutations count, too."""
+        return told_apart(self.p, self.null, self.z)
+
+
+def _counted(ensemble: Ensemble, cells: list[Cell], z: Floats, copied: bool) -> Floats:
+    """Return statistics [K] without those that say nothing: of what no reading tells, of copies."""
     z = np.where([copied and cell.moment == "link" for cell in cells], np.maximum(z, 0.0), z)
-    z = np.where(unreadable(ensemble, cells), 0.0, z)
-    p = (1 + (null[:, None] >= np.abs(z)[None, :]).sum(axis=0)) / (permutations + 1)
-    # A mean says more than a spread: where both are found, the mean is told first.
-    told = np.abs(z) * [1.0 if cell.moment in ("mean", "slope") else SPREAD_TOLD for cell in cells]
-    narrow = [wider_only and c.moment in ("spread", "link", "rows") for c in cells] & (z < 0)
-    chance = told_apart(p, null, z)
-    best = [i for i in np.argsort(-told) if chance[i] <= alpha and not narrow[i]][:top]
-    wholes = _found_everywhere(cells, chance, alpha)
+    return np.where(unreadable(ensemble, cells), 0.0, z)
+
+
+def _best(scores: _Scores, alpha: float, wider_only: bool) -> list[int]:
+    """Return the places of the cells that are found, most telling first.
+
+    A mean says more than a spread: where both are found, the mean is told first.
+    """
+    moments = [cell.moment for cell in scores.cells]
+    weight = [1.0 if one in ("mean", "slope") else SPREAD_TOLD for one in moments]
+    spreads = np.array([wider_only and one in ("spread", "link", "rows") for one in moments])
+    counts = (scores.chance() <= alpha) & ~(spreads & (scores.z < 0))
+    return [int(i) for i in np.argsort(-np.abs(scores.z) * weight) if counts[i]]
+
+
+def _findings(
+    ensemble: Ensemble,
+    covariates: Covariates,
+    scores: _Scores,
+    best: list[int],
+    alpha: float,
+    seed: int,
+) -> list[Finding]:
+    """Return the findings in some cells, each with the same over all rows where that is one."""
+    cells, z, p = scores.cells, scores.z, scores.p
+    wholes = _found_everywhere(cells, scores.chance(), alpha)
     at = {
         i: finding_of(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
         for i in {*best, *(wholes[i] for i in best if i in wholes)}
     }
-    found = [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
-    rare = None
-    if not found or _levels_alone(ensemble, found):
-        rare = rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
-    found = [*found[: top - 1], rare] if rare else found
-    threshold = float(np.quantile(null, 1 - alpha))
-    least = threshold * crowding
-    small = _detectable(ensemble, least) | _in_part(ensemble, covariates, cells, least)
-    small = {n: s * float(wider[ensemble.place(n)]) for n, s in small.items()}  # of all rows
-    return Located(
-        tuple(found),
-        min(float(p.min()), rare.p if rare else 1.0),
-        float(np.abs(z).max()),
-        threshold,
-        len(cells),
-        as_read(small),
-        chance_beyond(null, float(np.abs(z).max())),
-    )
+    return [replace(at[i], whole=at.get(wholes.get(i, -1))) for i in best]
+
+
+def _detectable(
+    ensemble: Ensemble, covariates: Covariates, scores: _Scores, least: float
+) -> dict[str, float]:
+    """Return the smallest shift of all rows that reaches a statistic, per observable."""
+    small = of_all_rows(ensemble, least) | in_part(ensemble, covariates, scores.cells, least)
+    return as_read({n: one * float(scores.wider[ensemble.place(n)]) for n, one in small.items()})
 
 
 def _levels_alone(ensemble: Ensemble, found: list[Finding]) -> bool:
@@ -183,7 +176,7 @@ def _wider(
         return np.ones(len(cells))
     code = np.unique(ensemble.links, return_inverse=True)[1]
     found = {
-        place: reused.widening(_of_links(code, _weight(place, ensemble, covariates)))
+        place: reused.widening(_of_links(code, place_weight(place, ensemble, covariates)))
         for place in dict.fromkeys(cell.place for cell in cells)
     }
     return np.array([found[cell.place].get(cell.observable, 1.0) for cell in cells])
@@ -193,7 +186,7 @@ def _of_links(code: Links, weight: Floats) -> Floats:
     return np.asarray(np.bincount(code, weight), np.float64)
 
 
-def _found_everywhere(cells: list[Cell], p: Floats, alpha: float) -> dict[int, int]:
+def _found_everywhere(cells: Sequence[Cell], p: Floats, alpha: float) -> dict[int, int]:
     """Return the place of the cell of all rows by that of one of some rows, where it is found too.
 
     Not for trends, which are of all rows.
@@ -232,104 +225,6 @@ def _permuted(
         np.put_along_axis(chosen, pick, 1.0, axis=1)
         null[start : start + size] = np.abs(chosen @ normal).max(axis=1)
     return normal[:clusters].sum(axis=0, dtype=np.float64), null
-
-
-def cell_weight(cell: Cell, ensemble: Ensemble, covariates: Covariates) -> Floats:
-    """Return the weight of each recorded row [n] in a cell: 0/1, or the standardised trend."""
-    return _weight(cell.place, ensemble, covariates)
-
-
-def _weight(place: Place, ensemble: Ensemble, covariates: Covariates) -> Floats:
-    name = place.covariate
-    if name is None:
-        return np.ones(len(ensemble.links))
-    if name in covariates.groups:
-        return place.weight(covariates.groups[name])
-    if name in covariates.numbers:
-        return place.weight(covariates.numbers[name])
-    return place.weight(ensemble.recorded_of(name))
-
-
-def finding_of(
-    ensemble: Ensemble, covariates: Covariates, cell: Cell, z: float, p: float, seed: int
-) -> Finding:
-    """Return a finding with its effect in physical units."""
-    which = ensemble.names.index(cell.observable)
-    weight = cell_weight(cell, ensemble, covariates)
-    value = _effect_rows(ensemble, which, cell, weight)
-    inside = (weight != 0) & np.isfinite(value)
-    effect = cluster_bootstrap(value[inside], ensemble.links[inside], seed, ensemble.units[which])
-    links = len(np.unique(ensemble.links[inside]))
-    return Finding(cell, effect, z, p, int(inside.sum()), links)
-
-
-def _effect_rows(ensemble: Ensemble, which: int, cell: Cell, weight: Floats) -> Floats:
-    """Return per-row values [n] whose mean over the cell is the effect."""
-    residual = ensemble.residual[:, which]
-    if cell.moment == "slope":
-        return np.asarray((residual - np.nanmean(residual)) * weight)
-    if cell.moment == "mean":
-        return residual
-    members = ensemble.simulated[..., which]
-    if cell.moment == "rows":
-        recorded, *others = about_links(ensemble.versions[..., which], ensemble.links)
-        return np.asarray(recorded - np.mean(others, axis=0))
-    if cell.moment == "link":  # what rows of a link have in common
-        residual, members = (of_links(one, ensemble.links) for one in (residual, members))
-    typical = np.abs(members - members.mean(axis=0)).mean(axis=0)
-    return np.asarray(np.abs(residual) - typical)
-
-
-def _detectable(ensemble: Ensemble, threshold: float) -> dict[str, float]:
-    """Return the shift of all rows whose statistic is expected at the threshold, per observable.
-
-    With s^2 the variance of a link's sum between versions, n its rows and m simulated versions,
-    z = shift x sum(n) x sqrt(m / (m + 1)) / sqrt(sum(s^2) + shift^2 sum(n^2) / (m + 1)): the shift
-    itself widens what permutations give. Infinite where no shift reaches the threshold.
-    """
-    out = {}
-    for name, dust in zip(ensemble.names, ensemble.rounding, strict=True):
-        versions = ensemble.versions_of(name)
-        known = np.isfinite(versions).all(axis=0)
-        if known.any() and np.ptp(versions[:, known]) > dust:
-            out[name] = _smallest_shift(versions[:, known], ensemble.links[known], threshold)
-    return out
-
-
-def _in_part(
-    ensemble: Ensemble, covariates: Covariates, cells: list[Cell], threshold: float
-) -> dict[str, float]:
-    """Return the same for the range, where it is best seen in a part of the rows, not in all.
-
-    Rows behind walls scatter most and hide what the others show. Of large parts alone: of many
-    small ones some seem to scatter little.
-    """
-    if RANGE not in ensemble.names or not np.isfinite(ensemble.recorded_of(RANGE)).any():
-        return {}
-    versions = ensemble.versions_of(RANGE)
-    inside = np.isfinite(versions).all(axis=0)
-    places = dict.fromkeys(c.place for c in cells if (c.observable, c.moment) == (RANGE, "mean"))
-    parts = [
-        inside & (cell_weight(Cell(RANGE, "mean", p), ensemble, covariates) > 0) for p in places
-    ]
-    large = [part for part in (inside, *parts) if part.sum() >= PART_SHARE * inside.sum() > 0]
-    shifts = [_smallest_shift(versions[:, p], ensemble.links[p], threshold) for p in large]
-    return {RANGE: min(shifts)} if shifts else {}
-
-
-def _smallest_shift(versions: Floats, links: Links, threshold: float) -> float:
-    """Return the smallest shift of values [1 + m, n] that is seen, about every second time."""
-    code = np.unique(links, return_inverse=True)[1]
-    rows = np.bincount(code).astype(np.float64)
-    sums = np.stack([np.bincount(code, row) for row in versions])
-    m = len(versions) - 1
-    if m > 1:
-        spread = sums[1:].var(axis=0, ddof=1).sum()
-    else:  # one simulated version: what the two differ by, their mean difference taken out
-        mean = (versions[0] - versions[1]).mean()
-        spread = ((sums[0] - sums[1] - mean * rows) ** 2).sum() / 2
-    room = rows.sum() ** 2 * m / (m + 1) - threshold**2 * (rows**2).sum() / (m + 1)
-    return float(threshold * np.sqrt(spread / room)) if room > 0 else float("inf")
 
 
 def rare_links(ensemble: Ensemble, seed: int, crowding: float = 1.0) -> Finding | None:

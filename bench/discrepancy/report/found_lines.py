@@ -11,8 +11,8 @@ from bench.discrepancy.fit.estimate import PURE
 from bench.discrepancy.headline import NOTHING
 from bench.discrepancy.law.found import FoundLaw
 from bench.discrepancy.law.settings import SHOWN_RIVALS
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.beside_values import beside_values
 from bench.discrepancy.report.doing import doings
 from bench.discrepancy.report.parameters import detectable_line, parameter_lines

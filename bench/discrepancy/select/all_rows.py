@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.data.observables import LEVEL, RANGE
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.predictive_cells import kept
 from bench.discrepancy.select.settings import WAVES_SHARE
 from bench.discrepancy.select.state import Search

@@ -18,7 +18,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.settings import TIE
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.verdict import Control
 from bench.discrepancy.settings import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.marks import seen_first
 from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside

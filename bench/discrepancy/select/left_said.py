@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.in_sight import with_struck_in_sight
 from bench.discrepancy.select.link_mixture import Strike

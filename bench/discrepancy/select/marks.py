@@ -18,7 +18,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself, with_values
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import regressed
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.logged import shown

@@ -16,8 +16,8 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import LEVEL, RANGE
+from bench.discrepancy.locate.finding import Located, finding_of
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Located, finding_of
 from bench.discrepancy.select.settings import LEADING, ODD_LINKS, ODD_SHARE
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.within_links import link_medians

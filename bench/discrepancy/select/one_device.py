@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bench.discrepancy.data.covariates import DEVICES
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.select.settings import DEVICE_LEADS, LEADING
 from bench.discrepancy.settings import SURE_P
 

@@ -22,8 +22,9 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Comparison, View
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.grouped import group_means
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.locate.hypotheses import OWN
-from bench.discrepancy.locate.permutation_test import Located, locate
+from bench.discrepancy.locate.permutation_test import locate
 from bench.discrepancy.locate.row_scatter import row_scatter
 from bench.discrepancy.select.settings import EVERYWHERE_SHARE, IN_PLACES_SHARE
 from bench.discrepancy.settings import FAMILY_WISE

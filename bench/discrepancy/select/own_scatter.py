@@ -21,7 +21,7 @@ from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL, RANGE
 from bench.discrepancy.law.likelihood import log_density
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.in_turn import apart_in_turn
 from bench.discrepancy.select.receiver_logs import logs

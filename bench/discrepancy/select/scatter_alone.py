@@ -15,7 +15,7 @@ from bench.discrepancy.compare.crps import LIKELIHOOD, cluster_bootstrap
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import beyond_marks
 from bench.discrepancy.select.link_mixture import Strike

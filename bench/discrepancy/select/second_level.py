@@ -21,7 +21,7 @@ from scipy.optimize import nnls
 from bench.discrepancy.compare.view import Added, View, without
 from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.data.observables import LEVEL
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.control_curve import fallen, own_curve_of
 from bench.discrepancy.select.elsewhere import moves_ranges

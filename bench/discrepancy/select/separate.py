@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut
+from bench.discrepancy.select.verdict import NEEDS, Ambiguous, LeftOut
 
 
 def separating(options: tuple[LeftOut, ...]) -> str:
@@ -10,7 +10,18 @@ def separating(options: tuple[LeftOut, ...]) -> str:
     told = {type(option.effect).told_by for option in options}
     each = "; ".join(f"{one.names[0]}: {type(one.effect).signature}" for one in options)
     words = f"vary what only one of them follows: {each}"
-    return (told.pop() if len(told) == 1 else "") or words
+    if len(told) == 1 and (measured := told.pop()):
+        return measured
+    return words + "".join(f"; or give {one}" for one in _missing(options))
+
+
+def _missing(options: tuple[LeftOut, ...]) -> list[str]:
+    """Return what effects need that could not be tried, in words."""
+    return [
+        f"{one.names[0]} what it needs to be tried: {one.note.removeprefix(NEEDS)}"
+        for one in options
+        if one.note.startswith(NEEDS)
+    ]
 
 
 def one_of(options: tuple[LeftOut, ...]) -> LeftOut | Ambiguous:

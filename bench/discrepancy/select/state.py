@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import pandas as pd
 
 from bench.discrepancy.compare.view import Added, Comparison, View, joined
-from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.link_mixture import Strike

@@ -15,7 +15,8 @@ from bench.discrepancy.compare.reuse import reuse
 from bench.discrepancy.compare.skill import Tally, gain, gain_interval, tally
 from bench.discrepancy.compare.view import Added, Comparison, View, without
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.permutation_test import Located, locate
+from bench.discrepancy.locate.finding import Located
+from bench.discrepancy.locate.permutation_test import locate
 from bench.discrepancy.select.backfitting import beyond, chosen_first, pruned, refitted
 from bench.discrepancy.select.by_offsets import witnessed
 from bench.discrepancy.select.candidates import Contender, Explanation, explain

@@ -15,14 +15,14 @@ from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import CONTROL_SLOPES, LOGGED_LEVELS
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried
+from bench.discrepancy.select.verdict import NEEDS, Ambiguous, LeftOut, Verdict, not_tried
 from bench.discrepancy.sets.settings import NAME_NATS
 from bench.discrepancy.settings import FIT_MEMBERS, RESOLUTION
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.units import Floats
 
-NOTE = "it could not be tried: it needs the count of accumulated symbols"
+NOTE = f"{NEEDS}the count of accumulated symbols (preamble_count)"
 
 
 def with_uncounted(search: Search, added: Added, said: tuple[Verdict, ...]) -> tuple[Verdict, ...]:

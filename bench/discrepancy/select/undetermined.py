@@ -19,14 +19,15 @@ def untold(option: LeftOut) -> bool:
     return bool(sizes) and not any(_told(*one) for one in sizes)
 
 
-def hardly_more(option: LeftOut) -> str:
+def hardly_more(option: LeftOut, rounded: bool = False) -> str:
     """Return in words that hardly more of something is recorded than simulated, "" where much is.
 
-    Nor anything else of it is told from zero, as the colour of noise may be.
+    Nor anything else of it is told from zero, as the colour of noise may be: not where samples are
+    `rounded`, which has a colour of its own.
     """
     adds, sizes = type(option.effect).adds, _sizes(option)
     added = [(one, null) for one, null in sizes if one.name == adds]
-    if not added or any(_told(*one) for one in sizes if one not in added):
+    if not added or any(_told(*one) for one in sizes if one not in added and not rounded):
         return ""
     one, null = added[0]
     if not 0 <= one.value - null < LEAST_ADDED_DB:

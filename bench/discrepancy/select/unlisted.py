@@ -15,7 +15,14 @@ import numpy as np
 from bench.discrepancy.select.separate import separating
 from bench.discrepancy.select.settings import MOST_OBJECTS, WALLS_M
 from bench.discrepancy.select.state import Search
-from bench.discrepancy.select.verdict import Ambiguous, LeftOut, Verdict, not_tried, options_of
+from bench.discrepancy.select.verdict import (
+    NEEDS,
+    Ambiguous,
+    LeftOut,
+    Verdict,
+    not_tried,
+    options_of,
+)
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.diffraction import Diffraction
@@ -24,8 +31,8 @@ from bench.physics.scene import Scene
 from bench.physics.slabs import of_objects, unlisted
 
 OBSTACLES = "obstacles"
-NO_EDGES = "it could not be tried: it needs to know where edges are (obstacle_clearance_m)"
-NOT_LISTED = "it could not be tried: it needs to know what stands in the way of which link"
+NO_EDGES = f"{NEEDS}to know where edges are (obstacle_clearance_m)"
+NOT_LISTED = f"{NEEDS}to know what stands in the way of which link (obstacles)"
 
 
 def with_walls(search: Search, said: Verdict) -> Verdict:

@@ -8,11 +8,12 @@ from typing import Any
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.locate.permutation_test import Finding
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.settings import UNUSUAL_P
 from bench.physics.effect import Effect
 
 UNTRIED = "it could not be tried"  # how notes on such effects begin
+NEEDS = f"{UNTRIED}: it needs "  # the same where it is known what for
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from bench.discrepancy.data.observables import RANGE
 from bench.discrepancy.fit.per_device import fits_itself, latent_effects, with_values
 from bench.discrepancy.fit.search import Fitted, Objective, plainer, refine, screen, valued
 from bench.discrepancy.fit.walls import of_every_kind
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Contender, Explanation, regressed
 from bench.discrepancy.select.state import Round, Search
 from bench.discrepancy.sets.blocks import named_kinds

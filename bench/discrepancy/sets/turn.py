@@ -8,7 +8,7 @@ from dataclasses import replace
 from bench.checkpoint.journal import Journal
 from bench.discrepancy.compare.ensemble import NothingSharedError
 from bench.discrepancy.compare.view import Added
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choice import Choice

@@ -15,7 +15,7 @@ from bench.checkpoint.journal import FOLDER, Kept
 from bench.discrepancy import Options, diagnose, method
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.report.document import summary
 from bench.discrepancy.select import stepwise
 from bench.discrepancy.sets import turn

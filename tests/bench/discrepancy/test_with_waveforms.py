@@ -9,8 +9,8 @@ import pytest
 
 from bench.discrepancy import Options
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.verdict import Unknown
 from bench.discrepancy.with_waveforms import ALONE, or_without

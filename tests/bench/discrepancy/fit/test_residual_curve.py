@@ -11,8 +11,8 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.fit.residual_curve import unnamed_effects
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding
 
 ROWS = 400
 RNG = np.random.default_rng(0)

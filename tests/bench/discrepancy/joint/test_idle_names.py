@@ -13,7 +13,7 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.turn import with_scatter
 from bench.discrepancy.joint.verdicts import without_idle
-from bench.discrepancy.locate.permutation_test import Finding, Located
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.select.state import Round, State
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown
 from bench.physics.effects.propagation.diffuse_tail import DiffuseTail

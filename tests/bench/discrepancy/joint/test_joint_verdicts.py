@@ -17,8 +17,8 @@ from bench.discrepancy.joint import turn, verdicts
 from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.rows import fewer
 from bench.discrepancy.joint.verdicts import beside_untold, standing
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.select.undetermined import taken_away
 from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, Verdict
 from bench.discrepancy.sets.choice import MERE, Choice

@@ -11,7 +11,7 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.joint import turn
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.state import Round, State

@@ -8,17 +8,10 @@ import pytest
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
+from bench.discrepancy.locate.detectable import of_all_rows, smallest_shift
+from bench.discrepancy.locate.finding import _effect_rows, cell_weight
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import (
-    _clusters,
-    _detectable,
-    _effect_rows,
-    _permuted,
-    _smallest_shift,
-    cell_weight,
-    locate,
-    rare_links,
-)
+from bench.discrepancy.locate.permutation_test import _clusters, _permuted, locate, rare_links
 from bench.discrepancy.locate.rare import _link_offsets
 from bench.discrepancy.settings import RARE_P
 
@@ -42,15 +35,15 @@ def test_what_lies_beyond_all_permutations_is_as_unlikely_as_their_tail_says() -
 
 def test_the_noise_behind_the_smallest_shift_is_that_of_sums_over_links() -> None:
     # Sums (2, 0) and (0, 2): variances 2 + 2. Room: 9 x 2 / 3 - 1.5^2 x 5 / 3 = 2.25.
-    assert _smallest_shift(THREE, LINKS, 1.5) == pytest.approx(1.5 * np.sqrt(4 / 2.25))
-    assert _smallest_shift(THREE, LINKS, 2.0) == np.inf
-    assert _smallest_shift(THREE[:, 1:], LINKS[1:], 2.0) == np.inf  # no room at all, exactly
+    assert smallest_shift(THREE, LINKS, 1.5) == pytest.approx(1.5 * np.sqrt(4 / 2.25))
+    assert smallest_shift(THREE, LINKS, 2.0) == np.inf
+    assert smallest_shift(THREE[:, 1:], LINKS[1:], 2.0) == np.inf  # no room at all, exactly
 
 
 def test_with_one_simulated_version_the_noise_is_what_the_two_differ_by() -> None:
     # Differences 3, 1, 1 have the mean 5 / 3; sums about it 2 / 3 and -2 / 3; room 9 / 2 - 5 / 2.
     versions = np.array([[3.0, 3.0, 1.0], [0.0, 2.0, 0.0]])
-    assert _smallest_shift(versions, LINKS, 1.0) == pytest.approx(np.sqrt(4 / 9 / 2))
+    assert smallest_shift(versions, LINKS, 1.0) == pytest.approx(np.sqrt(4 / 9 / 2))
 
 
 def test_unknown_rows_do_not_enter_the_smallest_shift() -> None:
@@ -58,7 +51,7 @@ def test_unknown_rows_do_not_enter_the_smallest_shift() -> None:
     versions[:, :3, 0] = THREE
     versions[:2, 3, 0] = 50.0  # known in two versions of three
     ensemble = Ensemble(("error_m", "x"), ("m", "1"), versions, np.r_[LINKS, 1])
-    assert _detectable(ensemble, 1.5) == {"error_m": pytest.approx(1.5 * np.sqrt(4 / 2.25))}
+    assert of_all_rows(ensemble, 1.5) == {"error_m": pytest.approx(1.5 * np.sqrt(4 / 2.25))}
 
 
 def test_the_offset_of_a_link_is_the_median_of_its_known_rows() -> None:

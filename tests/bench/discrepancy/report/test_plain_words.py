@@ -11,8 +11,8 @@ from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.confirm import Confirmed
 from bench.discrepancy.headline import headline
 from bench.discrepancy.law.found import LawConstant
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.found_lines import _explained, _once
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.verdict import Ambiguous, Control, LeftOut, Unknown

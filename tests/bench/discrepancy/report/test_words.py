@@ -5,14 +5,16 @@ from __future__ import annotations
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.finding import Finding
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding
 from bench.discrepancy.report.found_lines import describe
 from bench.discrepancy.select.separate import separating
-from bench.discrepancy.select.verdict import Control, LeftOut, Unknown
+from bench.discrepancy.select.uncounted import NOTE
+from bench.discrepancy.select.verdict import Control, LeftOut, Unknown, not_tried
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.level_control import LevelControl
 from bench.physics.effects.receiver.noise_floor import NoiseFloor
 
 
@@ -47,3 +49,12 @@ def test_what_holds_in_all_rows_is_not_said_again_of_some() -> None:
     lines = describe(Unknown(every, Estimate(0, 0, 0, "nats"), {}, "left"))[1:]
     assert len(lines) == 3
     assert not any("tx_z_m" in line for line in lines)
+
+
+def test_what_could_not_be_tried_is_told_what_it_needs() -> None:
+    path_loss = _option(PathLoss())
+    control = not_tried(path_loss, LevelControl(), NOTE)
+    words = separating((path_loss, control))
+    assert words.endswith("give level-control what it needs to be tried: the count of accumulated "
+                          "symbols (preamble_count)")  # fmt: skip
+    assert "to be tried" not in separating((path_loss, _option(NoiseFloor())))

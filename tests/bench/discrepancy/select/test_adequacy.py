@@ -13,8 +13,8 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.fit.search import Fitted
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Located
 from bench.discrepancy.select import refute
 from bench.discrepancy.select.adequacy import Adequacy, brought, judged
 from bench.discrepancy.select.candidates import Contender, Explanation

@@ -10,8 +10,8 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import stepwise
 from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.stepwise import contradicted

@@ -106,6 +106,7 @@ def test_a_tenth_of_a_decibel_more_noise_is_none_unless_its_colour_is_told() -> 
 
     assert hardly_more(named(0.096, 0.0)).startswith("0.1 dB more")
     assert not hardly_more(named(0.096, 0.3))
+    assert hardly_more(named(0.096, 0.3), rounded=True)  # that is the colour of what rounding makes
     assert not hardly_more(named(0.5, 0.0))
     assert not hardly_more(named(-1.5, 0.0))  # said otherwise: see `taken_away`
     delay = ParameterEstimate("delay_ns[tag]", 0.1, 0.05, 0.2, "ns")

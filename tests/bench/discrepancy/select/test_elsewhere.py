@@ -15,7 +15,7 @@ from bench.discrepancy.compare.view import View, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.fit.estimate import ParameterEstimate
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.elsewhere import (
     beyond_marks,

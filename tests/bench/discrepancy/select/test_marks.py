@@ -9,7 +9,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.skill import Tally
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select import marks, stepwise
 from bench.discrepancy.select.adequacy import Adequacy
 from bench.discrepancy.select.candidates import Contender, Explanation

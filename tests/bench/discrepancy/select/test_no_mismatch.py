@@ -6,8 +6,8 @@ from types import SimpleNamespace
 from typing import cast
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.conclude import _why_left, of_the_rest
 from bench.discrepancy.select.objections import loses_by_itself
 from bench.discrepancy.select.state import Round, Search

@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.odd_device import beyond_all, with_odd_device
 
 TAGS, ANCHORS, ROWS = 7, 6, 8

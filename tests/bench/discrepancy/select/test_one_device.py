@@ -8,8 +8,8 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.headline import headline
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Moment, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import conclude
 from bench.discrepancy.select.one_device import all_at_device, left_at_device
 from bench.discrepancy.select.state import Round

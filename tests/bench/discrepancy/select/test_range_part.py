@@ -13,8 +13,8 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import Added, joined, view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import range_part
 from bench.discrepancy.select.candidates import library, offered
 from bench.discrepancy.select.flattened import whitening

@@ -11,7 +11,7 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.recorder import (
     AMPLITUDE,

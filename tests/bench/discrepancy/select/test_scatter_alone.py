@@ -16,7 +16,7 @@ from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import Window
 from bench.discrepancy.data.split import link_codes
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Contender, Explanation
 from bench.discrepancy.select.link_mixture import Strike
 from bench.discrepancy.select.scatter_alone import scatter_alone, scatter_beside

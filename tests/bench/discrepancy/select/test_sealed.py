@@ -20,8 +20,8 @@ from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.headline import headline
 from bench.discrepancy.law.found import FAULT, LAW
 from bench.discrepancy.law.unexplained import weighed
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.conclude import of_class

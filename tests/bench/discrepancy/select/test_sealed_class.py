@@ -10,7 +10,7 @@ import pytest
 
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.confirm import Served
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.report.document import _untouched
 from bench.discrepancy.select import sealed
 from bench.discrepancy.select.sealed import unrefused

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.locate.finding import Finding, Located
 from bench.discrepancy.locate.hypotheses import Cell, Place
-from bench.discrepancy.locate.permutation_test import Finding, Located
 from bench.discrepancy.select.state import Round, Selection
 from bench.discrepancy.select.unseen import without_unseen
 from bench.discrepancy.select.verdict import NoMismatch, Unknown

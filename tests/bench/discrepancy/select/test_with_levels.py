@@ -15,7 +15,7 @@ from bench.discrepancy.compare.view import view
 from bench.discrepancy.data.observables import LEVEL, RANGE, window_of
 from bench.discrepancy.data.split import link_codes
 from bench.discrepancy.joint import turn
-from bench.discrepancy.locate.permutation_test import Located
+from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select import all_rows, stepwise
 from bench.discrepancy.select.all_rows import with_levels, with_ranges, with_waveforms
 from bench.discrepancy.select.settings import WAVES_SHARE
