@@ -126,7 +126,7 @@ class _Fit:
     def leverage(self) -> Floats:
         """Return the lever of rows' cells on their own fit [k]: the diagonal of the hat matrix."""
         out = np.empty(len(self.order))
-        out[self.order] = np.repeat((self.basis**2).sum(axis=1), self.counts)
+        out[self.order] = np.repeat(_levers(self.basis), self.counts)
         return out
 
     def taken(self, values: Floats) -> Taken:
@@ -166,22 +166,27 @@ def _filled(values: Floats) -> Floats:
 
 def _usual(high: Floats, basis: Floats) -> Floats:
     """Return means [c, p], at most as far from what `basis` [c, w] makes of them as is usual."""
-    most = WALK_CLIP * np.median(np.abs(high - basis @ (basis.T @ high)), axis=0)
-    high = _as_others(high, basis, most)
+    fit = basis @ (basis.T @ high)
+    most = WALK_CLIP * np.median(np.abs(high - fit), axis=0)
+    high = _as_others(high, fit, _levers(basis)[:, None], most)
     fit = basis @ (basis.T @ high)
     return np.asarray(fit + np.clip(high - fit, -most, most))
 
 
-def _as_others(high: Floats, basis: Floats, most: Floats) -> Floats:
+def _levers(basis: Floats) -> Floats:
+    """Return the lever of every cell on a fit to `basis` [c, w]: [c]."""
+    return np.asarray((basis**2).sum(axis=1))
+
+
+def _as_others(high: Floats, fit: Floats, lever: Floats, most: Floats) -> Floats:
     """Return means [c, p], none more than `most` [p] farther from zero than others make of it.
 
+    `fit` [c, p] is that of all, on which each has a `lever` [c, 1].
     Of two links of a device one that missed its first path is half of what is fitted to both: by
     how far it is from that it is not told, but by what is fitted without it (Allen 1974). None is
     moved away from zero, as the others may be those that are far off.
     """
-    lever = (basis**2).sum(axis=1, keepdims=True)
-    fit = basis @ (basis.T @ high)
-    rest = np.maximum(1 - lever, LEAST_VARIANCE)
+    rest = 1 - np.minimum(lever, MOST_LEVER)
     others = np.where(lever < MOST_LEVER, (fit - lever * high) / rest, 0.0)
     near = others + np.clip(high - others, -most, most)
     return np.where(np.abs(near) < np.abs(high), near, high)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE
-from bench.discrepancy.locate.finding import cell_weight
+from bench.discrepancy.locate.finding import row_weights
 from bench.discrepancy.locate.hypotheses import Cell, Links
 from bench.discrepancy.settings import PART_SHARE
 
@@ -46,9 +46,7 @@ def in_part(
     versions = ensemble.versions_of(RANGE)
     inside = np.isfinite(versions).all(axis=0)
     places = dict.fromkeys(c.place for c in cells if (c.observable, c.moment) == (RANGE, "mean"))
-    parts = [
-        inside & (cell_weight(Cell(RANGE, "mean", p), ensemble, covariates) > 0) for p in places
-    ]
+    parts = [inside & (row_weights(place, ensemble, covariates) > 0) for place in places]
     large = [part for part in (inside, *parts) if part.sum() >= PART_SHARE * inside.sum() > 0]
     shifts = [smallest_shift(versions[:, p], ensemble.links[p], threshold) for p in large]
     return {RANGE: min(shifts)} if shifts else {}

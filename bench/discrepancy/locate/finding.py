@@ -89,7 +89,7 @@ def finding_of(
 ) -> Finding:
     """Return a finding with its effect in physical units."""
     which = ensemble.names.index(cell.observable)
-    weight = cell_weight(cell, ensemble, covariates)
+    weight = row_weights(cell.place, ensemble, covariates)
     value = _effect_rows(ensemble, which, cell, weight)
     inside = (weight != 0) & np.isfinite(value)
     effect = cluster_bootstrap(value[inside], ensemble.links[inside], seed, ensemble.units[which])
@@ -114,12 +114,7 @@ def _effect_rows(ensemble: Ensemble, which: int, cell: Cell, weight: Floats) -> 
     return np.asarray(np.abs(residual) - typical)
 
 
-def cell_weight(cell: Cell, ensemble: Ensemble, covariates: Covariates) -> Floats:
-    """Return the weight of each recorded row [n] in the place of a cell."""
-    return place_weight(cell.place, ensemble, covariates)
-
-
-def place_weight(place: Place, ensemble: Ensemble, covariates: Covariates) -> Floats:
+def row_weights(place: Place, ensemble: Ensemble, covariates: Covariates) -> Floats:
     """Return the weight of each recorded row [n] in a place: 0/1, or the standardised trend."""
     name = place.covariate
     if name is None:

@@ -23,7 +23,7 @@ from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.data.observables import RANGE, SCALARS
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.detectable import in_part, of_all_rows
-from bench.discrepancy.locate.finding import Finding, Located, finding_of, place_weight
+from bench.discrepancy.locate.finding import Finding, Located, finding_of, row_weights
 from bench.discrepancy.locate.hypotheses import Cell, Links, Place, link_sums
 from bench.discrepancy.locate.rare import struck_links, struck_rows
 from bench.discrepancy.locate.readable import as_read, unreadable
@@ -72,16 +72,15 @@ def locate(
     scores = _Scores(tuple(cells), _counted(ensemble, cells, z, copied), null, wider)
     best = _best(scores, alpha, wider_only)[:top]
     found = _findings(ensemble, covariates, scores, best, alpha, seed)
-    rare = None
-    if not found or _levels_alone(ensemble, found):
-        rare = rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
+    rare = _rare_beside(found, ensemble, crowding, seed)
+    threshold = scores.threshold(alpha)
     return Located(
         tuple([*found[: top - 1], rare] if rare else found),
         min(float(scores.p.min()), rare.p if rare else 1.0),
         scores.most,
-        scores.threshold(alpha),
+        threshold,
         len(cells),
-        _detectable(ensemble, covariates, scores, scores.threshold(alpha) * crowding),
+        _detectable(ensemble, covariates, scores, threshold * crowding),
         chance_beyond(null, scores.most),
     )
 
@@ -113,8 +112,9 @@ class _Scores:
         """Return the family-wise limit of the statistic at a level."""
         return float(np.quantile(self.null, 1 - alpha))
 
+    @cached_property
     def chance(self) -> Floats:
-        """Return the p value of every cell [K], beyond what permutations count, too."""
+        """The p value of every cell [K], beyond what permutations count, too."""
         return told_apart(self.p, self.null, self.z)
 
 
@@ -132,7 +132,7 @@ def _best(scores: _Scores, alpha: float, wider_only: bool) -> list[int]:
     moments = [cell.moment for cell in scores.cells]
     weight = [1.0 if one in ("mean", "slope") else SPREAD_TOLD for one in moments]
     spreads = np.array([wider_only and one in ("spread", "link", "rows") for one in moments])
-    counts = (scores.chance() <= alpha) & ~(spreads & (scores.z < 0))
+    counts = (scores.chance <= alpha) & ~(spreads & (scores.z < 0))
     return [int(i) for i in np.argsort(-np.abs(scores.z) * weight) if counts[i]]
 
 
@@ -146,7 +146,7 @@ def _findings(
 ) -> list[Finding]:
     """Return the findings in some cells, each with the same over all rows where that is one."""
     cells, z, p = scores.cells, scores.z, scores.p
-    wholes = _found_everywhere(cells, scores.chance(), alpha)
+    wholes = _found_everywhere(cells, scores.chance, alpha)
     at = {
         i: finding_of(ensemble, covariates, cells[i], float(z[i]), float(p[i]), seed)
         for i in {*best, *(wholes[i] for i in best if i in wholes)}
@@ -160,6 +160,15 @@ def _detectable(
     """Return the smallest shift of all rows that reaches a statistic, per observable."""
     small = of_all_rows(ensemble, least) | in_part(ensemble, covariates, scores.cells, least)
     return as_read({n: one * float(scores.wider[ensemble.place(n)]) for n, one in small.items()})
+
+
+def _rare_beside(
+    found: list[Finding], ensemble: Ensemble, crowding: float, seed: int
+) -> Finding | None:
+    """Return what few links or rows show, where nothing is found or levels alone are."""
+    if found and not _levels_alone(ensemble, found):
+        return None
+    return rare_links(ensemble, seed, crowding) or rare_rows(ensemble, crowding, seed)
 
 
 def _levels_alone(ensemble: Ensemble, found: list[Finding]) -> bool:
@@ -176,7 +185,7 @@ def _wider(
         return np.ones(len(cells))
     code = np.unique(ensemble.links, return_inverse=True)[1]
     found = {
-        place: reused.widening(_of_links(code, place_weight(place, ensemble, covariates)))
+        place: reused.widening(_of_links(code, row_weights(place, ensemble, covariates)))
         for place in dict.fromkeys(cell.place for cell in cells)
     }
     return np.array([found[cell.place].get(cell.observable, 1.0) for cell in cells])

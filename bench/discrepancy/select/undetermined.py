@@ -27,7 +27,8 @@ def hardly_more(option: LeftOut, rounded: bool = False) -> str:
     """
     adds, sizes = type(option.effect).adds, _sizes(option)
     added = [(one, null) for one, null in sizes if one.name == adds]
-    if not added or any(_told(*one) for one in sizes if one not in added and not rounded):
+    others = () if rounded else (one for one in sizes if one not in added)
+    if not added or any(_told(*one) for one in others):
         return ""
     one, null = added[0]
     if not 0 <= one.value - null < LEAST_ADDED_DB:

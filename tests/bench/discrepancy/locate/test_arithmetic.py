@@ -9,7 +9,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.data.covariates import Covariates
 from bench.discrepancy.locate.chance import chance_beyond, told_apart
 from bench.discrepancy.locate.detectable import of_all_rows, smallest_shift
-from bench.discrepancy.locate.finding import _effect_rows, cell_weight
+from bench.discrepancy.locate.finding import _effect_rows, row_weights
 from bench.discrepancy.locate.hypotheses import Cell, Place
 from bench.discrepancy.locate.permutation_test import _clusters, _permuted, locate, rare_links
 from bench.discrepancy.locate.rare import _link_offsets
@@ -151,7 +151,7 @@ def test_the_weight_of_a_cell_comes_from_its_group_number_or_observable() -> Non
     known = Covariates({"x": np.array([1.0, 2.0, 3.0])}, {"wall": np.array([True, False, True])})
 
     def weight(place: Place) -> list[float]:
-        return cell_weight(Cell("error_m", "mean", place), _small(), known).tolist()
+        return row_weights(place, _small(), known).tolist()
 
     assert weight(Place()) == [1, 1, 1]
     assert weight(Place("wall")) == [1, 0, 1]
