@@ -57,12 +57,12 @@ def _changes(contest: Contest, causes: Set, made: Weighed) -> bool:
     plain, other = evidence.among(asked).of(causes), other.among(asked)
     bent = other.at([(*causes, BENT)], 0.0)[0]
     constant = evidence.columns[:, evidence.places[AntennaDelay.name]]
-    more = _beside(constant[asked], other.response(bent, BENT)[asked])
+    more = beside(constant[asked], other.response(bent, BENT)[asked])
     large = float((more**2).sum()) >= DEFORMED**2 * float((delays[asked] ** 2).sum())
     return large and bent.nats > plain.nats
 
 
-def _beside(constant: Floats, more_m: Floats) -> Floats:
+def beside(constant: Floats, more_m: Floats) -> Floats:
     """Return what of ranges [n] no constant delays [n, k] do: either may say what both can."""
     factors = np.linalg.lstsq(constant, more_m, rcond=None)[0]
     return np.asarray(more_m - constant @ factors)

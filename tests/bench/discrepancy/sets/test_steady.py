@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.discrepancy.sets.choose import chosen
-from bench.discrepancy.sets.steady import CHANGING
+from bench.discrepancy.sets.steady import CHANGING, beside
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -73,3 +73,13 @@ def test_links_out_of_sight_do_not_say_that_delays_change(seed: int) -> None:
     found = chosen(search_of(late, seed, with_detours), ())
     assert found.names == ("antenna-delay",)
     assert CHANGING not in found.others
+
+
+def test_what_constant_delays_do_is_no_change_from_link_to_link() -> None:
+    """Beside delays that each link has more or less of, either may say what both can."""
+    devices, rng = np.arange(60) % 3, np.random.default_rng(3)
+    constant = (devices[:, None] == np.arange(3)).astype(float)
+    by_links = 0.002 * rng.normal(size=60)
+    left = beside(constant, constant @ [0.4, -0.2, 0.1] + by_links)
+    assert np.abs(left - by_links).max() < 0.002
+    assert np.allclose(left @ constant, 0.0)
