@@ -57,7 +57,9 @@ def grids(search: Search, added: Added) -> Added:
     for kind in (one for one in kinds if not _simulated(search, one)):
         seen = Guard().safely(kind.name, with_values, None)
         made = have.get(kind.name) or seen(search.comparison, search.sharpest, (), kind)
-        if made and (kind.name in have or (_matters(search, made) and not _borne(search, made))):
+        if made and (
+            kind.name in have or (_matters(search, added, made) and not _borne(search, made))
+        ):
             found.append(made)
     return tuple(found)
 
@@ -68,15 +70,15 @@ def _borne(search: Search, effect: Effect) -> bool:
     return isinstance(other, TableComparison) and effect.borne_by(other.frame)
 
 
-def _matters(search: Search, effect: Effect) -> bool:
+def _matters(search: Search, added: Added, effect: Effect) -> bool:
     """Return whether what an effect does to ranges is no small part of how rows of a link scatter.
 
-    To those that it moves at all, which may be of one device of many. What links keep by
-    themselves, such as a delay, is not found yet and hides no rounding.
+    Beside what is `added`, and to those that it moves at all, which may be of one device of many.
+    What links keep by themselves, such as a delay, may not be found yet and hides no rounding.
     """
     made, bare = (
         search.comparison.ensemble(search.sharpest, some, RESIDUAL_MEMBERS)
-        for some in ((effect,), ())
+        for some in ((*added, effect), added)
     )
     change = made.simulated_of(RANGE) - bare.simulated_of(RANGE)
     moved = change[:, (np.abs(change) > 0).any(axis=0)]

@@ -20,6 +20,7 @@ from bench.discrepancy.select import marks
 from bench.discrepancy.select.state import Search
 from bench.physics.base import Base
 from bench.physics.effects.ranging.range_rounding import RangeRounding
+from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.simulator import Simulator
 
@@ -57,6 +58,17 @@ def test_a_grid_of_ranges_is_seen_and_only_where_there_is_one() -> None:
 
 def test_centimetres_that_are_printed_are_no_cause() -> None:
     assert marks.marked(_search(_view(step_m=0.01))) == ()
+
+
+def test_what_other_causes_make_rows_of_a_link_differ_by_hides_no_grid() -> None:
+    rows = _view(step_m=0.0)
+    grown = 1.02 * rows.frame["range_m"]
+    written = np.rint(grown / 0.06) * 0.06
+    frame = rows.frame.assign(range_m=written, error_m=written - rows.frame["true_range_m"])
+    rows = view(frame, rows.links, rows.rows, Window(), ("error_m",), False)
+    assert marks.marked(_search(rows)) == ()
+    (seen,) = marks.marked(_search(rows), (RangeScale(0.02),))
+    assert isinstance(seen, RangeRounding)
 
 
 def test_half_a_step_is_a_lean_and_any_other_constant_is_none() -> None:
