@@ -37,6 +37,7 @@ from bench.discrepancy.settings import (
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.device_delay import DeviceDelay
+from bench.physics.effects.fitted.device_values import beside_middle
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
 from bench.physics.effects.fitted.power_curve import PowerCurve, at_level
 from bench.physics.effects.fitted.wall_delay import WallDelay
@@ -162,10 +163,9 @@ def _lobes(heading: Floats, residual_m: Floats, rows: Rows) -> Floats:
 
 
 def _offsets(view: View, residual_m: Floats, rows: Rows, over: str) -> Floats:
-    """Return clock offsets in ppm beside the median one; they go by `over` besides."""
+    """Return clock offsets in ppm beside middling ones; they go by `over` besides."""
     heard = Heard.of(view, residual_m)
-    found = np.array(polynomial(heard, rows, over, heard.with_mean).offsets_ppm)
-    return np.asarray(found - np.median(found))
+    return beside_middle(polynomial(heard, rows, over, heard.with_mean).offsets_ppm)
 
 
 def _bias(level: Floats, residual_m: Floats, rows: Rows, bounded: bool) -> Floats:

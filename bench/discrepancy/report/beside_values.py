@@ -7,6 +7,7 @@ import numpy as np
 from bench.discrepancy.settings import SHOWN_VALUES
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
+from bench.physics.effects.fitted.device_values import beside_middle
 from bench.physics.effects.fitted.wall_delay import WallDelay
 from bench.physics.effects.propagation.material_delay import MaterialDelay
 from bench.physics.materials import obstacle
@@ -36,7 +37,7 @@ def wall_lines(effect: Effect) -> list[str]:
 def slope_lines(effect: Effect) -> list[str]:
     """Return how offsets of devices change, a line each over hours and over degrees, if at all.
 
-    Beside the median device, as offsets are: only differences act. They have no intervals.
+    Beside middling devices, as offsets are: only differences act. They have no intervals.
     """
     if not isinstance(effect, DeviceClock):
         return []
@@ -48,13 +49,13 @@ def slope_lines(effect: Effect) -> list[str]:
 
 
 def _line(devices: tuple[str, ...], values: tuple[float, ...], unit: str, where: str) -> str:
-    """Return the largest changes of some devices, beside the median one."""
-    beside = np.asarray(values) - np.median(values)
+    """Return the largest changes of some devices, beside middling ones."""
+    beside = beside_middle(values)
     first = np.argsort(-np.abs(beside), kind="stable")[:SHOWN_VALUES]
     shown = ", ".join(f"{devices[i]} {significant(float(beside[i]), 3)}" for i in first)
     more = len(devices) - len(first)
     rest = f" and {more} more in diagnosis.json" if more > 0 else ""
     return (
-        f"  - offsets change, in {unit} beside the median device (fitted, without intervals): "
+        f"  - offsets change, in {unit} beside middling devices (fitted, without intervals): "
         f"{shown}{rest}; offsets are those at {where}"
     )

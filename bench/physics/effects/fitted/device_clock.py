@@ -16,6 +16,7 @@ from bench.physics.effects.fitted.device_values import (
     as_curves,
     as_tuples,
     at_end,
+    beside_middle,
     name_hash,
 )
 from bench.physics.effects.fitted.wander import bridge, nearest
@@ -49,8 +50,8 @@ class DeviceClock(Effect):
     source = "Neirynck, Luk and McLaughlin, WPNC 2016, equation (4); offsets fitted to recordings"
     signature = (
         "error proportional to reply time and ppm; sign flips with the roles; CIR unchanged; only "
-        "differences between devices are seen: values are beside the median device's, and one "
-        "above zero makes ranges longer where the device is at tx"
+        "differences between devices are seen: values are beside the mean of the middle third "
+        "of devices, and one above zero makes ranges longer where the device is at tx"
     )
     needs = (("tx", "rx", "reply_time_s"),)
     control = "rows with zero reply time"
@@ -75,13 +76,9 @@ class DeviceClock(Effect):
         as_curves(self, "knots_s", "wander_ppm", count)
 
     def values(self) -> dict[str, float]:
-        """Return the offset of every device in ppm beside the median one: only differences act.
-
-        Beside their mean, one device that is off would have all others be off, too.
-        """
-        middle = float(np.median(self.offsets_ppm)) if self.offsets_ppm else 0.0
-        pairs = zip(self.devices, self.offsets_ppm, strict=True)
-        return {f"offset_ppm[{device}]": offset - middle for device, offset in pairs}
+        """Return the offset of every device in ppm beside middling ones: only differences act."""
+        pairs = zip(self.devices, beside_middle(self.offsets_ppm).tolist(), strict=True)
+        return {f"offset_ppm[{device}]": offset for device, offset in pairs}
 
     def apply(self, batch: Batch, draws: Draws) -> Batch:
         """Lengthen ranges by the clock error of each row's two devices."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -9,12 +10,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.stats import trim_mean
 
 from bench.errors import BenchError
 from bench.physics.scene import Scene
 from bench.physics.units import Floats
 
 Curves = tuple[tuple[float, ...], ...]
+CUT = 1 / 3  # of devices at either end, which may be far off
 
 
 @lru_cache(maxsize=256)
@@ -31,6 +34,16 @@ def at_end(rows: Scene, end: str, devices: tuple[str, ...], values: tuple[float,
     order = np.argsort(known)
     place = order[np.minimum(np.searchsorted(known[order], wanted), len(known) - 1)]
     return np.where(known[place] == wanted, np.asarray(values, np.float64)[place], 0.0)
+
+
+def beside_middle(values: Sequence[float] | Floats) -> Floats:
+    """Return values of devices [k] beside the mean of the middle third of them (a trimmed mean).
+
+    Where only differences act. Beside the mean of all, one that is off would have all others be
+    off; beside the median one, its own error would be that of all (Tukey and McLaughlin 1963).
+    """
+    given = np.asarray(values, np.float64)
+    return np.asarray(given - trim_mean(given, CUT)) if given.size else given
 
 
 def as_tuples(effect: Any, **lengths: int | None) -> None:
