@@ -23,11 +23,12 @@ from bench.discrepancy.select.candidates import regressed
 from bench.discrepancy.select.guard import Guard
 from bench.discrepancy.select.logged import shown
 from bench.discrepancy.select.refute import Checked, announced
-from bench.discrepancy.select.settings import FORM_LEAD_NATS, MARK_SHARE
+from bench.discrepancy.select.settings import FORM_LEAD_NATS, MARK_SHARE, ODD_MARK_SHARE, PRINTED
 from bench.discrepancy.select.state import Round, Search, State
 from bench.discrepancy.sets.choose import worth_beside
 from bench.discrepancy.settings import FIT_MEMBERS, MAD_TO_STD, RESIDUAL_MEMBERS
 from bench.physics.effect import Effect
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 
 
 def marked(search: Search, added: Added = ()) -> Added:
@@ -86,7 +87,19 @@ def _matters(search: Search, added: Added, effect: Effect) -> bool:
     links = pd.Series(left).groupby(search.sharpest.links)
     within = (left - links.transform("median"))[links.transform("count") > 1]
     own = MAD_TO_STD * float(np.nanmedian(np.abs(within if len(within) else left)))
-    return bool(moved.size) and float(np.nanstd(moved)) > MARK_SHARE * own
+    least = MARK_SHARE if _printed(effect) else ODD_MARK_SHARE
+    return bool(moved.size) and float(np.nanstd(moved)) > least * own
+
+
+def _printed(effect: Effect) -> bool:
+    """Return whether a grid may be that of how numbers are printed: in a decimal place of metres.
+
+    One of devices of their own may be, too, as numbers of each may be printed otherwise.
+    """
+    if not isinstance(effect, RangeRounding) or effect.steps_m or effect.growth:
+        return True
+    places = np.log10(effect.step_m)
+    return bool(abs(places - np.rint(places)) < PRINTED)
 
 
 def seen_first(state: State, located: Located) -> State:

@@ -244,12 +244,11 @@ def _taken_back(found: Selection, gone: Added, sealed: View, held: set[str]) -> 
 def _bears(verdict: Verdict, sealed: View) -> bool:
     """Return whether rows bear the mark of what a verdict names.
 
-    Of ranges alone what is `marked` was fitted by its mark (see `bears_mark`): every range is a
-    point of its grid, however far off those are that something else blocks.
+    What is `marked` was fitted by its mark (see `bears_mark`): every range is a point of its grid,
+    however far off those are that something else blocks.
     """
     kinds: list[type[Effect]] = [type(one.effect) for one in options_of(verdict)]
-    on_grid = not sealed.waveform and any(kind.marked for kind in kinds)
-    return on_grid or any(kind.by_mark(sealed.frame) for kind in kinds)
+    return any(kind.marked or kind.by_mark(sealed.frame) for kind in kinds)
 
 
 def _unknown(found: Selection, refused: tuple[Verdict, ...]) -> Unknown:

@@ -96,6 +96,8 @@ SCATTER_OUTLIER: Final = 5.0  # standard deviations, as far as one row counts [c
 # --- Marks of ranges (select/marks) ---------------------------------------------------------------
 FORM_LEAD_NATS: Final = 3.0  # by which another form of a mark must lead the plain one: 20 to 1
 MARK_SHARE: Final = 0.2  # of the scatter of rows: less adds 2 % to it, as centimetres printed do
+PRINTED: Final = 1e-3  # of a decade, that a printed step may be read off by [convention]
+ODD_MARK_SHARE: Final = 0.1  # of steps that no number is printed in; adds 0.5 % [convention]
 
 # --- Logs of the receiver beside ranges (select/logged) -------------------------------------------
 LOGGED_NATS: Final = 6.0  # that a name must bring, as in a set of causes [derived]
