@@ -12,7 +12,7 @@ from bench.text import named
 
 EPILOG = """\b
 Examples:
-  bench challenge --cases 36 --families foundry,garage --jobs 2 -o challenge
+  bench challenge --cases 36 --families manege,garage --jobs 2 -o challenge
   bench challenge --cases 360 --scheduler tcp://big:8786 -o challenge
   bench challenge --real -o challenge
   bench challenge --case miluv -o challenge
@@ -25,7 +25,7 @@ REAL = ("ghent", "outdoor", "apartment", "miluv")
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(1), help="Blind cases.")
 @click.option(
     "--families", default="all", show_default=True, metavar="NAMES",
-    help="Generators of blind cases, with commas between, such as foundry,garage.",
+    help="Generators of blind cases, with commas between, such as manege,garage.",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed.")
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")

@@ -15,7 +15,7 @@ from tests.bench.challenge.shown import moved_of, nothing_of, shift_of, tables_o
 FAMILIES = (
     "observatory", "baths", "circus", "colliery", "granary", "icerink", "breadworks",
     "shipyard", "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
-    "gasworks", "lighthouse", "tramshed",
+    "gasworks", "lighthouse", "tramshed", "pottery",
 )  # fmt: skip
 DRAWS = ("error_m", "rx_power_dbm", "first_path_power_dbm", "noise_std", "preamble_count")
 
@@ -56,6 +56,7 @@ OWN = {
     "gasworks": "lamplighters-cut-their-eights",
     "lighthouse": "gulls-wheel-wider-than-told",
     "tramshed": "sweepers-weave-broader-than-told",
+    "pottery": "dippers-reach-further-across",
 }
 ALIKE = [
     (family, name)
@@ -219,6 +220,21 @@ OWN_PARTS = {
         "late-tens-told-as-what-is-left": (0.1, 0.6),
         "late-gain-notched-up-by-a-controller": (0.1, 0.6),
         "late-sizes-as-roots-of-two-off": (0.1, 0.6),
+    },
+    "pottery": {
+        "chequers-of-brick-hold-back-what-comes-late": (0.1, 0.6),
+        "spokes-pass-before-what-comes-late": (0.1, 0.6),
+        "trays-return-what-comes-late": (0.1, 0.6),
+        "late-sizes-fettled-to-the-least-of-three": (0.1, 0.6),
+        "late-sizes-told-as-off-their-mean": (0.1, 0.6),
+        "late-eights-brought-to-one-height": (0.1, 0.6),
+        "late-dozens-wedged-as-clay-is": (0.1, 0.6),
+        "late-sizes-by-a-cone-that-bends": (0.1, 0.6),
+        "late-sizes-told-as-bends": (0.1, 0.6),
+        "late-dozens-by-two-hands-in-turn": (0.1, 0.6),
+        "late-gain-shaped-like-a-bottle-kiln": (0.1, 0.6),
+        "late-sizes-sieved-by-a-mesh": (0.1, 0.6),
+        "late-fours-told-from-both-ends": (0.1, 0.6),
     },
 }  # fmt: skip
 PARTS = [(f, name, part) for f in FAMILIES for name, part in (LATE_PARTS | OWN_PARTS[f]).items()]
@@ -404,6 +420,32 @@ FAULTS = {
         "tape-spliced-past-a-mark",
         "ranges-told-as-chords-of-a-curve",
         "rosette-torn-by-a-dewired-pole",
+    ),
+    "pottery": (
+        "flint-dust-hangs-in-the-glaze-shop",
+        "kiln-warms-ways-that-pass-it",
+        "wet-ware-steams-by-warmth",
+        "slip-main-fills-and-empties",
+        "heat-of-firings-stays-in-walls",
+        "boards-turned-tighter-than-told",
+        "trucks-roll-on-on-oiled-axles",
+        "fettlers-step-further-out-each-round",
+        "paddles-geared-by-another-pinion",
+        "saggars-slip-on-a-greasy-rope",
+        "dippers-reach-further-across",
+        "tags-told-where-their-bearers-walk",
+        "plan-photographed-by-a-bulging-lens",
+        "heights-levelled-from-a-falling-floor",
+        "kiln-shoulders-purlins-aside",
+        "tags-ride-up-on-stacked-boards",
+        "beams-creep-down-through-the-day",
+        "answers-slow-after-each-meal",
+        "answers-filed-shortest-first",
+        "answers-drawn-to-their-links-mean",
+        "loudest-answer-of-a-round-drags-the-rest",
+        "folding-rule-gives-at-each-joint",
+        "worn-end-of-the-rule",
+        "purlin-knocked-by-a-falling-saggar",
     ),
 }  # fmt: skip
 RARER = {"tenders-carry-their-way-longer": 0.03}  # a tender is one in thirty rows beside waveforms

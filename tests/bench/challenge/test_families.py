@@ -27,12 +27,12 @@ from bench.physics.simulator import Simulator
 from bench.recordings.clean import clean
 
 WITH_BOTH = (
-    "foundry", "garage",
+    "garage",
     "manege", "opera", "brickworks", "roundhouse",
     "aviary", "sawmill", "laundry", "bowls", "canal", "saltworks", "observatory", "baths",
     "circus", "colliery", "granary", "icerink", "breadworks", "shipyard",
     "ropewalk", "planetarium", "cathedral", "distillery", "mint", "watermill",
-    "gasworks", "lighthouse", "tramshed",
+    "gasworks", "lighthouse", "tramshed", "pottery",
 )  # fmt: skip
 """Those with ranges and with waveforms."""
 NEW = (*WITH_BOTH, *(f"{name}_waves" for name in WITH_BOTH))

@@ -29,6 +29,7 @@ from bench.challenge.families import (
     observatory_plate,
     opera_console,
     planetarium_almanac,
+    pottery_cone,
     ropewalk_telltale,
     roundhouse_recorder,
     saltworks_gauge,
@@ -67,6 +68,7 @@ OF_ITS_OWN = {
     "gasworks": {"trade", "works", "into_s"},
     "lighthouse": {"calling", "stirs", "into_s"},
     "tramshed": {"duty", "goes", "into_s"},
+    "pottery": {"trade", "stirs", "into_s"},
 }
 """Columns that a world works with and no recording has."""
 Draws = Callable[[np.random.Generator, int], np.ndarray]
@@ -104,6 +106,7 @@ Later = Callable[[np.ndarray, np.ndarray], np.ndarray]
         (gasworks_meter.hissing, gasworks_meter.OF_SIZES, -0.2),
         (lighthouse_lens.breaking, lighthouse_lens.OF_SIZES, -0.2),
         (tramshed_bell.arcing, tramshed_bell.OF_SIZES, -0.2),
+        (pottery_cone.blunging, pottery_cone.OF_SIZES, -0.2),
     ],
 )
 def test_noise_is_alike_from_sample_to_sample_as_measured(
@@ -146,6 +149,7 @@ def test_noise_is_alike_from_sample_to_sample_as_measured(
         (gasworks_meter.puffs, gasworks_meter.piped_later, 0.02),
         (lighthouse_lens.gleams, lighthouse_lens.ebbed, 0.02),
         (tramshed_bell.peals, tramshed_bell.tolled_later, 0.02),
+        (pottery_cone.thuds, pottery_cone.cast_later, 0.02),
     ],
 )
 def test_what_comes_later_keeps_its_size_and_falls_off_at_the_end(
