@@ -102,7 +102,9 @@ def fallen(waves: Complexes, cold: float) -> Integers:
     hit = np.where(there.any(axis=1), there.argmax(axis=1), size.argmax(axis=1))
     still = (over <= 0.0) & (np.arange(size.shape[1]) <= hit[:, None])
     begun = size.shape[1] - still[:, ::-1].argmax(axis=1)
-    tops = (size[:, 1:-1] > size[:, :-2]) & (size[:, 1:-1] >= size[:, 2:]) & (size[:, 1:-1] >= least)
+    tops = (
+        (size[:, 1:-1] > size[:, :-2]) & (size[:, 1:-1] >= size[:, 2:]) & (size[:, 1:-1] >= least)
+    )
     tops &= np.arange(1, size.shape[1] - 1) >= begun[:, None]
     first: Integers = np.where(tops.any(axis=1), tops.argmax(axis=1) + 1, size.argmax(axis=1))
     return first.clip(SIDES, size.shape[1] - SIDES - 1)

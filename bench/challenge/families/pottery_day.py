@@ -38,7 +38,7 @@ OF_ROWS: Integers = np.repeat(np.arange(1, 11), [17, 22, 22, 20, 17, 13, 9, 6, 3
 """How many rows links have."""
 IDLE = 5  # rounds whose tag rests, each of another tag that has one in which it goes
 CALLS, PAUSE_S, CHANCE_S, SLOT_S = 12, 0.2, 0.16, 0.013
-"""Calls of a round; s between these at least, and more by chance in the mean; of a purlin's slot."""
+"""Calls of a round; s between these at least, and more by chance; of a purlin's slot."""
 NEAREST_M, FREE_M, SEEN_S = 1.5, 0.3, 8.6  # to purlins; to walls; until when both are seen to
 HEARD_M = 7.5  # in which odds to answer fall to 1 / e
 TRAYS = {False: 0.17, True: 0.05}  # of links behind racks of trays; where these are rare

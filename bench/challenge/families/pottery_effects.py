@@ -34,7 +34,11 @@ from bench.challenge.families.pottery_floor import (
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 SHUT = {False: 0.2, True: 0.08}  # of links, and where these are rare
-BEHIND_S, MORE_S, FILLS_S = 0.06, 0.07, 2.5  # of places: at first; more once a buffer is full; to 0.6
+BEHIND_S, MORE_S, FILLS_S = (
+    0.06,
+    0.07,
+    2.5,
+)  # of places: at first; more once a buffer is full; to 0.6
 SLOTS = 7  # of an exchange; purlins have them by turns
 STUBS_M, STUBS = (0.03, 0.2), (1.4, 2.2)  # of purlins' aerials; of a beta law
 DISC_M, DISCS = 0.026, (4, 0.4)  # of tags' ceramic discs; how many are stacked (binomial)
@@ -46,7 +50,11 @@ TABLE_M = (0.082, 0.06, 0.034, 0.0, -0.03, -0.048, -0.062)
 """Of a maker's table of how ranges lean by levels, and what is between on straight lines."""
 LAPLACE_M, FARTHEST = 0.026, 5.0  # of stamps; of the law's own unit, at most
 RANKS_DB, RANKS, OWN = 0.85, 0.588, 0.28  # of racks at a metre; power of distance; e-folds of links
-REELS, LOT, FAST = 3.0, 4, 0.0145  # of a chi square; purlins of one lot; parts that are counted more
+REELS, LOT, FAST = (
+    3.0,
+    4,
+    0.0145,
+)  # of a chi square; purlins of one lot; parts that are counted more
 STEPS_M = (0.09, 0.12, 0.15)  # that lots of purlins write
 EXCESS_M, EXCESS, SHORT_M, LONG_M = 1.1, 1.6, 0.5, 4.6  # of a Weibull law; bounds of what is late
 TILES = 6.2 - 0.7j
@@ -69,7 +77,7 @@ def _slots(firing: Firing, strength: float) -> Toll:
 
 
 def _stubs(firing: Firing, strength: float) -> Toll:
-    """Be late by stubs of purlins' aerials (of a beta law) and by discs that tags are stacked of."""
+    """Be late by stubs of purlins' aerials (of a beta law) and by stacks of tags' discs."""
     drawn = firing.common(1)
     stubs = STUBS_M[0] + (STUBS_M[1] - STUBS_M[0]) * drawn.beta(*STUBS, PURLINS)
     discs = DISC_M * drawn.binomial(*DISCS, len(TAGS))

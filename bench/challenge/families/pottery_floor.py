@@ -120,7 +120,7 @@ def _laid(course: Course, ahead: Floats, aside: Floats, up: Floats | float = 0.0
 
 
 def carried(course: Course, gone_s: Floats, tighter: float = 0.0) -> Floats:
-    """Return where boards are, in m [n, 3]: round as the square of the way gone (Euler's spiral)."""
+    """Return where boards are, in m [n, 3]: round as the square of the way gone (Euler)."""
     way = course["brisk"] * gone_s
     part = 0.5 * (NODES[:, None] + 1) * way
     turns = np.exp(0.5j * course["bent"] * (1 + tighter) * part**2)
