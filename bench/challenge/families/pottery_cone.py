@@ -98,7 +98,8 @@ def fallen(waves: Complexes, cold: float) -> Integers:
     least = np.minimum(least, MOST * most)[:, None]
     summed = np.cumsum(DRIFT * ((size / least) ** 2 - 1), axis=1)
     over = summed - np.minimum.accumulate(np.minimum(summed, 0.0), axis=1)
-    there = over >= min(BAR, DRIFT * (MOST**-2 - 1))
+    bar = np.minimum(BAR, 0.98 * DRIFT * ((most[:, None] / least) ** 2 - 1))
+    there = over >= bar
     hit = np.where(there.any(axis=1), there.argmax(axis=1), size.argmax(axis=1))
     still = (over <= 0.0) & (np.arange(size.shape[1]) <= hit[:, None])
     begun = size.shape[1] - still[:, ::-1].argmax(axis=1)

@@ -237,7 +237,7 @@ def _ground(firing: Firing, strength: float) -> Toll:
 def edge_db(bend: Floats) -> Floats:
     """Return what an edge takes in dB by Fresnel's parameter [n] (Lee 1985)."""
     gains = np.select(
-        [bend <= -1, bend <= 0, bend <= 1, bend <= 2.4],
+        [bend <= -0.8, bend <= 0, bend <= 1, bend <= 2.4],
         [np.ones_like(bend), 0.5 - 0.62 * bend, 0.5 * np.exp(-0.95 * bend),
          0.4 - np.sqrt(np.maximum(0.1184 - (0.38 - 0.1 * bend) ** 2, 0.0))],
         0.225 / np.maximum(bend, 2.4),
