@@ -60,9 +60,9 @@ def fired(rng: np.random.Generator, rare: str, of_rows: Integers = OF_ROWS) -> p
         for k, share in enumerate(shares)
     ]
     rows = pd.concat(rounds, ignore_index=True)
-    between = _between(rng, rows, rare)
+    rows["obstacles"] = _between(rng, rows, rare)
     return rows.assign(
-        obstacles=between, los=[not some for some in between], channel=4, prf_mhz=16.0,
+        los=[not some for some in rows["obstacles"]], channel=4, prf_mhz=16.0,
         room_x_m=WORKS_M[0], room_y_m=WORKS_M[1], room_z_m=WORKS_M[2],
     )  # fmt: skip
 

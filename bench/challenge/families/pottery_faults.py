@@ -102,7 +102,7 @@ def _rollers(firing: Firing, strength: float) -> Toll:
 
 
 def _lid(firing: Firing, strength: float) -> Toll:
-    return Toll(0.088 * strength * (firing["clay_t"] < LID_T))
+    return Toll(np.where(firing["clay_t"] < LID_T, 0.088 * strength, 0.0))
 
 
 def in_glaze_m(one: Floats, other: Floats) -> Floats:
