@@ -57,8 +57,8 @@ LATER_ON = ("worn-end-of-the-rule", "folding-rule-gives-at-each-joint", "ells-fr
 """What becomes of ranges after all else, in this order."""
 SYMBOLS, FEWEST, COUNTS = 256, 180, 2.7  # sent; summed at least; noise for a root of one
 WARM_C = 24.0  # at which noise is that
-PURLINS_DB: Floats = 1.1 * (np.arange(PURLINS) * 0.618 % 1.0) - 0.55
-TAGS_DB: Floats = 1.0 * (np.arange(len(TAGS)) * 0.382 % 1.0) - 0.5
+PURLINS_DB: Floats = np.asarray(1.1 * (np.arange(PURLINS) * 0.618 % 1.0) - 0.55, np.float64)
+TAGS_DB: Floats = np.asarray(np.arange(len(TAGS)) * 0.382 % 1.0 - 0.5, np.float64)
 OWN_DB = 1.0  # of links
 FIRST = 0.52  # of all that comes is of first paths
 OWN_M = 0.009  # by which links' own errors are off

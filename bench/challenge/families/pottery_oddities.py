@@ -143,8 +143,8 @@ def _spokes(cone: Cone, strength: float) -> None:
     each = cone.firing().each_link(lambda n: cone.rng.uniform(*SPOKES, n))[:, None]
     begun = cone.rng.random((cone.rows, 1))
     since = PLACES - cone.at[:, None] - LATE
-    behind = ((since / each + begun) % 1.0 > OPEN) * (since > 0)
-    cone.dull(SHUT_DB * min(strength, 2.0) * behind)
+    behind = ((since / each + begun) % 1.0 > OPEN) & (since > 0)
+    cone.dull(np.where(behind, SHUT_DB * min(strength, 2.0), 0.0))
 
 
 def _trays(cone: Cone, strength: float) -> None:
