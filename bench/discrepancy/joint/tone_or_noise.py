@@ -23,7 +23,6 @@ from scipy.special import ive
 from bench.discrepancy.compare.view import Added
 from bench.discrepancy.data.observables import NOISE
 from bench.discrepancy.fit.search import revalued
-from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.likelihood import whitener
 from bench.discrepancy.joint.polish import Fit
 from bench.discrepancy.joint.settings import CLASS_NATS, DB_PER_NEPER, TAIL, TONE_FADING_DB
@@ -48,20 +47,6 @@ def counterparts(effect: Effect) -> Added:
 def floor_of(tone: NarrowbandInterference) -> NoiseFloor:
     """Return the noise floor that adds as much power to the noise as a tone."""
     return NoiseFloor(_within(NoiseFloor, 10 * np.log10(1 + _power(tone))))
-
-
-def with_second_tone(choice: WaveChoice) -> WaveChoice:
-    """Return a choice with another tone as what its noise floor beside a tone may be.
-
-    Of several tones at once the library's one explains a part; the rest comes and goes within a
-    record and does what noise does, the more so the more there are.
-    """
-    tones = tuple(one for one in choice.added if isinstance(one, NarrowbandInterference))
-    floors = {one.name for one in choice.added if isinstance(one, NoiseFloor)}
-    if not tones or not floors:
-        return choice
-    more = {name: (*choice.rivals.get(name, ()), *tones) for name in floors}
-    return replace(choice, rivals={**choice.rivals, **more})
 
 
 def with_tone(effects: Added) -> Added:

@@ -21,7 +21,6 @@ from bench.discrepancy.joint.rows import compared_rows, fewer
 from bench.discrepancy.joint.sets import Sets
 from bench.discrepancy.joint.settings import SCREEN_ROWS
 from bench.discrepancy.joint.strikes import struck_by
-from bench.discrepancy.joint.tone_or_noise import with_second_tone
 from bench.discrepancy.joint.untried import with_unlisted, with_untried
 from bench.discrepancy.joint.verdicts import left_by, of_range, wave_verdicts, without_idle
 from bench.discrepancy.locate.finding import Located
@@ -148,7 +147,7 @@ def chosen(search: Search, struck: bool = False) -> WaveChoice:
     rows = compared_rows(search)
     few = fewer(search.fit, SCREEN_ROWS)
     sets = Sets(search.comparison, rows, few, kinds, tries, struck)
-    choice = with_second_tone(sets.chosen())
+    choice = sets.chosen()
     return replace(choice, dense=dense_of(sets.grain, choice.added, search.untried))
 
 

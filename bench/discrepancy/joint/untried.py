@@ -23,6 +23,7 @@ from bench.discrepancy.select.state import Search
 from bench.discrepancy.select.unlisted import tried_alike, with_obstacles
 from bench.discrepancy.select.verdict import (
     NEEDS,
+    UNTRIED,
     Ambiguous,
     LeftOut,
     Verdict,
@@ -34,9 +35,12 @@ from bench.discrepancy.settings import ONE_SIDED_95
 from bench.physics.effect import Effect
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.propagation.obstructed_path import ObstructedPath
+from bench.physics.effects.receiver.interference import NarrowbandInterference
+from bench.physics.effects.receiver.noise_floor import NoiseFloor
 from bench.physics.units import C_M_PER_NS
 
 NOTE = f"{NEEDS}a simulator that can be run again"
+MORE_TONES = f"{UNTRIED}: several tones at once, beside the one that is named"
 NO_RAYS = "it fits less well, but the rays round what stands in the way are not in the table"
 
 
@@ -47,7 +51,7 @@ def with_untried(
 
     `dense`: names whose late samples show that they are not what resembles them.
     """
-    said = tuple(_with_unplaced(search, one, dense) for one in said)
+    said = tuple(with_tones(_with_unplaced(search, one, dense), added) for one in said)
     rivals = [kind for kind in search.untried.values() if kind.by_rows]
     if not rivals:
         return said
@@ -66,6 +70,21 @@ def _with_unplaced(search: Search, said: Verdict, dense: tuple[str, ...]) -> Ver
     )
     options = (*fitted, *more)
     return Ambiguous(options, separating(options)) if more else said
+
+
+def with_tones(said: Verdict, added: Added) -> Verdict:
+    """Return one verdict, with more tones as what a noise floor beside a tone may be.
+
+    Of several tones at once the library's one explains a part; the rest comes and goes within a
+    record and does what noise does, the more so the more there are.
+    """
+    fitted = options_of(said)
+    tones = [one for one in added if isinstance(one, NarrowbandInterference)]
+    names = {type(one.effect) for one in fitted}
+    if not tones or NoiseFloor not in names or NarrowbandInterference in names:
+        return said
+    options = (*fitted, not_tried(fitted[0], tones[0], MORE_TONES))
+    return Ambiguous(options, separating(options))
 
 
 def _of_class(search: Search, added: Added, said: Verdict, rivals: list[type[Effect]]) -> Verdict:

@@ -5,14 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.discrepancy.joint.choice import WaveChoice
 from bench.discrepancy.joint.tone_or_noise import (
     counterparts,
     steadied,
     steadier_db,
     told_apart,
     too_steady,
-    with_second_tone,
 )
 from bench.physics.effects.propagation.path_loss import PathLoss
 from bench.physics.effects.receiver.interference import NarrowbandInterference
@@ -92,11 +90,3 @@ def _apart(level_db: float, again: bool = True, uneven: np.ndarray | None = None
         responses=(np.zeros((links, 1)),),
     )
     return told_apart(given, fit, "noise-floor")
-
-
-def test_noise_beside_a_tone_may_be_other_tones():
-    tone, floor = NarrowbandInterference(level_db=1.0), NoiseFloor(level_db=4.0)
-    both = WaveChoice((tone, floor, PathLoss()), {"noise-floor": (), "path-loss": ()})
-    assert with_second_tone(both).rivals == {"noise-floor": (tone,), "path-loss": ()}
-    for added in ((tone, PathLoss()), (floor, PathLoss()), ()):
-        assert with_second_tone(WaveChoice(added)).rivals == {}
