@@ -42,7 +42,11 @@ MAX_ERROR_M = 1000.0
 MAX_LEVEL_DB = 1000.0  # no two powers that an instrument measures are so far apart
 LEVEL_COLUMNS = ("rx_power_dbm", "first_path_power_dbm")
 NEGATIVE = "negative true range"
-HINTS = {"error beyond 1 km": "; are range_m and true_range_m both in metres?"}
+NO_NUMBER = "is not a number"
+HINTS = {  # by how reasons end
+    "error beyond 1 km": "; are range_m and true_range_m both in metres?",
+    NO_NUMBER: "; expected a decimal point, not a comma, no unit, and nothing where it is unknown",
+}
 CONTRADICTION_M = 0.01
 FARTHEST_M = 1000.0  # the radios' makers promise some 300 m in the open
 FAR_QUANTILE = 0.95  # a few wild rows are no table in millimetres
@@ -90,9 +94,11 @@ def refuse_if_mostly_bad(name: str, rows: int, dropped: Mapping[str, int]) -> No
     """Raise BenchError, with the reasons, where more than half of `rows` were dropped."""
     lost = sum(dropped.values())
     if 2 * lost > rows:
+        most = max(dropped, key=dropped.__getitem__)
+        hint = next((words for reason, words in HINTS.items() if most.endswith(reason)), "")
         raise BenchError(
             f"{name}: {lost} of {rows} rows are unusable ({describe(dropped)}); "
-            f"at least half must be usable{HINTS.get(max(dropped, key=dropped.__getitem__), '')}"
+            f"at least half must be usable{hint}"
         )
 
 
@@ -227,7 +233,7 @@ def _cells(cells: list[NDArray[np.float32]], index: pd.Index) -> pd.Series:
 def _findings(frame: pd.DataFrame, text: Mapping[str, Mask]) -> Iterator[Finding]:
     """Yield (reason, bad rows) in the order of the rules."""
     for column, mask in text.items():
-        yield f"{column} is not a number", mask
+        yield f"{column} {NO_NUMBER}", mask
         yield f"{column} is infinite", np.isinf(frame[column].to_numpy())
     for column in _own_floats(frame, text):
         yield f"{column} is infinite", np.isinf(frame[column].to_numpy())

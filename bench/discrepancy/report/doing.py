@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.diagnosis import Diagnosis
 from bench.discrepancy.select.settings import MOST_PUBLISHED_M
 from bench.discrepancy.settings import LEAST_SCATTER_M, SHOWN_VALUES
@@ -17,7 +18,8 @@ from bench.physics.base import Base
 from bench.physics.effect import Effect
 from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.pattern_curve import PatternCurve
-from bench.physics.effects.ranging.power_bias import PowerBias
+from bench.physics.effects.ranging.power_bias import PowerBias, published_bias_m
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 from bench.physics.scene import scene
 from bench.physics.simulator import Simulator
@@ -33,6 +35,7 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
         return {}
     frame, base = diagnosis.evidence.frame, diagnosis.base
     shifts = {one.physics: _shift_m(one, frame, base) for one in diagnosis.added if _steady(one)}
+    shifts |= {o.physics: _at_levels(o, frame) for o in diagnosis.added if _follows(o, frame)}
     known = {name: shift for name, shift in shifts.items() if shift is not None}
     said = {name: in_words(shift) for name, shift in known.items()}
     if said.get(PowerBias.name):
@@ -42,6 +45,8 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
             said[one.physics] = "; ".join(filter(None, (said.get(one.physics), _gains(one))))
         if isinstance(one, DeviceClock) and said.get(one.physics):
             said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
+        if isinstance(one, RangeRounding) and not (one.steps_m or one.leans or one.growth):
+            said[one.physics] = _rounds(one)
         if isinstance(one, TimestampJitter):
             spread_m = one.jitter_samples * base.sample_period_ns * C_M_PER_NS
             said[one.physics] = f"ranges scatter by {spread_m:.3g} m (one standard deviation)"
@@ -99,6 +104,27 @@ def _gains(pattern: PatternCurve) -> str:
     low, high = (int(at(pattern.gain_db)) for at in (np.argmin, np.argmax))
     at = (f"{pattern.gain_db[i]:+.2g} dB at {pattern.headings_deg[i]:g} deg" for i in (low, high))
     return f"levels {' to '.join(at)}"
+
+
+def _rounds(effect: RangeRounding) -> str:
+    """Return how far a rounding moves a range, which lies anywhere within a step."""
+    half_m, way = effect.step_m / 2, np.sign(effect.lean)
+    if way:
+        return f"ranges {'+' if way > 0 else '-'}{half_m:.3g} m in the mean, by 0 to twice that"
+    return f"ranges off by up to {half_m:.3g} m either way"
+
+
+def _follows(effect: Effect, frame: pd.DataFrame) -> bool:
+    """Return whether an effect follows levels that are recorded: those of the base are others."""
+    return isinstance(effect, PowerBias) and "rx_power_dbm" in frame
+
+
+def _at_levels(effect: Effect, frame: pd.DataFrame) -> Floats | None:
+    """Return what a bias does to ranges [k] at the levels that are known, None where none is."""
+    assert isinstance(effect, PowerBias)
+    level_dbm = numeric(frame, "rx_power_dbm")
+    known = level_dbm[np.isfinite(level_dbm)] - effect.shift_db
+    return effect.scale * published_bias_m(known) if known.size else None
 
 
 def _steady(effect: Effect) -> bool:

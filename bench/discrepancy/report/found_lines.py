@@ -195,7 +195,7 @@ def _control(control: Control) -> str:
     if not control.passed:
         return f"FAILED, left {left}"
     if left is not None and left.high < 0:
-        return f"not longer there, which it forbids, but shorter: {left}"
+        return f"passed, nothing is longer there (shorter, which the name leaves open: {left})"
     if left is not None and left.low > 0:
         return f"little is left there beside what is elsewhere, but not nothing: {left}"
     return f"passed, left {left}"

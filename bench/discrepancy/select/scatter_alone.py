@@ -29,6 +29,7 @@ from bench.discrepancy.select.stepwise import calm_rows, locate_left, versions
 from bench.discrepancy.select.within_links import within
 from bench.discrepancy.settings import (
     FORM_SHARE,
+    LEAST_SCATTER_M,
     SCATTER_OF_LINKS,
     SEARCH_FIRST,
     SEARCH_MEMBERS,
@@ -140,7 +141,8 @@ def _scattering(search: Search, added: Added, kind: type[Effect]) -> Strike | No
         return None
     if not alike(recorded[usable], simulated[np.isfinite(simulated)]):
         return None
-    least = spread + (of_forms(search, added) if added else 0.0)
+    least = max(spread, LEAST_SCATTER_M**2)  # a simulator may have none at all
+    least += of_forms(search, added) if added else 0.0
     if spread + extra <= least:
         return None
     nats = _nats(recorded, least, spread + extra) * free_share(made.links, usable)

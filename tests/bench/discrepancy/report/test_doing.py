@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -16,15 +17,17 @@ from bench.physics.effects.fitted.device_clock import DeviceClock
 from bench.physics.effects.fitted.power_curve import PowerCurve
 from bench.physics.effects.propagation.blocked_path import BlockedPath
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
+from bench.physics.effects.ranging.power_bias import PowerBias
+from bench.physics.effects.ranging.range_rounding import RangeRounding
 from bench.physics.effects.ranging.range_scale import RangeScale
 from bench.physics.effects.ranging.timestamp_jitter import TimestampJitter
 
 FRAME = pd.DataFrame({"link": list("aabb"), "true_range_m": [5.0, 5.0, 10.0, 10.0]})
 
 
-def said(*effects: Effect) -> dict[str, str]:
+def said(*effects: Effect, frame: pd.DataFrame = FRAME) -> dict[str, str]:
     """Return what effects do to four rows."""
-    held = Evidence(FRAME, ("error_m",), np.zeros((4, 1)), np.zeros((4, 1)))
+    held = Evidence(frame, ("error_m",), np.zeros((4, 1)), np.zeros((4, 1)))
     found: Any = SimpleNamespace(evidence=held, base=Base(), added=effects)
     return doings(cast("Any", found))
 
@@ -33,6 +36,19 @@ def test_a_delay_and_a_scale_are_said_in_metres() -> None:
     made = said(AntennaDelay(delay_ns=1.0), RangeScale(scale=0.01))
     assert made["antenna-delay"] == "ranges +0.15 m in the median"
     assert made["range-scale"] == "ranges +0.075 m in the median, +0.05 to +0.1 m in nine of ten"
+
+
+def test_a_bias_of_the_level_is_that_of_levels_that_are_recorded() -> None:
+    loud = FRAME.assign(rx_power_dbm=[-61.0, -61.0, -77.0, np.nan])
+    made = said(PowerBias(), frame=loud)
+    assert made["power-bias"] == "ranges -0.11 m in the median of the rows where it acts (67%)"
+
+
+def test_a_rounding_moves_ranges_by_half_a_step_either_way_or_in_the_mean() -> None:
+    grid = RangeRounding(step_m=0.02)
+    assert said(grid)["range-rounding"] == "ranges off by up to 0.01 m either way"
+    down = said(replace(grid, lean=-0.5))["range-rounding"]
+    assert down == "ranges -0.01 m in the mean, by 0 to twice that"
 
 
 def test_what_draws_at_random_or_does_nothing_is_not_said() -> None:
