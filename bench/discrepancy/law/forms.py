@@ -14,6 +14,7 @@ from bench.discrepancy.law.settings import (
     LAW_CYCLE_STEP,
     LAW_CYCLES,
     LAW_FEW_TURNS,
+    LAW_FEWEST_PLACES,
     LAW_GRID_P,
     LAW_HARMONICS,
     LAW_NYQUIST,
@@ -132,6 +133,8 @@ def _periods(column: Column) -> Floats:
     if column.angle or column.unit not in ("s", "m"):
         return np.empty(0)
     known = np.unique(column.values[np.isfinite(column.values)])
+    if len(known) < LAW_FEWEST_PLACES:
+        return np.empty(0)
     span = float(known[-1] - known[0])
     most = min(LAW_CYCLES[1], len(known) / 2)
     every = span / np.arange(LAW_CYCLES[0], max(most, LAW_CYCLES[0] + 1), LAW_CYCLE_STEP)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.covariates import Covariates, covariates
 from bench.discrepancy.law.settings import (
+    LAW_FACING,
     LAW_FLOOR_M,
     LAW_HALF_TURN,
     LAW_KNOWN_SHARE,
@@ -36,6 +37,8 @@ _DERIVED = {  # what follows from two positions: words, unit
     "rx_z_m - tx_z_m": ("height of rx over tx", "m"),
 }
 
+_BEARING, _ = _DERIVED  # as an expression
+FACING = f"azimuth_deg - {_BEARING}"  # what an antenna off the centre that turns is off by
 _ROUND = ("azimuth_deg", "atan2(")  # how expressions of headings and bearings begin
 
 BEHIND = "behind "  # how words of a place begin that is beyond an obstacle
@@ -170,7 +173,7 @@ def _columns(frame: pd.DataFrame, known: Covariates) -> tuple[Column, ...]:
     names = sorted(every, key=lambda n: (n not in _WORDS, list(every).index(n)))
     made = [column(name, every[name]) for name in names if name.isidentifier()]
     made += _derived(frame)
-    kept = [c for c in made if _telling(c.values)]
+    kept = [c for c in made if _telling(c.values) and not _facing_always(c)]
     return tuple(kept[:LAW_MOST_COLUMNS])
 
 
@@ -227,10 +230,22 @@ def _derived(frame: pd.DataFrame) -> list[Column]:
         return []
     gap = {a: numeric(frame, f"rx_{a}_m") - numeric(frame, f"tx_{a}_m") for a in _AXES}
     values = (np.arctan2(gap["y"], gap["x"]), gap["z"])
-    return [
+    made = [
         Column(text, words, unit_text, value, _reference(value))
         for (text, (words, unit_text)), value in zip(_DERIVED.items(), values, strict=True)
     ]
+    if "azimuth_deg" in frame:
+        off = np.angle(np.exp(1j * (np.radians(numeric(frame, "azimuth_deg")) - values[0])))
+        made.append(Column(FACING, "heading off the link's bearing", "rad", off, _reference(off)))
+    return made
+
+
+def _facing_always(one: Column) -> bool:
+    """Return whether headings are bearings, or as far off these in all rows."""
+    if one.text != FACING:
+        return False
+    known = one.values[np.isfinite(one.values)]
+    return bool(abs(np.mean(np.exp(1j * known))) > LAW_FACING)
 
 
 def _reference(values: Floats) -> float:

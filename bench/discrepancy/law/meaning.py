@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.discrepancy.law.material import BEHIND
+from bench.discrepancy.law.material import BEHIND, FACING
 from bench.discrepancy.law.structures import Structure
 
 _OVER = {
@@ -20,6 +20,7 @@ _OVER = {
     ("periodic", "true_range_m"): "two paths that interfere",
     ("periodic", "time_s"): "a cycle: heating, a scheduler, a beat of two clocks",
     ("periodic", "azimuth_deg"): "an antenna's pattern, or one that does not turn about its centre",
+    ("periodic", FACING): "an antenna beside the centre that its device turns about (a lever arm)",
     ("step", "time_s"): "something that was changed at that time",
     ("parabola", "temperature_c"): "a crystal's turning point",
 }

@@ -47,6 +47,9 @@ LAW_NYQUIST: Final = 2.1  # spacings of the places, that a period is longer than
 LAW_FEW_TURNS: Final = 3.0  # of a period within the span, below which phases are few [convention]
 LAW_HALF_TURN: Final = {"deg": 180.0, "rad": 3.14159265}  # what spans less, as a tilt, does not
 # go round [definition]
+LAW_FACING: Final = 0.95  # resultant length of headings off bearings, from which on they are one
+# [convention]
+LAW_FEWEST_PLACES: Final = 8  # that differ, to show a period: of fewer any has one [derived]
 LAW_HARMONICS: Final = (1, 2, 3, 4)  # of an angle [source: antenna patterns are smooth]
 LAW_DESCENT: Final = 14  # evaluations of a place, power or period [cost]
 LAW_RATIOS: Final = {
