@@ -35,6 +35,13 @@ def with_radial_speed(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(**{SPEED: radial_speed_m_per_s(frame)})
 
 
+def why_unknown(frame: pd.DataFrame) -> str:
+    """Return in words why a table that has times and true ranges tells no radial speed."""
+    if not {"time_s", "true_range_m"} <= set(frame.columns):
+        return f"{SPEED}, or time_s and true_range_m"
+    return f"{SPEED}, or rows of a pair of devices within two seconds of each other"
+
+
 def radial_speed_m_per_s(frame: pd.DataFrame) -> NDArray[np.float64]:
     """Return d(true range)/dt of every row [n] in metres per second, positive = moving apart."""
     speed = np.full(len(frame), np.nan)

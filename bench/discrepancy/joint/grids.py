@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from bench.discrepancy.joint.choice import WaveChoice
-from bench.discrepancy.select.marks import grids
+from bench.discrepancy.select.marks import grids, likeliest
 from bench.discrepancy.select.refute import announced
 from bench.discrepancy.select.state import Round, State
 
@@ -18,8 +18,9 @@ def with_grids(state: State) -> State:
     """Return the state with what rounds ranges in it, none where recorded ranges show no grid."""
     whole, located = replace(state.search, work=state.search.both), state.rounds[0].located
     have = {effect.name for effect in state.added}
-    for effect in grids(whole, state.added):
-        if effect.name not in have:
+    for seen in grids(whole, state.added):
+        if seen.name not in have:
+            effect = likeliest(whole, seen, state.added)
             added = (*state.added, effect)
             turn = announced(whole, Round(located, None, None), added, effect)
             state = replace(state.after(turn), added=added)

@@ -45,7 +45,7 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
             said[one.physics] = "; ".join(filter(None, (said.get(one.physics), _gains(one))))
         if isinstance(one, DeviceClock) and said.get(one.physics):
             said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
-        if isinstance(one, RangeRounding) and not (one.steps_m or one.leans or one.growth):
+        if isinstance(one, RangeRounding) and not (one.steps_m or one.growth):
             said[one.physics] = _rounds(one)
         if isinstance(one, TimestampJitter):
             spread_m = one.jitter_samples * base.sample_period_ns * C_M_PER_NS
@@ -108,10 +108,14 @@ def _gains(pattern: PatternCurve) -> str:
 
 def _rounds(effect: RangeRounding) -> str:
     """Return how far a rounding moves a range, which lies anywhere within a step."""
-    half_m, way = effect.step_m / 2, np.sign(effect.lean)
-    if way:
-        return f"ranges {'+' if way > 0 else '-'}{half_m:.3g} m in the mean, by 0 to twice that"
-    return f"ranges off by up to {half_m:.3g} m either way"
+    half_m = effect.step_m / 2
+    ways = effect.leans or (effect.lean,)
+    some = {way: ways.count(way) for way in (-0.5, 0.5) if way in ways}
+    cut = [f"{way * effect.step_m:+.3g} m in the mean" for way in some]
+    if len(ways) == some.get(ways[0]):
+        return f"ranges {cut[0]}, by 0 to twice that"
+    of = [f"; {n} of {len(ways)} devices {one}" for n, one in zip(some.values(), cut, strict=True)]
+    return f"ranges off by up to {half_m:.3g} m either way{''.join(of)}"
 
 
 def _follows(effect: Effect, frame: pd.DataFrame) -> bool:

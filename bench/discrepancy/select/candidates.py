@@ -40,6 +40,7 @@ from bench.discrepancy.settings import (
 from bench.errors import BenchError
 from bench.physics.effect import Effect
 from bench.plugins import plugins
+from bench.recordings.motion import SPEED, why_unknown
 
 Progress = Callable[[str], None]
 T = TypeVar("T")
@@ -110,7 +111,7 @@ def offered(
     columns = known_columns(frame) - (set() if waveform else {"cir"})
     rerun = "a simulator that can be run again"
     lacking = {
-        name: kind.lacking(columns)
+        name: kind.lacking(columns).replace(SPEED, why_unknown(frame))
         or ("" if again or kind.on_tables else rerun)
         or kind.unmarked(frame)
         for name, kind in kinds.items()

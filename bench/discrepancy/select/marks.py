@@ -114,21 +114,21 @@ def seen_first(state: State, located: Located) -> State:
         return state
     for seen in marked(state.search):
         if seen.name not in known | have:
-            effect = _likeliest(state.search, seen)
+            effect = likeliest(state.search, seen)
             turn = _first_round(state.search, located, state.added, effect)
             state = replace(state.after(turn), added=(*state.added, effect))
     return state
 
 
-def _likeliest(search: Search, effect: Effect) -> Effect:
-    """Return the form of an effect beside which ranges speak most for a set of causes.
+def likeliest(search: Search, effect: Effect, added: Added = ()) -> Effect:
+    """Return the form of an effect beside which, and `added`, ranges speak most for some causes.
 
     The first, as rounding to the nearest is, unless another leads it clearly.
     """
     forms = effect.forms()
     if len(forms) == 1:
         return effect
-    worth = [worth_beside(search, (form,)) - form.chosen_nats for form in forms]
+    worth = [worth_beside(search, (*added, form)) - form.chosen_nats for form in forms]
     best = int(np.argmax(worth))
     best = best if worth[best] > worth[0] + FORM_LEAD_NATS else 0
     alike = [f for f, w in zip(forms, worth, strict=True) if w > worth[best] - FORM_LEAD_NATS]

@@ -49,6 +49,9 @@ def test_a_rounding_moves_ranges_by_half_a_step_either_way_or_in_the_mean() -> N
     assert said(grid)["range-rounding"] == "ranges off by up to 0.01 m either way"
     down = said(replace(grid, lean=-0.5))["range-rounding"]
     assert down == "ranges -0.01 m in the mean, by 0 to twice that"
+    some = replace(grid, of="rx", devices=("a", "b", "c"), leans=(0.0, 0.5, 0.0))
+    found = said(some, frame=FRAME.assign(rx=list("abca")))["range-rounding"]
+    assert found == "ranges off by up to 0.01 m either way; 1 of 3 devices +0.01 m in the mean"
 
 
 def test_what_draws_at_random_or_does_nothing_is_not_said() -> None:

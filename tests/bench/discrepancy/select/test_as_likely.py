@@ -56,9 +56,9 @@ def test_the_way_itself_is_said_to_be_open() -> None:
 def test_ways_that_ranges_speak_for_as_much_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     worth = {0.0: 10.0, -0.5: 10.0 - 0.9 * FORM_LEAD_NATS, 0.5: 10.0 - 2 * FORM_LEAD_NATS}
     monkeypatch.setattr(marks, "worth_beside", lambda _, forms: worth[forms[0].lean])
-    assert marks._likeliest(None, GRID) == replace(GRID, untold=(-0.5,))  # type: ignore[arg-type]
+    assert marks.likeliest(None, GRID) == replace(GRID, untold=(-0.5,))  # type: ignore[arg-type]
     worth[0.5] = 10 + 2 * FORM_LEAD_NATS
-    assert marks._likeliest(None, GRID) == replace(GRID, lean=0.5)  # type: ignore[arg-type]
+    assert marks.likeliest(None, GRID) == replace(GRID, lean=0.5)  # type: ignore[arg-type]
 
 
 def _table(seed: int, cut_m: float = 0.0) -> pd.DataFrame:

@@ -106,7 +106,7 @@ def test_leans_of_devices_must_lead_by_what_their_choice_costs(
     for lead, own in ((grid.chosen_nats + 4, True), (grid.chosen_nats + 2, False)):
         worth = {grid: lead}
         monkeypatch.setattr(marks, "worth_beside", lambda _, some, w=worth: w.get(some[0], 0.0))
-        assert (marks._likeliest(_search(_view()), grid) == grid) == own
+        assert (marks.likeliest(_search(_view()), grid) == grid) == own
 
 
 def test_no_law_says_again_that_ranges_are_rounded() -> None:
