@@ -63,7 +63,7 @@ def test_centimetres_that_are_printed_are_no_cause() -> None:
 def test_what_other_causes_make_rows_of_a_link_differ_by_hides_no_grid() -> None:
     rows = _view(step_m=0.0)
     grown = 1.02 * rows.frame["range_m"]
-    written = np.rint(grown / 0.06) * 0.06
+    written = np.rint(grown / 0.03) * 0.03
     frame = rows.frame.assign(range_m=written, error_m=written - rows.frame["true_range_m"])
     rows = view(frame, rows.links, rows.rows, Window(), ("error_m",), False)
     assert marks.marked(_search(rows)) == ()
@@ -122,3 +122,9 @@ def test_only_the_asked_physics_is_fitted() -> None:
     rows = _view(0.03)
     assert latent_effects(WORLD, rows, (), "antenna-pattern") == []
     assert latent_effects(WORLD, rows, (), "ground-bounce") == []
+
+
+def test_steps_in_which_no_number_is_printed_matter_sooner() -> None:
+    """A centimetre may be how numbers are written, half an inch is not."""
+    for step_m, seen in ((0.01, ()), (0.0127, ("range-rounding",))):
+        assert tuple(one.name for one in marks.marked(_search(_view(step_m=step_m)))) == seen
