@@ -95,8 +95,10 @@ def in_words(shift_m: Floats) -> str:
     low, middle, high = np.where(np.abs(places) < LEAST_SCATTER_M, 0.0, places)
     where = "" if acts.all() else f" of the rows where it acts ({acts.mean():.0%})"
     same = high - low <= LEAST_SCATTER_M
-    around = "" if same else f", {low:+.3g} to {high:+.3g} m in nine of ten"
-    return f"ranges {middle:+.3g} m in the median{where}{around}"
+    around = f"{low:+.3g} to {high:+.3g} m in nine of ten"
+    if same or middle:
+        return f"ranges {middle:+.3g} m in the median{where}{'' if same else f', {around}'}"
+    return f"ranges {around}{where}, none in the median"
 
 
 def _gains(pattern: PatternCurve) -> str:

@@ -13,11 +13,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.crps import Estimate
+from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.table import TableComparison
 from bench.discrepancy.data.columns import numeric
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.select.settings import (
     CLIPPED_ROWS,
     CLIPPED_SAME,
+    GAIN_DB,
     HELD_DB,
     LEAST_OF_MEDIAN,
     LOGARITHMS_DB,
@@ -66,9 +69,14 @@ def other_scale(search: Search) -> str:
     if not {AMPLITUDE, PEAK} <= set(made.names):
         return ""
     recorded, simulated = np.nanmedian(made.versions[:2, :, made.place(AMPLITUDE)], axis=1)
-    if abs(recorded - simulated) > UNITS_DB:
-        apart = f"{abs(recorded - simulated):.0f} dB {'above' if recorded > simulated else 'below'}"
-        return f"samples are in other units: recorded peaks lie {apart} simulated ones"
+    apart_db = float(recorded - simulated)
+    apart = f"recorded peaks lie {abs(apart_db):.0f} dB {'above' if apart_db > 0 else 'below'}"
+    if abs(apart_db) > UNITS_DB:
+        return f"samples are in other units: {apart} simulated ones"
+    levels_db = _levels_apart(made)
+    if abs(apart_db - levels_db) > GAIN_DB:
+        beside = f"though receive levels differ by {levels_db:+.0f} dB"
+        return f"samples are in other units, or of another gain: {apart} simulated ones, {beside}"
     if abs(recorded - simulated) > LOGARITHMS_DB and (who := _logarithms(search)):
         return (
             f"{who} samples look like decibels: nothing in them is near zero, where magnitudes of "
@@ -79,6 +87,12 @@ def other_scale(search: Search) -> str:
         if one < HELD_DB and two > VARIED_DB:
             return f"all {who} samples were scaled to one peak, or clipped, and the others were not"
     return ""
+
+
+def _levels_apart(made: Ensemble) -> float:
+    """Return recorded less simulated receive levels in the median, in dB; NaN where not known."""
+    known = LEVEL in made.names
+    return float(np.nanmedian(made.residual_of(LEVEL))) if known else float("nan")
 
 
 def _logarithms(search: Search) -> str:

@@ -54,6 +54,7 @@ IN_TURN_DRAWS: Final = 400  # of random turns [cost]
 CLIPPED_ROWS: Final = 0.05  # of the rows, with one largest value [convention]
 CLIPPED_SAME: Final = 1e-6  # of it, within which values are one: 24 bits of single precision
 UNITS_DB: Final = 60.0  # between peaks of both sides: no effect moves levels so far [convention]
+GAIN_DB: Final = 30.0  # the same beside what levels differ by: both weaken alike [convention]
 LOGARITHMS_DB: Final = 20.0  # the same, from which on samples may be logarithms on one side
 LEAST_OF_MEDIAN: Final = 0.4  # of the median sample of a row, that its least one in a hundred is of
 # logarithms at least: of magnitudes of noise it is 0.12 [derived]

@@ -68,6 +68,14 @@ def test_where_it_acts_in_part_of_the_rows_alone_is_said() -> None:
     assert in_words(shift) == "ranges +0.16 m in the median of the rows where it acts (30%)"
 
 
+def test_a_ripple_moves_no_range_in_the_median() -> None:
+    shift = 0.05 * np.sin(np.linspace(0, 20 * np.pi, 1001))
+    assert in_words(shift).startswith("ranges -0.04")
+    assert in_words(shift).endswith(
+        "m in nine of ten of the rows where it acts (98%), none in the median"
+    )
+
+
 def test_how_far_clocks_go_while_they_are_heard_is_said() -> None:
     times = pd.DataFrame({"tx": "T", "rx": ["A", "B"] * 2, "time_s": [0.0, 100.0, 1800.0, 3600.0]})
     none = (0.0, 0.0, 0.0)

@@ -11,6 +11,7 @@ import pytest
 from bench.discrepancy.compare.crps import Estimate
 from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.skill import Tally
+from bench.discrepancy.data.observables import LEVEL
 from bench.discrepancy.locate.finding import Located
 from bench.discrepancy.select.candidates import Explanation
 from bench.discrepancy.select.recorder import (
@@ -82,10 +83,23 @@ def test_samples_that_are_mostly_rounded_to_zero_do_not_stand_out() -> None:
     assert "samples 45, 61, 77" in stuck(frame(cir))
 
 
-def search_of(rows: pd.DataFrame, recorded_db: np.ndarray, simulated_db: np.ndarray) -> Search:
-    """Return a search over rows whose peaks are so many decibels on both sides, [n] each."""
+def search_of(
+    rows: pd.DataFrame,
+    recorded_db: np.ndarray,
+    simulated_db: np.ndarray,
+    levels_db: float | None = None,
+) -> Search:
+    """Return a search over rows whose peaks are so many decibels on both sides, [n] each.
+
+    Receive levels of both sides, if any, are `levels_db` apart.
+    """
     peaks = np.stack([recorded_db, simulated_db])[:, :, None].repeat(2, axis=2)
-    made = Ensemble((AMPLITUDE, PEAK), ("dB", "dB"), peaks, np.arange(len(rows)))
+    names, units = (AMPLITUDE, PEAK), ("dB", "dB")
+    if levels_db is not None:
+        levels = np.stack([np.full(len(rows), levels_db), np.zeros(len(rows))])[:, :, None]
+        names, units = (*names, LEVEL), (*units, "dBm")  # type: ignore[assignment]
+        peaks = np.concatenate([peaks, levels], axis=2)
+    made = Ensemble(names, units, peaks, np.arange(len(rows)))
     view = SimpleNamespace(waveform=True, frame=rows)
     other = SimpleNamespace(ensemble=lambda *_: made)
     return SimpleNamespace(fit=view, discover=view, comparison=other)  # type: ignore[return-value]
@@ -102,6 +116,15 @@ def test_samples_that_are_not_scaled_alike_are_said_so_not_clipped() -> None:
     assert "all simulated samples" in recorder_fault(search_of(rows, varied, one))
     for alike in (varied, one):
         assert recorder_fault(search_of(rows, alike, alike - 20)) == ""
+
+
+def test_samples_that_are_weaker_than_levels_say_are_of_another_gain() -> None:
+    varied, rows = np.linspace(70, 80, ROWS), frame(samples())
+    words = recorder_fault(search_of(rows, varied - 38, varied, levels_db=15.0))
+    assert "another gain: recorded peaks lie 38 dB below simulated ones" in words
+    assert words.endswith("receive levels differ by +15 dB")
+    for levels_db in (None, -38.0, -20.0):
+        assert recorder_fault(search_of(rows, varied - 38, varied, levels_db)) == ""
 
 
 def test_samples_in_decibels_are_said_so() -> None:
