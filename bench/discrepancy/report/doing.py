@@ -41,6 +41,8 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
     if said.get(PowerBias.name):
         said[PowerBias.name] += beyond_published(known[PowerBias.name])
     for one in diagnosis.added:
+        if _follows(one, frame) and said.get(one.physics):
+            said[one.physics] += _where_heard(one, frame)
         if isinstance(one, PatternCurve) and one.gain_db:
             said[one.physics] = "; ".join(filter(None, (said.get(one.physics), _gains(one))))
         if isinstance(one, DeviceClock) and said.get(one.physics):
@@ -127,10 +129,22 @@ def _follows(effect: Effect, frame: pd.DataFrame) -> bool:
 
 def _at_levels(effect: Effect, frame: pd.DataFrame) -> Floats | None:
     """Return what a bias does to ranges [k] at the levels that are known, None where none is."""
-    assert isinstance(effect, PowerBias)
     level_dbm = numeric(frame, "rx_power_dbm")
-    known = level_dbm[np.isfinite(level_dbm)] - effect.shift_db
-    return effect.scale * published_bias_m(known) if known.size else None
+    known = level_dbm[np.isfinite(level_dbm)]
+    return _bias_m(effect, known) if known.size else None
+
+
+def _where_heard(effect: Effect, frame: pd.DataFrame) -> str:
+    """Return a bias in words where one in ten is weaker, in the middle, and one in ten stronger."""
+    levels = np.nanpercentile(numeric(frame, "rx_power_dbm"), [10, 50, 90])
+    biases = zip(_bias_m(effect, levels), levels, strict=True)
+    return "; " + ", ".join(f"{bias:+.3f} m at {level:.0f} dBm" for bias, level in biases)
+
+
+def _bias_m(effect: Effect, level_dbm: Floats) -> Floats:
+    """Return what a bias does to ranges at levels [k]."""
+    assert isinstance(effect, PowerBias)
+    return effect.scale * published_bias_m(level_dbm - effect.shift_db)
 
 
 def _steady(effect: Effect) -> bool:

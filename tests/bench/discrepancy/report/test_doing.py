@@ -41,7 +41,10 @@ def test_a_delay_and_a_scale_are_said_in_metres() -> None:
 def test_a_bias_of_the_level_is_that_of_levels_that_are_recorded() -> None:
     loud = FRAME.assign(rx_power_dbm=[-61.0, -61.0, -77.0, np.nan])
     made = said(PowerBias(), frame=loud)
-    assert made["power-bias"] == "ranges -0.11 m in the median of the rows where it acts (67%)"
+    assert made["power-bias"] == (
+        "ranges -0.11 m in the median of the rows where it acts (67%); "
+        "-0.041 m at -74 dBm, -0.110 m at -61 dBm, -0.110 m at -61 dBm"
+    )
 
 
 def test_a_rounding_moves_ranges_by_half_a_step_either_way_or_in_the_mean() -> None:
