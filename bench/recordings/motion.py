@@ -36,7 +36,7 @@ def with_radial_speed(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def why_unknown(frame: pd.DataFrame) -> str:
-    """Return in words why a table that has times and true ranges tells no radial speed."""
+    """Return in words what a table needs that tells no radial speed."""
     if not {"time_s", "true_range_m"} <= set(frame.columns):
         return f"{SPEED}, or time_s and true_range_m"
     return f"{SPEED}, or rows of a pair of devices within two seconds of each other"

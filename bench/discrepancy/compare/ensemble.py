@@ -13,6 +13,7 @@ from bench.discrepancy.compare.crps import crps
 from bench.discrepancy.compare.settings import FEWEST_TO_SCATTER, ROUNDING
 from bench.discrepancy.data.grouped import means_by_group
 from bench.discrepancy.data.observables import RANGE, Floats, Observables, observe
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.settings import KNOWN_SHARE, LARGE_ERROR_M, MAD_TO_STD
 from bench.errors import BenchError
 
@@ -84,7 +85,7 @@ class Ensemble:
             return 0.0
         made = means_by_group(np.column_stack([middle, over])[known], code, count)
         line = np.column_stack([np.ones(len(count)), made[:, 1]])
-        left = made[:, 0] - line @ np.linalg.lstsq(line, made[:, 0], rcond=None)[0]
+        left = rest_of(made[:, 0], line)
         return MAD_TO_STD * float(np.median(np.abs(left)))
 
     @property

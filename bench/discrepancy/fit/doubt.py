@@ -18,6 +18,7 @@ from scipy.stats import norm
 
 from bench.discrepancy.compare.view import Added, Comparison, View
 from bench.discrepancy.data.observables import RANGE
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.fit.bootstrap import ESTIMATORS, latent_values
 from bench.discrepancy.fit.estimate import ParameterEstimate, within_bounds
 from bench.discrepancy.fit.sandwich import difference_step, off
@@ -105,7 +106,7 @@ def _apart(effect: Effect, does: Does, every: Estimates) -> set[str]:
         left = slope
         if rest:
             design = np.stack(rest, axis=1)
-            left = slope - design @ np.linalg.lstsq(design, slope, rcond=None)[0]
+            left = rest_of(slope, design)
         if float((left**2).sum()) > OWN_SHARE * float((slope**2).sum()):
             out.add(name)
     return out

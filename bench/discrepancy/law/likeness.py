@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.discrepancy.compare.view import View
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.law.found import UNNAMED
 from bench.discrepancy.law.judge import setup_fault
 from bench.discrepancy.law.material import material
@@ -63,7 +64,7 @@ def has_form(kind: type[Effect], rows: View, law: Proposal, logged: bool = False
         return False
     shift = shift_m(rows, law)
     ways = np.hstack(columns)
-    left = shift - ways @ np.linalg.lstsq(ways, shift, rcond=None)[0]
+    left = rest_of(shift, ways)
     same = float((left**2).sum()) <= LAW_OWN_FORM * float((shift**2).sum())
     return bool(same and shift.any() and kind.possible(rows.scene, shift))
 

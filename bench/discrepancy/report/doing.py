@@ -6,6 +6,8 @@ they do together is well known.
 
 from __future__ import annotations
 
+from typing import TypeGuard
+
 import numpy as np
 import pandas as pd
 
@@ -35,7 +37,6 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
         return {}
     frame, base = diagnosis.evidence.frame, diagnosis.base
     shifts = {one.physics: _shift_m(one, frame, base) for one in diagnosis.added if _steady(one)}
-    shifts |= {o.physics: _at_levels(o, frame) for o in diagnosis.added if _follows(o, frame)}
     known = {name: shift for name, shift in shifts.items() if shift is not None}
     said = {name: in_words(shift) for name, shift in known.items()}
     if said.get(PowerBias.name):
@@ -47,7 +48,7 @@ def doings(diagnosis: Diagnosis) -> dict[str, str]:
             said[one.physics] = "; ".join(filter(None, (said.get(one.physics), _gains(one))))
         if isinstance(one, DeviceClock) and said.get(one.physics):
             said[one.physics] += meanwhile(one, diagnosis.evidence.frame)
-        if isinstance(one, RangeRounding) and not (one.steps_m or one.growth):
+        if _by_step(one):
             said[one.physics] = _rounds(one)
         if isinstance(one, TimestampJitter):
             spread_m = one.jitter_samples * base.sample_period_ns * C_M_PER_NS
@@ -149,11 +150,18 @@ def _bias_m(effect: Effect, level_dbm: Floats) -> Floats:
 
 def _steady(effect: Effect) -> bool:
     kind = type(effect)
-    return not (kind.independent or kind.per_link or kind.strikes)
+    return not (kind.independent or kind.per_link or kind.strikes or _by_step(effect))
+
+
+def _by_step(effect: Effect) -> TypeGuard[RangeRounding]:
+    """Return whether an effect is a rounding that one even step says."""
+    return isinstance(effect, RangeRounding) and not (effect.steps_m or effect.growth)
 
 
 def _shift_m(effect: Effect, frame: pd.DataFrame, base: Base) -> Floats | None:
     """Return what an effect does to the range of every row [n], None where paths do not tell."""
+    if _follows(effect, frame):
+        return _at_levels(effect, frame)
     try:
         rows = scene(frame)
         made = [Simulator(base, one).observe(rows, 0, cir=False) for one in ((effect,), ())]

@@ -19,6 +19,7 @@ from bench.discrepancy.compare.skill import Tally, gain, tally
 from bench.discrepancy.compare.view import Added, View
 from bench.discrepancy.data.grouped import group_means
 from bench.discrepancy.data.observables import COUNT, NOISE
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.fit.estimate import ParameterEstimate
 from bench.discrepancy.select.control_curve import with_curve
 from bench.discrepancy.select.noisy_devices import noise_of_devices, read_levels
@@ -149,7 +150,7 @@ def _independent(
     """
     if seen.links is None:
         return seen.freedom
-    every = (_rest(values, np.column_stack([null, form])) for form in forms)
+    every = (rest_of(values, np.column_stack([null, form])) for form in forms)
     left = min(every, key=lambda one: float(np.sum(one**2)))
     code = np.unique(seen.links[rows], return_inverse=True)[1]
     return seen.freedom * rows_per_link(left, code)
@@ -234,12 +235,7 @@ def _brings(values: Floats, null: Floats, ways: Floats, count: float, spare: flo
 
 def _left(values: Floats, design: Floats) -> float:
     """Return the squares that a regression on a design [n, k] leaves of values [n]."""
-    return float(np.sum(_rest(values, design) ** 2))
-
-
-def _rest(values: Floats, design: Floats) -> Floats:
-    """Return what a regression on a design [n, k] leaves of values [n]."""
-    return np.asarray(values - design @ np.linalg.lstsq(design, values, rcond=None)[0])
+    return float(np.sum(rest_of(values, design) ** 2))
 
 
 def _level_control(search: Search, rows: View, seen: Logged) -> Effect:

@@ -77,7 +77,7 @@ def other_scale(search: Search) -> str:
     if abs(apart_db - levels_db) > GAIN_DB:
         beside = f"though receive levels differ by {levels_db:+.0f} dB"
         return f"samples are in other units, or of another gain: {apart} simulated ones, {beside}"
-    if abs(recorded - simulated) > LOGARITHMS_DB and (who := _logarithms(search)):
+    if abs(apart_db) > LOGARITHMS_DB and (who := _logarithms(search)):
         return (
             f"{who} samples look like decibels: nothing in them is near zero, where magnitudes of "
             "noise are; expected counts"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.law.between import constants_of_devices, over_places, own_of_devices
 from bench.discrepancy.sets.choice import Set, but
 from bench.discrepancy.sets.evidence import Columns, Evidence, Weighed
@@ -64,7 +65,7 @@ def told_from_delays(
         return True
     delays = {OWN_DELAYS: own_of_devices(LAW_M * constants_of_devices(devices), times)}
     own = np.hstack(delays[OWN_DELAYS])
-    within = tuple(part - own @ np.linalg.lstsq(own, part, rcond=None)[0] for part in parts)
+    within = tuple(rest_of(part, own) for part in parts)
     lead = nats_with(contest, rest, {**delays, "within": within}) - nats_with(contest, rest, delays)
     return lead >= price
 

@@ -15,6 +15,7 @@ from bench.discrepancy.compare.ensemble import Ensemble
 from bench.discrepancy.compare.view import View
 from bench.discrepancy.data.columns import numeric
 from bench.discrepancy.data.observables import LEVEL
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.law.settings import LAW_SAME_PLACE_M
 from bench.discrepancy.sets.beside import nats_with
 from bench.discrepancy.sets.choice import Set, but
@@ -55,7 +56,7 @@ def fading_db(rows: View, made: Ensemble) -> Floats:
         return nothing
     out = stronger[known] - np.median(stronger[known])
     curve = np.stack([far**0, far, far**2, simulated, simulated**2], axis=1)[known]
-    off = out - curve @ np.linalg.lstsq(curve, out, rcond=None)[0]
+    off = rest_of(out, curve)
     if float(off.var()) < FADING_SHARE * float(out.var()):
         return nothing
     most = USUAL_SCATTERS * float(np.std(out))

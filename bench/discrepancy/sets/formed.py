@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.law.between import over_places, times_of
 from bench.discrepancy.law.forms import over_what
 from bench.discrepancy.law.likelihood import effective_share
@@ -335,5 +336,5 @@ def _within(contest: Contest, names: Set, part: Floats) -> bool:
 
 def _spanned(columns: Floats, part: Floats) -> bool:
     """Return whether columns [n, k] make up a part [n, 1]."""
-    left = part - columns @ np.linalg.lstsq(columns, part, rcond=None)[0]
+    left = rest_of(part, columns)
     return float((left**2).sum()) < SAME_SHAPE * float((part**2).sum())

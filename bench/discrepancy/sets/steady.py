@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.sets.choice import Set, but
-from bench.discrepancy.sets.evidence import Floats, Weighed
+from bench.discrepancy.sets.evidence import Weighed
 from bench.discrepancy.sets.in_sight import telling
 from bench.discrepancy.sets.settings import DEFORMED, LAW_SIZE, NAME_NATS
 from bench.physics.effects.ranging.antenna_delay import AntennaDelay
@@ -57,12 +58,7 @@ def _changes(contest: Contest, causes: Set, made: Weighed) -> bool:
     plain, other = evidence.among(asked).of(causes), other.among(asked)
     bent = other.at([(*causes, BENT)], 0.0)[0]
     constant = evidence.columns[:, evidence.places[AntennaDelay.name]]
-    more = beside(constant[asked], other.response(bent, BENT)[asked])
+    # What no constant delays do of it: either block may say what both can.
+    more = rest_of(other.response(bent, BENT)[asked], constant[asked])
     large = float((more**2).sum()) >= DEFORMED**2 * float((delays[asked] ** 2).sum())
     return large and bent.nats > plain.nats
-
-
-def beside(constant: Floats, more_m: Floats) -> Floats:
-    """Return what of ranges [n] no constant delays [n, k] do: either may say what both can."""
-    factors = np.linalg.lstsq(constant, more_m, rcond=None)[0]
-    return np.asarray(more_m - constant @ factors)

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bench.discrepancy.data.regression import rest_of
 from bench.discrepancy.sets.choose import chosen
-from bench.discrepancy.sets.steady import CHANGING, beside
+from bench.discrepancy.sets.steady import CHANGING
 from bench.recordings.table import Recordings
 from tests.bench.discrepancy.sets.test_sets import search_of
 
@@ -80,6 +81,6 @@ def test_what_constant_delays_do_is_no_change_from_link_to_link() -> None:
     devices, rng = np.arange(60) % 3, np.random.default_rng(3)
     constant = (devices[:, None] == np.arange(3)).astype(float)
     by_links = 0.002 * rng.normal(size=60)
-    left = beside(constant, constant @ [0.4, -0.2, 0.1] + by_links)
+    left = rest_of(constant @ [0.4, -0.2, 0.1] + by_links, constant)
     assert np.abs(left - by_links).max() < 0.002
     assert np.allclose(left @ constant, 0.0)
